@@ -1,0 +1,60 @@
+//! Where the taxels are: patches of skin on links of an arm.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// All patches of skin on an arm, in the order used by [`crate::frame::TaxelReading::patch`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SkinLayout {
+    /// The patches; names are unique.
+    pub patches: Vec<Patch>,
+}
+
+impl SkinLayout {
+    /// The index of the patch called `name`.
+    pub fn patch_index(&self, name: &str) -> Option<usize> {
+        self.patches.iter().position(|patch| patch.name == name)
+    }
+
+    /// Number of taxels of all patches together.
+    pub fn taxel_count(&self) -> usize {
+        self.patches.iter().map(|patch| patch.taxels.len()).sum()
+    }
+}
+
+/// One patch of skin, fixed to one link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Patch {
+    /// Name, unique in the layout (`forearm`, `flipper`); part of column names in data sets.
+    pub name: String,
+    /// The link that carries it.
+    pub link: String,
+    /// Rows and columns, where the taxels form a grid.
+    pub grid: Option<Grid>,
+    /// The taxels; index = row · columns + column where there is a grid.
+    pub taxels: Vec<Taxel>,
+}
+
+/// A patch's taxels as a grid, for connected components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Rows (forearm: 16, along the arm).
+    pub rows: usize,
+    /// Columns (forearm: 24, around the arm).
+    pub columns: usize,
+    /// Whether the last column neighbours the first, as on a closed sleeve.
+    pub wraps: bool,
+}
+
+/// One taxel (tactile pixel) in the frame of its link.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Taxel {
+    /// Centre, m, link frame.
+    pub position_link: DVec3,
+    /// Outward unit normal, link frame.
+    pub normal_link: DVec3,
+    /// First tangent, unit, link frame; the second is `normal × tangent`. Shear is given along these two.
+    pub tangent_link: DVec3,
+    /// Sensitive area, m².
+    pub area_m2: f64,
+}

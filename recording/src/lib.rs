@@ -1,0 +1,20 @@
+//! What passes between a simulator (or a real robot) and a classifier.
+//!
+//! The types here are plain data in SI units: a [`layout::SkinLayout`] says where the taxels are, a [`frame::Frame`]
+//! holds one 100 Hz sample of arm and skin with its ground truth, a [`reach::Recording`] one whole reach, and a
+//! [`trial::Trial`] one taxel's (or component's) stream from contact to break.
+//! The disk formats (Parquet, JSON, CSV) sit apart, behind the feature `disk`.
+
+pub mod category;
+pub mod frame;
+pub mod input_error;
+pub mod layout;
+pub mod reach;
+pub mod trial;
+
+pub use category::Category;
+pub use frame::{Frame, Pose, TaxelReading};
+pub use input_error::InputError;
+pub use layout::{Grid, Patch, SkinLayout, Taxel};
+pub use reach::{Contact, GoalRecord, ObjectRecord, Outcome, Recording};
+pub use trial::{Sample, Trial};
