@@ -1,0 +1,153 @@
+//! Foam block: what leaves stand in, and an obstacle itself (paper, section IV-A: 25 cm × 10 cm, wet or dry).
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
+use rapier3d::prelude::*;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use underbrush_recording::Category;
+
+use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use crate::physics::{Physics, groups};
+use crate::scene::Placement;
+use crate::scene::quantity::{DrawError, Quantity};
+
+/// Length and width of a block, m (paper, section IV-A).
+const LENGTH_M: f64 = 0.25;
+const WIDTH_M: f64 = 0.10;
+
+/// A group of foam blocks in a scene file.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoamBlockSpecification {
+    /// How many.
+    pub count: u32,
+    /// Where they may lie; the scene's workspace if not given.
+    pub place: Option<Placement>,
+    /// Height, m.
+    #[serde(default = "default_height")]
+    pub height_m: Quantity,
+    /// Share of wet blocks, 0 to 1.
+    #[serde(default = "default_wet_share")]
+    pub wet_share: Quantity,
+    /// Modulus of dry foam, Pa.
+    #[serde(default = "default_dry_modulus")]
+    pub dry_modulus_pa: Quantity,
+    /// Modulus of wet foam as a leaf's root feels it, Pa.
+    #[serde(default = "default_wet_modulus")]
+    pub wet_modulus_pa: Quantity,
+}
+
+/// Choice: bricks of floral foam are 8 cm high; one height keeps the platform level, as in the paper's Fig. 2.
+fn default_height() -> Quantity {
+    Quantity::fixed(0.08)
+}
+
+/// The paper combines wet and dry foams without a figure: half and half.
+fn default_wet_share() -> Quantity {
+    Quantity::fixed(0.5)
+}
+
+/// Choice: dry phenolic floral foam has a modulus of a few MPa before it crushes.
+fn default_dry_modulus() -> Quantity {
+    Quantity::uniform(1.0e6, 3.0e6)
+}
+
+/// Choice: soaked and already pierced foam holds a root about forty times more softly.
+fn default_wet_modulus() -> Quantity {
+    Quantity::uniform(3.0e4, 8.0e4)
+}
+
+const HEIGHT_LIMITS_M: (f64, f64) = (0.01, 0.5);
+const SHARE_LIMITS: (f64, f64) = (0.0, 1.0);
+const MODULUS_LIMITS_PA: (f64, f64) = (1.0e3, 1.0e9);
+
+impl Specification for FoamBlockSpecification {
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn place(&self) -> Option<&Placement> {
+        self.place.as_ref()
+    }
+
+    fn quantities(&self) -> Vec<Limited<'_>> {
+        vec![
+            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
+            Limited { name: "wet_share", quantity: &self.wet_share, limits: SHARE_LIMITS },
+            Limited { name: "dry_modulus_pa", quantity: &self.dry_modulus_pa, limits: MODULUS_LIMITS_PA },
+            Limited { name: "wet_modulus_pa", quantity: &self.wet_modulus_pa, limits: MODULUS_LIMITS_PA },
+        ]
+    }
+
+    fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
+        let height_m = self.height_m.draw(random, HEIGHT_LIMITS_M)?;
+        let wet = random.next_u32() as f64 / 2f64.powi(32) < self.wet_share.draw(random, SHARE_LIMITS)?;
+        let modulus = if wet { &self.wet_modulus_pa } else { &self.dry_modulus_pa };
+        Ok(Box::new(FoamBlock { height_m, wet, modulus_pa: modulus.draw(random, MODULUS_LIMITS_PA)? }))
+    }
+
+    fn stands_on(&self) -> StandsOn {
+        StandsOn::Table
+    }
+}
+
+/// One foam block.
+///
+/// It is rigid to the arm: pressed from above a dry block has E A / H ≈ 600 kN/m and a wet one 15 kN/m, two to four
+/// orders above the arm's 0.1–0.3 kN/m at its tip. Its softness shows where it matters, at the leaves' roots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoamBlock {
+    /// Height, m.
+    pub height_m: f64,
+    /// Whether it is soaked.
+    pub wet: bool,
+    /// Modulus, Pa.
+    pub modulus_pa: f64,
+}
+
+impl Object for FoamBlock {
+    fn kind(&self) -> &'static str {
+        "foam_block"
+    }
+
+    fn category(&self) -> Category {
+        Category::Block
+    }
+
+    fn footprint(&self) -> Footprint {
+        Footprint::Rectangle(LENGTH_M / 2.0, WIDTH_M / 2.0)
+    }
+
+    fn height_m(&self) -> f64 {
+        self.height_m
+    }
+
+    fn parameters(&self) -> BTreeMap<String, f64> {
+        BTreeMap::from([
+            ("length_m".into(), LENGTH_M),
+            ("width_m".into(), WIDTH_M),
+            ("height_m".into(), self.height_m),
+            ("wet".into(), f64::from(u8::from(self.wet))),
+            ("modulus_pa".into(), self.modulus_pa),
+        ])
+    }
+
+    fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism {
+        let mut mechanism = Mechanism::default();
+        let foot = mechanism.fixed_foot(physics, Pose::new(foot_world, DVec3::Z * yaw_rad));
+        let shape = ColliderBuilder::cuboid(LENGTH_M / 2.0, WIDTH_M / 2.0, self.height_m / 2.0)
+            .position(Pose::translation(0.0, 0.0, self.height_m / 2.0))
+            .friction(FRICTION)
+            .collision_groups(groups::fixed());
+        mechanism.shape(physics, foot, shape);
+        mechanism
+    }
+
+    fn foam_top(&self) -> Option<(f64, f64)> {
+        Some((self.modulus_pa, self.height_m))
+    }
+}

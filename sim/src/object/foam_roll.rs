@@ -1,0 +1,224 @@
+//! Foam roll: the outlier, soft and slow to recover (paper, section V-D and Fig. 14).
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use rapier3d::prelude::*;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use underbrush_recording::Category;
+
+use super::mechanism::{Maxwell, Spring, massless};
+use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use crate::physics::{Physics, groups};
+use crate::scene::Placement;
+use crate::scene::quantity::{DrawError, Quantity};
+
+/// Slices into which a roll is cut along its height: each about half as high as the arm is thick.
+const SLICES: usize = 10;
+
+/// A group of foam rolls in a scene file.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoamRollSpecification {
+    /// How many.
+    pub count: u32,
+    /// Where they may stand; the scene's workspace if not given.
+    pub place: Option<Placement>,
+    /// Diameter, m.
+    #[serde(default = "default_diameter")]
+    pub diameter_m: Quantity,
+    /// Height over the table, m.
+    #[serde(default = "default_height")]
+    pub height_m: Quantity,
+    /// Modulus felt at once, Pa.
+    #[serde(default = "default_modulus")]
+    pub modulus_pa: Quantity,
+    /// Share of that modulus which relaxes away, 0 to 0.95.
+    #[serde(default = "default_relaxing_share")]
+    pub relaxing_share: Quantity,
+    /// Relaxation time, s.
+    #[serde(default = "default_relaxation_time")]
+    pub relaxation_time_s: Quantity,
+    /// Density, kg/m³.
+    #[serde(default = "default_density")]
+    pub density_kg_per_m3: Quantity,
+}
+
+/// Choice: rolls of soft polyethylene or polyurethane foam, 10–15 cm thick.
+fn default_diameter() -> Quantity {
+    Quantity::uniform(0.10, 0.15)
+}
+
+fn default_height() -> Quantity {
+    Quantity::uniform(0.45, 0.55)
+}
+
+/// Choice: open-cell polyurethane to soft polyethylene foam.
+fn default_modulus() -> Quantity {
+    Quantity::uniform(5.0e4, 2.0e5)
+}
+
+/// Choice: viscoelastic foams lose about half of their first stiffness.
+fn default_relaxing_share() -> Quantity {
+    Quantity::uniform(0.4, 0.6)
+}
+
+/// Choice: "slow to recover" means seconds.
+fn default_relaxation_time() -> Quantity {
+    Quantity::uniform(1.0, 3.0)
+}
+
+fn default_density() -> Quantity {
+    Quantity::fixed(30.0)
+}
+
+const DIAMETER_LIMITS_M: (f64, f64) = (0.02, 0.5);
+const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
+const MODULUS_LIMITS_PA: (f64, f64) = (1.0e3, 1.0e8);
+const SHARE_LIMITS: (f64, f64) = (0.0, 0.95);
+const TIME_LIMITS_S: (f64, f64) = (0.01, 1000.0);
+const DENSITY_LIMITS: (f64, f64) = (1.0, 1000.0);
+
+impl Specification for FoamRollSpecification {
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn place(&self) -> Option<&Placement> {
+        self.place.as_ref()
+    }
+
+    fn quantities(&self) -> Vec<Limited<'_>> {
+        vec![
+            Limited { name: "diameter_m", quantity: &self.diameter_m, limits: DIAMETER_LIMITS_M },
+            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
+            Limited { name: "modulus_pa", quantity: &self.modulus_pa, limits: MODULUS_LIMITS_PA },
+            Limited { name: "relaxing_share", quantity: &self.relaxing_share, limits: SHARE_LIMITS },
+            Limited { name: "relaxation_time_s", quantity: &self.relaxation_time_s, limits: TIME_LIMITS_S },
+            Limited { name: "density_kg_per_m3", quantity: &self.density_kg_per_m3, limits: DENSITY_LIMITS },
+        ]
+    }
+
+    fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
+        Ok(Box::new(FoamRoll {
+            diameter_m: self.diameter_m.draw(random, DIAMETER_LIMITS_M)?,
+            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
+            modulus_pa: self.modulus_pa.draw(random, MODULUS_LIMITS_PA)?,
+            relaxing_share: self.relaxing_share.draw(random, SHARE_LIMITS)?,
+            relaxation_time_s: self.relaxation_time_s.draw(random, TIME_LIMITS_S)?,
+            density_kg_per_m3: self.density_kg_per_m3.draw(random, DENSITY_LIMITS)?,
+        }))
+    }
+
+    fn stands_on(&self) -> StandsOn {
+        StandsOn::Table
+    }
+}
+
+/// One foam roll standing on the table: a core that leans as a whole on two base hinges, and slices that each slide
+/// sideways on the core where they are pushed. Every spring is a standard linear solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoamRoll {
+    /// Diameter, m.
+    pub diameter_m: f64,
+    /// Height, m.
+    pub height_m: f64,
+    /// Modulus felt at once, Pa.
+    pub modulus_pa: f64,
+    /// Share of the modulus which relaxes away.
+    pub relaxing_share: f64,
+    /// Relaxation time, s.
+    pub relaxation_time_s: f64,
+    /// Density, kg/m³.
+    pub density_kg_per_m3: f64,
+}
+
+/// Damping ratio of a foam's own vibrations: its loss factor of about 0.4, halved.
+const DAMPING_RATIO: f64 = 0.2;
+
+impl FoamRoll {
+    /// Stiffness of the two base hinges felt at once, Nm/rad: the one that gives the tip of the roll the deflection
+    /// of a cantilever, F H³ / 3 E I, that is k = 3 E I / H.
+    pub fn lean_stiffness_nm_per_rad(&self) -> f64 {
+        3.0 * self.modulus_pa * PI * self.diameter_m.powi(4) / 64.0 / self.height_m
+    }
+
+    /// Stiffness of one slice against sliding sideways felt at once, N/m: a bar as long and as wide as the diameter
+    /// and one slice high has E A / D = E h.
+    pub fn slice_stiffness_n_per_m(&self) -> f64 {
+        self.modulus_pa * self.height_m / SLICES as f64
+    }
+
+    fn standard_linear_solid(&self, stiffness: f64, inertia: f64) -> Spring {
+        Spring {
+            stiffness: stiffness * (1.0 - self.relaxing_share),
+            damping: 2.0 * DAMPING_RATIO * (stiffness * inertia).sqrt(),
+            armature: 0.0,
+            maxwell: Some(Maxwell {
+                stiffness: stiffness * self.relaxing_share,
+                relaxation_time_s: self.relaxation_time_s,
+            }),
+        }
+    }
+}
+
+impl Object for FoamRoll {
+    fn kind(&self) -> &'static str {
+        "foam_roll"
+    }
+
+    fn category(&self) -> Category {
+        Category::Outlier
+    }
+
+    fn footprint(&self) -> Footprint {
+        Footprint::Disc(self.diameter_m / 2.0)
+    }
+
+    fn height_m(&self) -> f64 {
+        self.height_m
+    }
+
+    fn parameters(&self) -> BTreeMap<String, f64> {
+        BTreeMap::from([
+            ("diameter_m".into(), self.diameter_m),
+            ("height_m".into(), self.height_m),
+            ("modulus_pa".into(), self.modulus_pa),
+            ("relaxing_share".into(), self.relaxing_share),
+            ("relaxation_time_s".into(), self.relaxation_time_s),
+            ("density_kg_per_m3".into(), self.density_kg_per_m3),
+        ])
+    }
+
+    fn build(&self, physics: &mut Physics, foot_world: DVec3, _: f64) -> Mechanism {
+        let mut mechanism = Mechanism::default();
+        let foot = mechanism.fixed_foot(physics, Pose::from_translation(foot_world));
+        let radius = self.diameter_m / 2.0;
+        let slice_height = self.height_m / SLICES as f64;
+        let slice_mass = self.density_kg_per_m3 * PI * radius * radius * slice_height;
+        let lean_inertia = slice_mass * SLICES as f64 * self.height_m.powi(2) / 3.0;
+        let lean = self.standard_linear_solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
+        let leaning = mechanism.jointed(physics, foot, DVec3::ZERO, massless(), &[(3, lean)]);
+        let core = mechanism.jointed(physics, leaning, DVec3::ZERO, massless(), &[(4, lean)]);
+        let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass);
+        for slice in 0..SLICES {
+            let center = DVec3::Z * (slice as f64 + 0.5) * slice_height;
+            let cross = slice_mass * (3.0 * radius * radius + slice_height * slice_height) / 12.0;
+            let inertia = DVec3::new(cross, cross, slice_mass * radius * radius / 2.0);
+            let mass = MassProperties::new(DVec3::ZERO, slice_mass, inertia);
+            let body = mechanism.jointed(physics, core, center, mass, &[(0, slide), (1, slide)]);
+            let group = if slice == 0 { groups::rooted() } else { groups::bendable() };
+            let upright = Pose::rotation(DVec3::X * PI / 2.0);
+            let shape = ColliderBuilder::cylinder(slice_height / 2.0, radius)
+                .position(upright)
+                .friction(FRICTION)
+                .collision_groups(group);
+            mechanism.shape(physics, body, shape);
+        }
+        mechanism.finish(physics);
+        mechanism
+    }
+}

@@ -1,0 +1,126 @@
+//! What stands in the clutter: one file an object, and [`for_each_object_kind`] as the one list of them.
+//!
+//! An object has two faces: a *specification* (what a scene file says of a group of such objects, with ranges) and a
+//! *drawn object* (one concrete thing that builds itself into the engine). To add one, write a file like `trunk.rs`
+//! and add its line to the list below.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use underbrush_recording::Category;
+
+use crate::physics::Physics;
+use crate::scene::quantity::{DrawError, Quantity};
+
+pub mod foam_block;
+pub mod foam_roll;
+pub mod leaf;
+pub mod mechanism;
+pub mod trunk;
+
+pub use mechanism::Mechanism;
+
+/// The one list of object kinds: `key in the scene file: specification type`.
+macro_rules! for_each_object_kind {
+    ($apply:ident) => {
+        $apply! {
+            /// Stiff stems fixed to the table.
+            trunk: $crate::object::trunk::TrunkSpecification,
+            /// The outlier.
+            foam_roll: $crate::object::foam_roll::FoamRollSpecification,
+            /// Ground platform and obstacle; must come before what stands in it.
+            foam_block: $crate::object::foam_block::FoamBlockSpecification,
+            /// Bendable leaves stuck in foam.
+            leaf: $crate::object::leaf::LeafSpecification,
+        }
+    };
+}
+pub(crate) use for_each_object_kind;
+
+/// What a scene file says of a group of objects of one kind.
+pub trait Specification {
+    /// How many there are.
+    fn count(&self) -> u32;
+
+    /// Where they may stand, where the group says so.
+    fn place(&self) -> Option<&crate::scene::Placement>;
+
+    /// Every range of it with its name and the physical limits of its values, for validation and error texts.
+    fn quantities(&self) -> Vec<Limited<'_>>;
+
+    /// Draws one object. `footing` is what it stands on.
+    ///
+    /// # Errors
+    /// When a range has (almost) no share of physical values.
+    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError>;
+
+    /// What else is wrong with the group, if anything: `(field, found, allowed)`.
+    fn fault(&self) -> Option<(&'static str, String, String)> {
+        None
+    }
+
+    /// What the object must stand on.
+    fn stands_on(&self) -> StandsOn;
+}
+
+/// One range of a specification with the physical limits of its values.
+pub struct Limited<'a> {
+    /// Key in the scene file.
+    pub name: &'static str,
+    /// The range.
+    pub quantity: &'a Quantity,
+    /// Smallest and largest value that make physical sense.
+    pub limits: (f64, f64),
+}
+
+/// What an object needs under its foot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StandsOn {
+    /// The table beneath the foam.
+    Table,
+    /// The top of a foam block.
+    Foam,
+}
+
+/// What an object stands on once it is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footing {
+    /// Height of the surface, m, world frame.
+    pub height_m: f64,
+    /// Modulus of the foam, Pa; `None` on the bare table.
+    pub foam_modulus_pa: Option<f64>,
+}
+
+/// The ground area of an object, for placing objects without overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Footprint {
+    /// A disc of this radius, m.
+    Disc(f64),
+    /// A rectangle of these half sizes along its own x and y, m.
+    Rectangle(f64, f64),
+}
+
+/// One concrete object, ready to be built.
+pub trait Object: std::fmt::Debug + Send + Sync {
+    /// Its key in the scene file.
+    fn kind(&self) -> &'static str;
+    /// Its ground-truth category.
+    fn category(&self) -> Category;
+    /// Its ground area at rest.
+    fn footprint(&self) -> Footprint;
+    /// Its height over its foot, m.
+    fn height_m(&self) -> f64;
+    /// Its drawn parameters by name, SI units in the names.
+    fn parameters(&self) -> BTreeMap<String, f64>;
+    /// Builds it with its foot at `foot_world`, turned by `yaw_rad` about the vertical.
+    fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism;
+    /// Modulus and height of the foam in which others may stand, Pa and m, where it is such foam.
+    fn foam_top(&self) -> Option<(f64, f64)> {
+        None
+    }
+}
+
+/// Friction between the skin and whatever it touches: the paper gives none; 0.2–0.4 is usual for
+/// fabric and silicone on plastic, and the authors' planar simulation uses 0.4.
+pub const FRICTION: f64 = 0.4;

@@ -1,0 +1,116 @@
+//! Trunk: rigid, fixed to the table beneath the foam (paper, section IV-A).
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use rapier3d::prelude::*;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use underbrush_recording::Category;
+
+use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use crate::physics::{Physics, groups};
+use crate::scene::Placement;
+use crate::scene::quantity::{DrawError, Quantity};
+
+/// A group of trunks in a scene file.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrunkSpecification {
+    /// How many.
+    pub count: u32,
+    /// Where they may stand; the scene's workspace if not given.
+    pub place: Option<Placement>,
+    /// Diameter, m.
+    #[serde(default = "default_diameter")]
+    pub diameter_m: Quantity,
+    /// Height over the table, m.
+    #[serde(default = "default_height")]
+    pub height_m: Quantity,
+}
+
+/// Choice: the stems of artificial trees and the pipes that stand for them are 2 to 4 cm thick.
+fn default_diameter() -> Quantity {
+    Quantity::uniform(0.02, 0.04)
+}
+
+/// Choice: as tall over the table as the tallest leaves, so that both are met at the same heights.
+fn default_height() -> Quantity {
+    Quantity::uniform(0.40, 0.55)
+}
+
+const DIAMETER_LIMITS_M: (f64, f64) = (0.005, 0.3);
+const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
+
+impl Specification for TrunkSpecification {
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn place(&self) -> Option<&Placement> {
+        self.place.as_ref()
+    }
+
+    fn quantities(&self) -> Vec<Limited<'_>> {
+        vec![
+            Limited { name: "diameter_m", quantity: &self.diameter_m, limits: DIAMETER_LIMITS_M },
+            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
+        ]
+    }
+
+    fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
+        Ok(Box::new(Trunk {
+            diameter_m: self.diameter_m.draw(random, DIAMETER_LIMITS_M)?,
+            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
+        }))
+    }
+
+    fn stands_on(&self) -> StandsOn {
+        StandsOn::Table
+    }
+}
+
+/// One trunk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trunk {
+    /// Diameter, m.
+    pub diameter_m: f64,
+    /// Height, m.
+    pub height_m: f64,
+}
+
+impl Object for Trunk {
+    fn kind(&self) -> &'static str {
+        "trunk"
+    }
+
+    fn category(&self) -> Category {
+        Category::Trunk
+    }
+
+    fn footprint(&self) -> Footprint {
+        Footprint::Disc(self.diameter_m / 2.0)
+    }
+
+    fn height_m(&self) -> f64 {
+        self.height_m
+    }
+
+    fn parameters(&self) -> BTreeMap<String, f64> {
+        BTreeMap::from([("diameter_m".into(), self.diameter_m), ("height_m".into(), self.height_m)])
+    }
+
+    fn build(&self, physics: &mut Physics, foot_world: DVec3, _: f64) -> Mechanism {
+        let mut mechanism = Mechanism::default();
+        let foot = mechanism.fixed_foot(physics, Pose::from_translation(foot_world));
+        // A capsule: its rounded end tops the trunk, its sides are the cylinder.
+        let radius = self.diameter_m / 2.0;
+        let top = DVec3::new(0.0, 0.0, (self.height_m - radius).max(0.0));
+        let shape = ColliderBuilder::capsule_from_endpoints(DVec3::ZERO, top, radius)
+            .friction(FRICTION)
+            .collision_groups(groups::fixed());
+        mechanism.shape(physics, foot, shape);
+        mechanism
+    }
+}

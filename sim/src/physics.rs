@@ -1,0 +1,133 @@
+//! The engine: one Rapier world, its options and one step.
+
+use rapier3d::prelude::*;
+
+/// Step and solver options of the engine; recorded in the provenance of every data set.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PhysicsOptions {
+    /// Length of one engine step, s.
+    pub step_s: f64,
+    /// Solver substeps in one step.
+    pub substeps: usize,
+    /// Gravity along −z, m/s².
+    pub gravity_m_per_s2: f64,
+}
+
+/// All state of one Rapier world.
+pub struct Physics {
+    /// The options it was made with.
+    pub options: PhysicsOptions,
+    /// Engine parameters derived from the options.
+    pub parameters: IntegrationParameters,
+    /// Rigid bodies: links, segments, fixed feet.
+    pub bodies: RigidBodySet,
+    /// Collision shapes.
+    pub colliders: ColliderSet,
+    /// Multibodies: the arm and every bendable object.
+    pub joints: MultibodyJointSet,
+    /// Contacts of the last step.
+    pub narrow_phase: NarrowPhase,
+    pipeline: PhysicsPipeline,
+    islands: IslandManager,
+    broad_phase: BroadPhaseBvh,
+    impulse_joints: ImpulseJointSet,
+    soft_bodies: SoftBodySet,
+    continuous_collision: CCDSolver,
+}
+
+impl Physics {
+    /// An empty world.
+    pub fn new(options: PhysicsOptions) -> Self {
+        let parameters = IntegrationParameters {
+            dt: options.step_s,
+            num_solver_iterations: options.substeps,
+            // Recycled contacts may be 5 cm stale: longer than a taxel is wide.
+            contact_recycling: false,
+            // Clusters would move the impulses away from the contact points that the skin reads.
+            contact_clustering: false,
+            // Friction acts whenever the contact does; the default is tuned for tall stacks.
+            friction_in_bias_pass: true,
+            friction_model: FrictionModel::Coulomb,
+            // Nothing here moves far enough in a step to tunnel: 0.5 m/s × 5 ms is 2.5 mm.
+            max_ccd_substeps: 0,
+            ..IntegrationParameters::default()
+        };
+        Physics {
+            options,
+            parameters,
+            bodies: RigidBodySet::new(),
+            colliders: ColliderSet::new(),
+            joints: MultibodyJointSet::new(),
+            narrow_phase: NarrowPhase::new(),
+            pipeline: PhysicsPipeline::new(),
+            islands: IslandManager::new(),
+            broad_phase: BroadPhaseBvh::new(),
+            impulse_joints: ImpulseJointSet::new(),
+            soft_bodies: SoftBodySet::new(),
+            continuous_collision: CCDSolver::new(),
+        }
+    }
+
+    /// Advances the world by one step.
+    pub fn step(&mut self) {
+        let gravity = Vector::new(0.0, 0.0, -self.options.gravity_m_per_s2);
+        self.pipeline.step(
+            gravity,
+            &self.parameters,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &mut self.impulse_joints,
+            &mut self.joints,
+            &mut self.soft_bodies,
+            &mut self.continuous_collision,
+            &(),
+            &(),
+        );
+    }
+
+    /// Takes a body with its colliders and joints out of the world.
+    pub fn remove_body(&mut self, body: RigidBodyHandle) {
+        self.bodies.remove(
+            body,
+            &mut self.islands,
+            &mut self.colliders,
+            &mut self.impulse_joints,
+            &mut self.joints,
+            &mut self.soft_bodies,
+            true,
+        );
+    }
+}
+
+/// Which things collide with which: every collider is in one of these groups.
+pub mod groups {
+    use rapier3d::prelude::{Group, InteractionGroups, InteractionTestMode};
+
+    const ARM: Group = Group::GROUP_1;
+    const FIXED: Group = Group::GROUP_2;
+    const BENDABLE: Group = Group::GROUP_3;
+    const ROOTED: Group = Group::GROUP_4;
+
+    /// Links of the arm: touch everything but each other.
+    pub fn arm() -> InteractionGroups {
+        InteractionGroups::new(ARM, FIXED | BENDABLE | ROOTED, InteractionTestMode::And)
+    }
+
+    /// Trunks, foam blocks and the table.
+    pub fn fixed() -> InteractionGroups {
+        InteractionGroups::new(FIXED, ARM | BENDABLE, InteractionTestMode::And)
+    }
+
+    /// Moving parts of leaves and rolls.
+    pub fn bendable() -> InteractionGroups {
+        InteractionGroups::new(BENDABLE, ARM | FIXED | BENDABLE | ROOTED, InteractionTestMode::And)
+    }
+
+    /// The lowest part of a leaf or roll, which stands inside the foam that it must not collide with.
+    pub fn rooted() -> InteractionGroups {
+        InteractionGroups::new(ROOTED, ARM | BENDABLE, InteractionTestMode::And)
+    }
+}

@@ -1,0 +1,309 @@
+//! The scene file: what could be there. See `scenes/` for examples and `underbrush schema` for its JSON Schema.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::InputError;
+
+use crate::object::{Limited, Specification, for_each_object_kind};
+use crate::physics::PhysicsOptions;
+use crate::sensor::SensorOptions;
+
+pub mod quantity;
+
+use quantity::Quantity;
+
+/// One scene: the ranges from which the clutter of each reach is drawn.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name: the file's stem.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// Its text, for the provenance of data sets and for error lines.
+    pub text: String,
+    /// What it says.
+    pub file: SceneFile,
+}
+
+/// The keys of a scene file.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// One sentence on what the scene shows; the task name in data sets.
+    pub summary: String,
+    /// `cody`, or a path to a user's arm file, relative to the scene file.
+    #[serde(default = "default_arm")]
+    pub arm: String,
+    /// Controller of the arm: see `underbrush reach --help`.
+    #[serde(default = "default_controller")]
+    pub controller: String,
+    /// Where the clutter stands.
+    #[serde(default)]
+    pub workspace: Workspace,
+    /// Goals of a reach.
+    #[serde(default)]
+    pub goals: Goals,
+    /// The objects, in groups: `[[objects.leaf]]`, `[[objects.trunk]]`, `[[objects.foam_block]]`, …
+    #[serde(default)]
+    pub objects: Objects,
+    /// The engine's step.
+    #[serde(default)]
+    pub physics: PhysicsSection,
+    /// The skin's electronics.
+    #[serde(default)]
+    pub sensor: SensorOptions,
+}
+
+fn default_arm() -> String {
+    "cody".into()
+}
+
+/// The flipper-era values of the authors' robot.
+fn default_controller() -> String {
+    "cody-2013".into()
+}
+
+/// Where the clutter stands, in the world frame: origin at the arm's base, x forward, y left, z up.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Workspace {
+    /// Nearest and farthest foot of an object, m.
+    pub x_m: [f64; 2],
+    /// Rightmost and leftmost foot, m.
+    pub y_m: [f64; 2],
+    /// Height of the table top, m.
+    pub table_height_m: f64,
+}
+
+impl Default for Workspace {
+    /// Choice: the foam's top lies 50 cm under the shoulder, in front of the right arm of Cody and within its reach.
+    fn default() -> Self {
+        Workspace { x_m: [0.42, 0.85], y_m: [-0.65, 0.25], table_height_m: -0.58 }
+    }
+}
+
+/// Where the feet of one group of objects may stand.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// Forward, m, world frame; within the workspace if not given.
+    pub x_m: Option<Quantity>,
+    /// Left, m, world frame; within the workspace if not given.
+    pub y_m: Option<Quantity>,
+    /// Turn about the vertical, degrees; any if not given.
+    pub yaw_deg: Option<Quantity>,
+}
+
+/// Goals of a reach: points for the arm's tip, drawn so that the way there passes through clutter.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Goals {
+    /// How many per reach ("multiple goal positions", paper, section IV-B).
+    pub count: u32,
+    /// Forward, m, world frame.
+    pub x_m: Quantity,
+    /// Left, m, world frame.
+    pub y_m: Quantity,
+    /// Up, m, world frame.
+    pub z_m: Quantity,
+}
+
+impl Default for Goals {
+    /// Choice: what Cody's arm reaches in front of its right shoulder, at the height of the foliage but clear of the foam.
+    fn default() -> Self {
+        Goals {
+            count: 4,
+            x_m: Quantity::uniform(0.50, 0.72),
+            y_m: Quantity::uniform(-0.50, 0.10),
+            z_m: Quantity::uniform(-0.36, -0.18),
+        }
+    }
+}
+
+/// The engine's step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PhysicsSection {
+    /// Length of a step, s; a whole number of steps makes 10 ms, the period of the skin.
+    pub step_s: f64,
+    /// Solver substeps in a step.
+    pub substeps: u32,
+    /// Gravity, m/s².
+    pub gravity_m_per_s2: f64,
+    /// Whether objects that nothing is near are left out of the solver until something comes near.
+    pub dormancy: bool,
+}
+
+impl Default for PhysicsSection {
+    fn default() -> Self {
+        PhysicsSection { step_s: 0.005, substeps: 4, gravity_m_per_s2: 9.81, dormancy: true }
+    }
+}
+
+impl PhysicsSection {
+    /// The engine's options.
+    pub fn options(&self) -> PhysicsOptions {
+        PhysicsOptions {
+            step_s: self.step_s,
+            substeps: self.substeps as usize,
+            gravity_m_per_s2: self.gravity_m_per_s2,
+        }
+    }
+}
+
+macro_rules! define_objects {
+    ($($(#[$doc:meta])* $key:ident: $specification:ty,)*) => {
+        /// All groups of objects in a scene file, one list a kind.
+        #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct Objects {
+            $($(#[$doc])* pub $key: Vec<$specification>,)*
+        }
+
+        impl Objects {
+            /// Every group with its key and its number in the list of its kind, in the order in which they are placed.
+            pub fn groups(&self) -> Vec<(&'static str, usize, &dyn Specification)> {
+                let mut groups: Vec<(&'static str, usize, &dyn Specification)> = Vec::new();
+                $(for (number, group) in self.$key.iter().enumerate() {
+                    groups.push((stringify!($key), number, group));
+                })*
+                groups
+            }
+        }
+    };
+}
+for_each_object_kind!(define_objects);
+
+/// Clutter of more objects than this is refused: it is a slip of the keyboard, not a scene.
+const LARGEST_COUNT: u32 = 10_000;
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is not TOML, has unknown keys or a value outside its physical limits.
+    pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            InputError::new(path, "file", error.to_string(), "a readable scene file", "check the path; `scenes/` holds examples")
+        })?;
+        Scene::parse(path, text)
+    }
+
+    /// Checks the text of a scene file; `path` names it in errors and gives the scene its name.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(path: impl AsRef<Path>, text: String) -> Result<Scene, InputError> {
+        let path = path.as_ref();
+        let file: SceneFile = toml::from_str(&text).map_err(|error| {
+            let found = error.message().to_string();
+            let fault = InputError::new(path, "scene", found, "the keys that `underbrush schema` lists", "mend the line");
+            match error.span() {
+                Some(span) => fault.at_line(line_of(&text, span.start)),
+                None => fault,
+            }
+        })?;
+        let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+        let scene = Scene { name, path: path.to_path_buf(), text, file };
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Hash of the file's text, hexadecimal BLAKE3.
+    pub fn hash(&self) -> String {
+        blake3::hash(self.text.as_bytes()).to_hex().to_string()
+    }
+
+    fn check(&self) -> Result<(), InputError> {
+        let file = &self.file;
+        let workspace = &file.workspace;
+        for (key, [low, high]) in [("workspace.x_m", workspace.x_m), ("workspace.y_m", workspace.y_m)] {
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                return Err(self.fault(key, format!("[{low}, {high}]"), "two finite numbers, the smaller first"));
+            }
+        }
+        if !workspace.table_height_m.is_finite() {
+            return Err(self.fault("workspace.table_height_m", workspace.table_height_m, "a finite height"));
+        }
+        self.check_physics()?;
+        file.sensor.fault().map_or(Ok(()), |(key, found, allowed)| Err(self.fault(&format!("sensor.{key}"), found, allowed)))?;
+        if file.goals.count == 0 || file.goals.count > 1000 {
+            return Err(self.fault("goals.count", file.goals.count, "1 to 1000 goals"));
+        }
+        let anywhere = (-5.0, 5.0);
+        for (name, quantity) in [("x_m", &file.goals.x_m), ("y_m", &file.goals.y_m), ("z_m", &file.goals.z_m)] {
+            self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
+        }
+        for (kind, number, group) in file.objects.groups() {
+            let place = format!("objects.{kind}[{number}]");
+            if group.count() > LARGEST_COUNT {
+                return Err(self.fault(&format!("{place}.count"), group.count(), "up to 10000 objects"));
+            }
+            for limited in group.quantities() {
+                self.check_quantity(&place, &limited)?;
+            }
+            if let Some(placement) = group.place() {
+                for (name, quantity, limits) in [
+                    ("place.x_m", &placement.x_m, anywhere),
+                    ("place.y_m", &placement.y_m, anywhere),
+                    ("place.yaw_deg", &placement.yaw_deg, (-360.0, 360.0)),
+                ] {
+                    if let Some(quantity) = quantity {
+                        self.check_quantity(&place, &Limited { name, quantity, limits })?;
+                    }
+                }
+            }
+            if let Some((field, found, allowed)) = group.fault() {
+                return Err(self.fault(&format!("{place}.{field}"), found, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_physics(&self) -> Result<(), InputError> {
+        let physics = &self.file.physics;
+        let steps = crate::world::FRAME_PERIOD_S / physics.step_s;
+        if !(physics.step_s > 0.0 && steps >= 1.0 - 1e-9 && (steps - steps.round()).abs() < 1e-6) {
+            return Err(self.fault("physics.step_s", physics.step_s, "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 …)"));
+        }
+        if !(1..=64).contains(&physics.substeps) {
+            return Err(self.fault("physics.substeps", physics.substeps, "1 to 64"));
+        }
+        if !physics.gravity_m_per_s2.is_finite() {
+            return Err(self.fault("physics.gravity_m_per_s2", physics.gravity_m_per_s2, "a finite number"));
+        }
+        Ok(())
+    }
+
+    fn check_quantity(&self, place: &str, limited: &Limited<'_>) -> Result<(), InputError> {
+        let Some((found, allowed)) = limited.quantity.fault(limited.limits) else { return Ok(()) };
+        let fault = self.fault(&format!("{place}.{}", limited.name), found, allowed);
+        let span = &limited.quantity.span;
+        Err(if span.is_empty() { fault } else { fault.at_line(line_of(&self.text, span.start)) })
+    }
+
+    /// An error about this file; the line is that of the key's last part, where it stands only once in the text.
+    pub(crate) fn fault(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
+        let fault = InputError::new(&self.path, field, found.to_string(), allowed, "change the value in the scene file");
+        let key = field.rsplit('.').next().unwrap_or(field);
+        let mut lines = self.text.lines().enumerate().filter(|(_, line)| {
+            line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
+        });
+        match (lines.next(), lines.next()) {
+            (Some((line, _)), None) => fault.at_line(line + 1),
+            _ => fault,
+        }
+    }
+}
+
+/// The JSON Schema of scene files, for editors.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SceneFile)
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+}

@@ -1,0 +1,171 @@
+//! A number of a scene file: fixed, or a range to draw from.
+
+use std::fmt;
+use std::ops::Range;
+
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal, Uniform};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
+
+/// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
+///
+/// A normal draw is repeated until it falls within the field's physical limits (a truncated normal distribution).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// How the value is drawn.
+    pub draw: Draw,
+    /// Byte range in the scene file; empty for a default.
+    pub span: Range<usize>,
+}
+
+/// How the value of a [`Quantity`] is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Draw {
+    /// Always this value.
+    Fixed(f64),
+    /// Uniform between the two.
+    Uniform(f64, f64),
+    /// Normal with mean and standard deviation, truncated to the field's physical limits.
+    Normal(f64, f64),
+}
+
+/// A range from which no physical value could be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{draw} gives no value within {low} … {high}")]
+pub struct DrawError {
+    /// The range.
+    pub draw: Draw,
+    /// Smallest physical value.
+    pub low: f64,
+    /// Largest physical value.
+    pub high: f64,
+}
+
+impl fmt::Display for Draw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Draw::Fixed(value) => write!(f, "{value}"),
+            Draw::Uniform(low, high) => write!(f, "{{ uniform = [{low}, {high}] }}"),
+            Draw::Normal(mean, deviation) => write!(f, "{{ normal = [{mean}, {deviation}] }}"),
+        }
+    }
+}
+
+/// A truncated normal draw is given up after this many tries: the accepted share is then under about 0.5 %.
+const DRAWS: usize = 1000;
+
+impl Quantity {
+    /// Always `value`.
+    pub fn fixed(value: f64) -> Self {
+        Quantity { draw: Draw::Fixed(value), span: 0..0 }
+    }
+
+    /// Uniform between `low` and `high`.
+    pub fn uniform(low: f64, high: f64) -> Self {
+        Quantity { draw: Draw::Uniform(low, high), span: 0..0 }
+    }
+
+    /// Draws one value within `limits` (inclusive).
+    ///
+    /// # Errors
+    /// When a fixed or uniform value lies outside the limits, or a normal one misses them a thousand times.
+    pub fn draw(&self, random: &mut ChaCha8Rng, limits: (f64, f64)) -> Result<f64, DrawError> {
+        let error = DrawError { draw: self.draw, low: limits.0, high: limits.1 };
+        let physical = |value: &f64| (limits.0..=limits.1).contains(value);
+        match self.draw {
+            Draw::Fixed(value) => Some(value).filter(physical).ok_or(error),
+            Draw::Uniform(low, high) => {
+                let uniform = Uniform::new_inclusive(low, high).map_err(|_| error.clone())?;
+                Some(uniform.sample(random)).filter(physical).ok_or(error)
+            }
+            Draw::Normal(mean, deviation) => {
+                let normal = Normal::new(mean, deviation).map_err(|_| error.clone())?;
+                (0..DRAWS).map(|_| normal.sample(random)).find(physical).ok_or(error)
+            }
+        }
+    }
+
+    /// What is wrong with the range for a field of these limits, if anything: `(found, allowed)`.
+    pub fn fault(&self, limits: (f64, f64)) -> Option<(String, String)> {
+        let within = |value: f64| value.is_finite() && (limits.0..=limits.1).contains(&value);
+        let allowed = format!("values from {} to {}", limits.0, limits.1);
+        let ok = match self.draw {
+            Draw::Fixed(value) => within(value),
+            Draw::Uniform(low, high) if low > high => {
+                return Some((self.draw.to_string(), "the lower bound first".into()));
+            }
+            Draw::Uniform(low, high) => within(low) && within(high),
+            Draw::Normal(mean, deviation) if !(deviation.is_finite() && deviation >= 0.0) => {
+                let _ = mean;
+                return Some((self.draw.to_string(), "a standard deviation of zero or more".into()));
+            }
+            Draw::Normal(mean, _) => within(mean),
+        };
+        (!ok).then(|| (self.draw.to_string(), allowed))
+    }
+}
+
+impl<'de> Deserialize<'de> for Quantity {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let spanned = toml::Spanned::<Draw>::deserialize(deserializer)?;
+        Ok(Quantity { span: spanned.span(), draw: spanned.into_inner() })
+    }
+}
+
+impl<'de> Deserialize<'de> for Draw {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct DrawVisitor;
+        impl<'de> Visitor<'de> for DrawVisitor {
+            type Value = Draw;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, { uniform = [low, high] } or { normal = [mean, standard_deviation] }")
+            }
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Draw, E> {
+                Ok(Draw::Fixed(value))
+            }
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Draw, E> {
+                Ok(Draw::Fixed(value as f64))
+            }
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Draw, E> {
+                Ok(Draw::Fixed(value as f64))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Draw, A::Error> {
+                let key: String = map.next_key()?.ok_or_else(|| A::Error::custom("an empty range"))?;
+                let [first, second]: [f64; 2] = map.next_value()?;
+                if let Some(extra) = map.next_key::<String>()? {
+                    return Err(A::Error::custom(format!("`{extra}` beside `{key}`: a range has one key")));
+                }
+                match key.as_str() {
+                    "uniform" => Ok(Draw::Uniform(first, second)),
+                    "normal" => Ok(Draw::Normal(first, second)),
+                    _ => Err(A::Error::unknown_field(&key, &["uniform", "normal"])),
+                }
+            }
+        }
+        deserializer.deserialize_any(DrawVisitor)
+    }
+}
+
+impl JsonSchema for Quantity {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Quantity".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let pair = serde_json_pair();
+        json_schema!({
+            "description": "A number, or a range to draw from.",
+            "oneOf": [
+                { "type": "number" },
+                { "type": "object", "properties": { "uniform": pair }, "required": ["uniform"], "additionalProperties": false },
+                { "type": "object", "properties": { "normal": pair }, "required": ["normal"], "additionalProperties": false }
+            ]
+        })
+    }
+}
+
+fn serde_json_pair() -> Schema {
+    json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 })
+}
