@@ -7,4 +7,5 @@ pub mod physics;
 pub mod scene;
 pub mod seed;
 pub mod sensor;
-pub mod world;
+pub mod skin;
+//pub mod world;

@@ -1,3 +1,196 @@
-//! w
+//! The Rapier world of one clutter and one arm: stepping, contacts out, and leaving out of the solver what rests
+//! untouched.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::prelude::*;
+
+use crate::arm::engine::{self, ArmHandles};
+use crate::arm::Arm;
+use crate::clutter::Clutter;
+use crate::geometry::Capsule;
+use crate::object::Mechanism;
+use crate::physics::{Physics, PhysicsOptions, groups};
+
 /// Period of the skin and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
+
+/// A resting object is put into the solver when something that moves comes this near to it, m: nine frames of the
+/// fastest preset's hand speed and twice what a leaf's tip flies back in one.
+const WAKE_DISTANCE_M: f64 = 0.09;
+/// An object at rest is taken out when everything that moves is farther than this, m.
+const SLEEP_DISTANCE_M: f64 = 0.20;
+
+/// One contact point between arm and clutter in the last step, as the solver left it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverContact {
+    /// The link, index in the arm.
+    pub link: usize,
+    /// The object, index in the clutter.
+    pub object: usize,
+    /// The object's collision shape.
+    pub collider: ColliderHandle,
+    /// Position on the link's surface, m, world frame.
+    pub position_world: DVec3,
+    /// Direction of the normal force on the link, unit, world frame.
+    pub inward_world: DVec3,
+    /// Force on the link, normal and friction, N, world frame.
+    pub force_world: DVec3,
+}
+
+/// The engine with one arm and one clutter.
+pub struct World {
+    /// The engine.
+    pub physics: Physics,
+    /// The arm's bodies.
+    pub arm: ArmHandles,
+    link_of: BTreeMap<ColliderHandle, usize>,
+    object_of: BTreeMap<ColliderHandle, usize>,
+    mechanisms: Vec<Option<Mechanism>>,
+    hulls: Vec<Capsule>,
+    dormancy: bool,
+}
+
+impl World {
+    /// Builds the world: the arm in `posture_rad`, its equilibrium angles there, and the clutter at rest.
+    pub fn new(arm: &Arm, posture_rad: &[f64], clutter: &Clutter, options: PhysicsOptions, dormancy: bool) -> Self {
+        let mut physics = Physics::new(options);
+        let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
+        let link_of = handles.colliders.iter().map(|(collider, link)| (*collider, *link)).collect();
+        let mut world = World {
+            physics,
+            arm: handles,
+            link_of,
+            object_of: BTreeMap::new(),
+            mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
+            hulls: clutter.objects.iter().map(|standing| standing.hull()).collect(),
+            dormancy,
+        };
+        for index in 0..clutter.objects.len() {
+            world.insert(clutter, index);
+        }
+        if dormancy {
+            world.retire();
+        }
+        world
+    }
+
+    /// Advances by one frame of 10 ms.
+    pub fn advance_frame(&mut self, clutter: &Clutter) {
+        if self.dormancy {
+            self.wake(clutter);
+        }
+        let steps = (FRAME_PERIOD_S / self.physics.options.step_s).round() as usize;
+        for _ in 0..steps {
+            for mechanism in self.mechanisms.iter_mut().flatten() {
+                mechanism.relax(&mut self.physics);
+            }
+            self.physics.step();
+        }
+        if self.dormancy {
+            self.retire();
+        }
+    }
+
+    /// The contacts between arm and clutter in the last step, in a fixed order.
+    pub fn contacts(&self) -> Vec<SolverContact> {
+        let mut contacts = Vec::new();
+        let substep_s = self.physics.options.step_s / self.physics.options.substeps as f64;
+        for (collider, link) in &self.link_of {
+            let mut pairs: Vec<&ContactPair> =
+                self.physics.narrow_phase.contact_pairs_with(*collider).collect();
+            pairs.sort_by_key(|pair| (pair.collider1, pair.collider2));
+            for pair in pairs {
+                let arm_is_first = pair.collider1 == *collider;
+                let other = if arm_is_first { pair.collider2 } else { pair.collider1 };
+                let Some(object) = self.object_of.get(&other) else { continue };
+                for manifold in pair.manifolds() {
+                    // The normal points from the first shape to the second; the first is pushed against it.
+                    let sign = if arm_is_first { -1.0 } else { 1.0 };
+                    for point in &manifold.points {
+                        let data = &point.data;
+                        if data.warmstart_impulse <= 0.0 {
+                            continue;
+                        }
+                        let local = if arm_is_first { point.local_p1 } else { point.local_p2 };
+                        let inward = manifold.data.normal * sign;
+                        // Impulses of the last substep: the tangent part is known in the world frame for that one only.
+                        let tangent = data.warmstart_tangent_world * -sign;
+                        contacts.push(SolverContact {
+                            link: *link,
+                            object: *object,
+                            collider: other,
+                            position_world: self.physics.colliders[*collider].position().transform_point(local),
+                            inward_world: inward,
+                            force_world: (inward * data.warmstart_impulse + tangent) / substep_s,
+                        });
+                    }
+                }
+            }
+        }
+        contacts
+    }
+
+    /// Number of objects that are in the solver now.
+    pub fn active_objects(&self) -> usize {
+        self.mechanisms.iter().flatten().count()
+    }
+
+    fn insert(&mut self, clutter: &Clutter, index: usize) {
+        let standing = &clutter.objects[index];
+        let mechanism = standing.object.build(&mut self.physics, standing.foot_world, standing.yaw_rad);
+        for collider in mechanism.colliders() {
+            self.object_of.insert(*collider, index);
+        }
+        self.mechanisms[index] = Some(mechanism);
+    }
+
+    /// Inserts every absent object that something moving has come near to.
+    fn wake(&mut self, clutter: &Clutter) {
+        let moving = self.moving_boxes();
+        for index in 0..self.mechanisms.len() {
+            if self.mechanisms[index].is_none() && self.is_near(&moving, index, WAKE_DISTANCE_M) {
+                self.insert(clutter, index);
+            }
+        }
+    }
+
+    /// Takes out every object that rests with nothing moving near it.
+    fn retire(&mut self) {
+        let moving = self.moving_boxes();
+        for index in 0..self.mechanisms.len() {
+            let resting = self.mechanisms[index]
+                .as_ref()
+                .is_some_and(|mechanism| mechanism.is_movable() && mechanism.is_at_rest(&self.physics));
+            if resting
+                && !self.is_near(&moving, index, SLEEP_DISTANCE_M)
+                && let Some(mechanism) = self.mechanisms[index].take()
+            {
+                for collider in mechanism.colliders() {
+                    self.object_of.remove(collider);
+                }
+                mechanism.remove(&mut self.physics);
+            }
+        }
+    }
+
+    /// Bounding boxes of the arm's links and of every object that is not at rest.
+    fn moving_boxes(&self) -> Vec<Aabb> {
+        let mechanisms = self
+            .mechanisms
+            .iter()
+            .flatten()
+            .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.physics))
+            .flat_map(|mechanism| mechanism.colliders());
+        self.link_of.keys().chain(mechanisms).map(|collider| self.physics.colliders[*collider].compute_aabb()).collect()
+    }
+
+    fn is_near(&self, boxes: &[Aabb], index: usize, distance_m: f64) -> bool {
+        let hull = &self.hulls[index];
+        let room = DVec3::splat(hull.radius_m + distance_m);
+        let around = Aabb::new(hull.start - room, hull.end + room);
+        boxes.iter().any(|moving| around.intersects(moving))
+    }
+}

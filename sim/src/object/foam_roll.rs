@@ -222,3 +222,54 @@ impl Object for FoamRoll {
         mechanism
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::PhysicsOptions;
+
+    /// Pins that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation
+    /// time τ/(1 − share)) and comes back slowly and whole.
+    #[test]
+    fn a_push_creeps_and_recovers() {
+        let roll = FoamRoll {
+            diameter_m: 0.12,
+            height_m: 0.5,
+            modulus_pa: 1.0e5,
+            relaxing_share: 0.5,
+            relaxation_time_s: 2.0,
+            density_kg_per_m3: 30.0,
+        };
+        let options = PhysicsOptions { step_s: 0.005, substeps: 1, gravity_m_per_s2: 0.0 };
+        let mut physics = Physics::new(options);
+        let mut mechanism = roll.build(&mut physics, DVec3::ZERO, 0.0);
+        // The core takes the force, so that only the lean shows.
+        let core = mechanism.bodies()[2];
+        let force = 0.5;
+        let lever = 0.4;
+        let mut lean = |seconds: f64, force: f64| {
+            for _ in 0..(seconds / options.step_s).round() as usize {
+                let body = &mut physics.bodies[core];
+                body.reset_forces(true);
+                body.reset_torques(true);
+                let point = body.position().transform_point(DVec3::Z * lever);
+                body.add_force_at_point(DVec3::X * force, point, true);
+                mechanism.relax(&mut physics);
+                physics.step();
+            }
+            physics.bodies[core].position().transform_vector(DVec3::Z).x
+        };
+        let at_once = force * lever / roll.lean_stiffness_nm_per_rad();
+        let retardation = roll.relaxation_time_s / (1.0 - roll.relaxing_share);
+        // Two seconds let the roll's own vibration (3 Hz, damping ratio 0.2) die out.
+        let early = lean(2.0, force);
+        let expected = at_once * (1.0 + (1.0 - (-2.0 / retardation).exp()));
+        assert!((early / expected - 1.0).abs() < 0.02, "after 2 s found {early}, expected {expected}");
+        let late = lean(40.0, force);
+        assert!((late / (2.0 * at_once) - 1.0).abs() < 0.02, "at last found {late}, expected {}", 2.0 * at_once);
+        let soon_after = lean(2.0, 0.0);
+        let expected = at_once * (-2.0 / retardation).exp();
+        assert!((soon_after / expected - 1.0).abs() < 0.02, "2 s after release found {soon_after}, expected {expected}");
+        assert!(lean(60.0, 0.0).abs() < 1e-4 * at_once.max(1.0));
+    }
+}

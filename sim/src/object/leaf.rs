@@ -289,3 +289,73 @@ impl Object for Leaf {
         mechanism
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::PhysicsOptions;
+
+    /// Deflections along x at the tip, m, of a leaf under a constant force at its tip, and of a clamped one by theory.
+    fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
+        let options = PhysicsOptions { step_s: 0.01, substeps: 1, gravity_m_per_s2: 0.0 };
+        let mut physics = Physics::new(options);
+        let mechanism = leaf.build(&mut physics, DVec3::ZERO, 0.0);
+        let last = mechanism.bodies()[mechanism.bodies().len() - 1];
+        let tip_local = DVec3::Z * (leaf.height_m / f64::from(leaf.segments) / 2.0);
+        for _ in 0..4000 {
+            let body = &mut physics.bodies[last];
+            let tip = body.position().transform_point(tip_local);
+            body.reset_forces(true);
+            body.reset_torques(true);
+            body.add_force_at_point(force, tip, true);
+            physics.step();
+        }
+        physics.bodies[last].position().transform_point(tip_local) - DVec3::Z * leaf.height_m
+    }
+
+    fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {
+        Leaf {
+            height_m: 0.3,
+            width_m: 0.03,
+            flexural_rigidity_n_m2: 0.02,
+            mass_per_area_kg_per_m2: 0.8,
+            // Heavily damped, so that the static state is reached soon.
+            loss_factor: 1.0,
+            root_stiffness_nm_per_rad,
+            segments,
+        }
+    }
+
+    /// Pins the leaf's stiffness under a small tip load: the discrete sum Σ P (L − x_k)² h / EI to 0.1 %, both ways.
+    #[test]
+    fn small_tip_load_bends_by_the_discrete_sum() {
+        let leaf = example(8, None);
+        let segment = leaf.height_m / 8.0;
+        let load = 0.002;
+        let expected: f64 = (0..8)
+            .map(|k| leaf.height_m - (f64::from(k) + 0.5) * segment)
+            .map(|lever| load * lever * lever * segment / leaf.flexural_rigidity_n_m2)
+            .sum();
+        for sign in [1.0, -1.0] {
+            let found = tip_deflection(&leaf, DVec3::X * load * sign).x * sign;
+            assert!((found / expected - 1.0).abs() < 1e-3, "found {found} m, expected {expected} m");
+        }
+        // The discrete sum itself is 1/(4n²) under the continuum's P L³ / 3 E I.
+        let continuum = load * leaf.height_m.powi(3) / 3.0 / leaf.flexural_rigidity_n_m2;
+        assert!((expected / continuum - 1.0 + 1.0 / 256.0).abs() < 1e-9);
+    }
+
+    /// Pins that the foam under the root adds P L² / k, and that sideways the leaf leans on stem and foam in series.
+    #[test]
+    fn root_compliance_adds_its_own_deflection() {
+        let load = 0.002;
+        let clamped = tip_deflection(&example(8, None), DVec3::X * load).x;
+        let leaf = example(8, Some(2.0));
+        let rooted = tip_deflection(&leaf, DVec3::X * load).x;
+        let expected = load * leaf.height_m.powi(2) / 2.0;
+        assert!(((rooted - clamped) / expected - 1.0).abs() < 2e-3, "found {}, expected {expected}", rooted - clamped);
+        let sideways = tip_deflection(&leaf, DVec3::Y * load).y;
+        let expected = load * leaf.height_m.powi(2) / leaf.sideways_stiffness_nm_per_rad();
+        assert!((sideways / expected - 1.0).abs() < 2e-3, "found {sideways}, expected {expected}");
+    }
+}

@@ -265,7 +265,7 @@ impl Scene {
 
     fn check_physics(&self) -> Result<(), InputError> {
         let physics = &self.file.physics;
-        let steps = crate::world::FRAME_PERIOD_S / physics.step_s;
+        let steps = 0.01 / physics.step_s;
         if !(physics.step_s > 0.0 && steps >= 1.0 - 1e-9 && (steps - steps.round()).abs() < 1e-6) {
             return Err(self.fault("physics.step_s", physics.step_s, "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 …)"));
         }

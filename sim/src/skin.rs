@@ -1,0 +1,254 @@
+//! From solver contacts to taxel forces: a thin elastic layer over the hard link spreads each contact over the taxels
+//! under it and loses none of its force.
+//!
+//! The layer is an elastic foundation (Winkler): a sub-point j of a taxel, of area a_j, is pressed by
+//! p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the signed gap
+//! g_j to the sub-point; it is pushed in by a depth δ and two tilts t, so h_j = δ + t·x_j − g_j, where x_j is the
+//! sub-point's place in the tangent plane of the contact. δ and t are those for which the pressures add up to the
+//! solver's normal force and to its moment about the tangents: the minimum of a convex, piecewise quadratic energy,
+//! found by Newton's method. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
+//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
+use rapier3d::prelude::{Pose, Shape};
+
+/// One place on a taxel, link frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SubPoint {
+    /// The taxel, index in its patch.
+    pub taxel: usize,
+    /// Position, m, link frame.
+    pub position_link: DVec3,
+    /// Outward unit normal, link frame.
+    pub normal_link: DVec3,
+    /// Area, m².
+    pub area_m2: f64,
+}
+
+/// One patch of skin, ready for contacts.
+#[derive(Clone, Debug)]
+pub struct SkinPatch {
+    /// The link that carries it.
+    pub link: usize,
+    /// Taxel centres, m, link frame.
+    pub centers_link: Vec<DVec3>,
+    /// Outward unit normals of the taxels, link frame.
+    pub normals_link: Vec<DVec3>,
+    /// Sub-points sorted by taxel.
+    pub sub_points: Vec<SubPoint>,
+    /// Largest distance of a contact point from the nearest taxel centre that still is on this skin, m.
+    pub reach_m: f64,
+    /// Stiffness of the layer per volume, N/m³.
+    pub stiffness_n_per_m3: f64,
+}
+
+/// One contact point as the solver saw it, between a link and one collision shape of an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Position, m, link frame.
+    pub position_link: DVec3,
+    /// Direction of the normal force on the link (out of the object, into the link), unit, link frame.
+    pub inward_link: DVec3,
+    /// Force on the link, normal and friction, N, link frame.
+    pub force_link: DVec3,
+}
+
+/// What one contact does to one taxel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaxelForce {
+    /// The taxel.
+    pub taxel: usize,
+    /// Force along the taxel's inward normal, N.
+    pub normal_force_n: f64,
+    /// The rest, in the taxel's tangent plane, N, link frame.
+    pub shear_link: DVec3,
+}
+
+/// How far around the solver's contact points the layer looks for indented taxels, m. A trunk of 4 cm pressed in by a
+/// 17 N taxel (0.7 cm deep) lights taxels up to 2.5 cm away.
+const SEARCH_RADIUS_M: f64 = 0.03;
+
+impl SkinPatch {
+    /// Whether a point (link frame) lies on this skin rather than on the bare shell beside it.
+    pub fn covers(&self, point_link: DVec3) -> bool {
+        let reach = self.reach_m * self.reach_m;
+        self.centers_link.iter().any(|center| center.distance_squared(point_link) <= reach)
+    }
+
+    /// Spreads the contacts between this patch and one collision shape over the taxels. `shape_pose` is the shape's
+    /// pose in the link frame. The forces returned add up to those of the contacts.
+    pub fn spread(&self, contacts: &[ContactPoint], shape: &dyn Shape, shape_pose: &Pose) -> Vec<TaxelForce> {
+        let total: DVec3 = contacts.iter().map(|contact| contact.force_link).sum();
+        let load = |contact: &ContactPoint| contact.force_link.dot(contact.inward_link).max(0.0);
+        let normal_sum: DVec3 = contacts.iter().map(|contact| contact.inward_link * load(contact)).sum();
+        let inward = normal_sum.normalize_or_zero();
+        let weight: f64 = contacts.iter().map(load).sum();
+        if weight <= 0.0 || inward == DVec3::ZERO {
+            return Vec::new();
+        }
+        let center = contacts.iter().map(|contact| contact.position_link * load(contact)).sum::<DVec3>() / weight;
+        let (across, along) = inward.any_orthonormal_pair();
+        let cells: Vec<Cell> = self
+            .nearby(contacts)
+            .filter_map(|point| {
+                let share = -point.normal_link.dot(inward);
+                // A place that faces away from the object cannot be pressed by it.
+                (share > 0.1).then(|| {
+                    let offset = point.position_link - center;
+                    Cell {
+                        taxel: point.taxel,
+                        gap: signed_distance(shape, shape_pose, point.position_link),
+                        place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
+                        stiffness: self.stiffness_n_per_m3 * point.area_m2,
+                        share,
+                    }
+                })
+            })
+            .collect();
+        let pressures = indent(&cells, normal_sum.length());
+        let mut taxels: Vec<(usize, f64)> = Vec::new();
+        for (cell, pressure) in cells.iter().zip(pressures) {
+            match taxels.last_mut() {
+                Some((taxel, sum)) if *taxel == cell.taxel => *sum += pressure,
+                _ => taxels.push((cell.taxel, pressure)),
+            }
+        }
+        taxels.retain(|(_, force)| *force > 0.0);
+        if taxels.is_empty() {
+            // The layer found nothing to press (a shape too thin to sample): the nearest taxel takes it all.
+            taxels.extend(self.nearest_taxel(center).map(|taxel| (taxel, 1.0)));
+        }
+        self.balance(&taxels, total)
+    }
+
+    /// Scales normal forces and adds shear so that the vector sum is `total`.
+    fn balance(&self, taxels: &[(usize, f64)], total: DVec3) -> Vec<TaxelForce> {
+        let normal = |taxel: usize| self.normals_link[taxel];
+        let pressed: DVec3 = taxels.iter().map(|(taxel, force)| -normal(*taxel) * *force).sum();
+        let direction = pressed.normalize_or_zero();
+        let scale = (total.dot(direction) / pressed.length()).max(0.0);
+        let rest = total - pressed * scale;
+        let tangent_plane = |taxel: usize, vector: DVec3| vector - normal(taxel) * normal(taxel).dot(vector);
+        let mut carried = DMat3::ZERO;
+        for (taxel, force) in taxels {
+            for (column, axis) in DVec3::AXES.into_iter().enumerate() {
+                *carried.col_mut(column) += tangent_plane(*taxel, axis) * *force;
+            }
+        }
+        let shear = solve_symmetric(carried, rest);
+        taxels
+            .iter()
+            .map(|(taxel, force)| TaxelForce {
+                taxel: *taxel,
+                normal_force_n: force * scale,
+                shear_link: tangent_plane(*taxel, shear) * *force,
+            })
+            .collect()
+    }
+
+    fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SubPoint> {
+        let mut last = (usize::MAX, false);
+        self.sub_points.iter().filter(move |point| {
+            if last.0 != point.taxel {
+                last = (point.taxel, near_contacts(self.centers_link[point.taxel], contacts));
+            }
+            last.1
+        })
+    }
+
+    fn nearest_taxel(&self, point: DVec3) -> Option<usize> {
+        let distance = |taxel: &usize| self.centers_link[*taxel].distance_squared(point);
+        (0..self.centers_link.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+/// One sub-point under a contact.
+struct Cell {
+    taxel: usize,
+    gap: f64,
+    /// (1, x₁, x₂): what depth and tilts add to its indentation.
+    place: Vector3<f64>,
+    stiffness: f64,
+    /// Share of its pressure that acts along the contact's normal.
+    share: f64,
+}
+
+/// Tilts cost this share of what an equal depth at a lever arm of 1 cm costs: enough to settle a tilt that no taxel
+/// resists (a point contact), too little to disturb one that a patch does.
+const TILT_COST: f64 = 1e-4;
+
+/// The pressures of the cells, N, under a rigid shape that is pressed on them with `force` (N) through the origin.
+fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
+    let Some(nearest) = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp) else { return Vec::new() };
+    let stiffness: f64 = cells.iter().map(|cell| cell.stiffness * cell.share).fold(0.0, f64::max);
+    let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (TILT_COST * stiffness * 1e-4);
+    let load = Vector3::new(force, 0.0, 0.0);
+    let depth = |cell: &Cell, pose: &Vector3<f64>| (cell.place.dot(pose) - cell.gap).max(0.0);
+    let energy = |pose: &Vector3<f64>| {
+        let elastic: f64 = cells.iter().map(|cell| cell.stiffness * cell.share * depth(cell, pose).powi(2)).sum();
+        0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
+    };
+    // Deep enough that one cell at least is in touch, so that the first Newton step has a slope.
+    let mut pose = Vector3::new(nearest + force / stiffness, 0.0, 0.0);
+    let mut value = energy(&pose);
+    for _ in 0..50 {
+        let mut slope = cost * pose - load;
+        let mut curvature = cost;
+        for cell in cells {
+            let pressed = depth(cell, &pose);
+            if pressed > 0.0 {
+                slope += cell.place * (cell.stiffness * cell.share * pressed);
+                curvature += cell.place * cell.place.transpose() * (cell.stiffness * cell.share);
+            }
+        }
+        if slope.amax() <= 1e-12 * force {
+            break;
+        }
+        let Some(step) = curvature.cholesky().map(|factor| factor.solve(&slope)) else { break };
+        let mut length = 1.0;
+        loop {
+            let trial = pose - step * length;
+            let trial_value = energy(&trial);
+            if trial_value < value {
+                (pose, value) = (trial, trial_value);
+                break;
+            }
+            length *= 0.5;
+            if length < 1e-6 {
+                return cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect();
+            }
+        }
+    }
+    cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect()
+}
+
+fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {
+    contacts.iter().enumerate().any(|(index, contact)| {
+        let next = contacts[(index + 1) % contacts.len()].position_link;
+        let edge = next - contact.position_link;
+        let share = ((center - contact.position_link).dot(edge) / edge.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        center.distance_squared(contact.position_link + edge * share) < SEARCH_RADIUS_M * SEARCH_RADIUS_M
+    })
+}
+
+fn signed_distance(shape: &dyn Shape, pose: &Pose, point: DVec3) -> f64 {
+    let projection = shape.project_point(pose, point, false);
+    let distance = projection.point.distance(point);
+    if projection.is_inside { -distance } else { distance }
+}
+
+/// Solves a symmetric, possibly singular 3 × 3 system by its eigenvectors; what lies in the null space stays out.
+fn solve_symmetric(matrix: DMat3, right: DVec3) -> DVec3 {
+    let matrix = Matrix3::from_column_slice(&matrix.to_cols_array());
+    let eigen = matrix.symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let right = Vector3::new(right.x, right.y, right.z);
+    let mut solution = Vector3::zeros();
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > 1e-12 * largest {
+            solution += vector * (vector.dot(&right) / value);
+        }
+    }
+    DVec3::new(solution.x, solution.y, solution.z)
+}
