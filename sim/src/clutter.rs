@@ -64,7 +64,11 @@ impl Standing {
             Footprint::Disc(radius) => radius,
             Footprint::Rectangle(x, y) => x.hypot(y),
         };
-        Capsule { start: self.foot_world, end: self.foot_world + DVec3::Z * self.object.height_m(), radius_m }
+        Capsule {
+            start: self.foot_world,
+            end: self.foot_world + DVec3::Z * self.object.height_m(),
+            radius_m,
+        }
     }
 
     fn laid(&self) -> LaidFootprint {
@@ -112,10 +116,14 @@ impl Clutter {
                         rejected.no_foam += 1;
                         continue;
                     };
-                    let object = group.draw(&mut random, &footing).map_err(|error| {
-                        scene.fault(&field, error, "a range with a fair share of physical values")
-                    })?;
-                    let standing = Standing { object, foot_world: center.extend(footing.height_m), yaw_rad };
+                    let object = group
+                        .draw(&mut random, &footing)
+                        .map_err(|error| scene.fault(&field, error, "a range with a fair share of physical values"))?;
+                    let standing = Standing {
+                        object,
+                        foot_world: center.extend(footing.height_m),
+                        yaw_rad,
+                    };
                     if rejected.allows(&standing, &objects, arm) {
                         found = Some(standing);
                         break;
@@ -127,7 +135,12 @@ impl Clutter {
                 })?);
             }
         }
-        let goals = draw_goals(scene, arm, &objects, &mut stream(seed, &scene.name, reach_index, "goals"))?;
+        let goals = draw_goals(
+            scene,
+            arm,
+            &objects,
+            &mut stream(seed, &scene.name, reach_index, "goals"),
+        )?;
         Ok(Clutter { objects, goals })
     }
 }
@@ -143,7 +156,9 @@ struct Rejections {
 impl Rejections {
     fn allows(&mut self, standing: &Standing, objects: &[Standing], arm: &ArmAtStart) -> bool {
         let laid = standing.laid();
-        let blocked = objects.iter().any(|other| !may_share_ground(standing, other) && laid.overlaps(&other.laid()));
+        let blocked = objects
+            .iter()
+            .any(|other| !may_share_ground(standing, other) && laid.overlaps(&other.laid()));
         if blocked {
             self.overlap += 1;
             return false;
@@ -194,15 +209,25 @@ fn propose(
     let center = DVec2::new(x, y);
     match stands_on {
         StandsOn::Table => {
-            let footing = Footing { height_m: workspace.table_height_m, foam_modulus_pa: None };
+            let footing = Footing {
+                height_m: workspace.table_height_m,
+                foam_modulus_pa: None,
+            };
             Some((center, yaw_rad, footing))
         }
         StandsOn::Foam => objects.iter().find_map(|block| {
             let (modulus, height) = block.object.foam_top()?;
-            let Footprint::Rectangle(half_x, half_y) = block.object.footprint() else { return None };
-            let local = DVec2::from_angle(-block.yaw_rad).rotate(center - block.foot_world.truncate()).abs();
+            let Footprint::Rectangle(half_x, half_y) = block.object.footprint() else {
+                return None;
+            };
+            let local = DVec2::from_angle(-block.yaw_rad)
+                .rotate(center - block.foot_world.truncate())
+                .abs();
             let inside = local.x < half_x - BLOCK_MARGIN_M && local.y < half_y - BLOCK_MARGIN_M;
-            let footing = Footing { height_m: block.foot_world.z + height, foam_modulus_pa: Some(modulus) };
+            let footing = Footing {
+                height_m: block.foot_world.z + height,
+                foam_modulus_pa: Some(modulus),
+            };
             inside.then_some((center, yaw_rad, footing))
         }),
     }
@@ -216,8 +241,11 @@ fn draw_goals(
     random: &mut ChaCha8Rng,
 ) -> Result<Vec<DVec3>, InputError> {
     let settings = &scene.file.goals;
-    let plants: Vec<Capsule> =
-        objects.iter().filter(|object| object.object.category() != Category::Block).map(Standing::hull).collect();
+    let plants: Vec<Capsule> = objects
+        .iter()
+        .filter(|object| object.object.category() != Category::Block)
+        .map(Standing::hull)
+        .collect();
     let rigid: Vec<Capsule> = objects
         .iter()
         .filter(|object| matches!(object.object.category(), Category::Trunk | Category::Outlier))
@@ -230,13 +258,20 @@ fn draw_goals(
         let mut too_far = 0;
         let goal = (0..GOAL_TRIES).find_map(|_| {
             let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, anywhere).ok();
-            let goal =
-                DVec3::new(draw(&settings.x_m, random)?, draw(&settings.y_m, random)?, draw(&settings.z_m, random)?);
+            let goal = DVec3::new(
+                draw(&settings.x_m, random)?,
+                draw(&settings.y_m, random)?,
+                draw(&settings.z_m, random)?,
+            );
             if goal.distance(arm.shoulder_world) > 0.97 * arm.length_m {
                 too_far += 1;
                 return None;
             }
-            let tip = Capsule { start: goal, end: goal, radius_m: GOAL_CLEARANCE_M };
+            let tip = Capsule {
+                start: goal,
+                end: goal,
+                radius_m: GOAL_CLEARANCE_M,
+            };
             let clear = rigid.iter().all(|object| object.distance(&tip) > 0.0);
             let wanted = plants.is_empty() || passes_through(&plants, from, goal, arm.shoulder_world);
             (clear && wanted).then_some(goal)

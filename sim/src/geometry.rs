@@ -28,11 +28,19 @@ pub fn segment_distance(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let (uu, uv, vv, uw, vw) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
     let determinant = uu * vv - uv * uv;
     // Parallel segments have no single nearest pair; any start on the first will do.
-    let mut s = if determinant > 1e-12 * uu * vv { ((uv * vw - vv * uw) / determinant).clamp(0.0, 1.0) } else { 0.0 };
+    let mut s = if determinant > 1e-12 * uu * vv {
+        ((uv * vw - vv * uw) / determinant).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let mut t = if vv > 0.0 { (uv * s + vw) / vv } else { 0.0 };
     if !(0.0..=1.0).contains(&t) {
         t = t.clamp(0.0, 1.0);
-        s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
+        s = if uu > 0.0 {
+            ((uv * t - uw) / uu).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
     }
     (w + u * s - v * t).length()
 }
@@ -128,7 +136,11 @@ mod tests {
             center: DVec2::new(x, y),
             yaw_rad,
         };
-        let disc = |x, y| LaidFootprint { footprint: Footprint::Disc(0.02), center: DVec2::new(x, y), yaw_rad: 0.0 };
+        let disc = |x, y| LaidFootprint {
+            footprint: Footprint::Disc(0.02),
+            center: DVec2::new(x, y),
+            yaw_rad: 0.0,
+        };
         assert!(rectangle(0.0, 0.0, 0.0).overlaps(&rectangle(0.24, 0.09, 0.0)));
         assert!(!rectangle(0.0, 0.0, 0.0).overlaps(&rectangle(0.26, 0.0, 0.0)));
         assert!(rectangle(0.0, 0.0, 0.0).overlaps(&rectangle(0.17, 0.0, std::f64::consts::FRAC_PI_2)));

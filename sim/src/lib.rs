@@ -1,6 +1,8 @@
 //! A compliant arm with tactile skin reaches through simulated foliage: scene → clutter → world → reach → recording.
 
+pub mod arm;
 pub mod clutter;
+pub mod contact_log;
 pub mod geometry;
 pub mod object;
 pub mod physics;
@@ -8,4 +10,6 @@ pub mod scene;
 pub mod seed;
 pub mod sensor;
 pub mod skin;
-//pub mod world;
+pub mod snapshot;
+pub mod touch;
+pub mod world;

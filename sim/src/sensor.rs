@@ -85,7 +85,11 @@ impl Sensor {
         if reading.abs() < options.gate_sigmas * options.noise_n || reading < options.floor_n {
             return 0.0;
         }
-        let steps = if options.quantum_n > 0.0 { (reading / options.quantum_n).round() * options.quantum_n } else { reading };
+        let steps = if options.quantum_n > 0.0 {
+            (reading / options.quantum_n).round() * options.quantum_n
+        } else {
+            reading
+        };
         steps.clamp(0.0, options.saturation_n)
     }
 }

@@ -12,6 +12,9 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use rapier3d::prelude::{Pose, Shape};
+use underbrush_recording::Taxel;
+
+use crate::arm::Arm;
 
 /// One place on a taxel, link frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,11 +72,47 @@ pub struct TaxelForce {
 /// 17 N taxel (0.7 cm deep) lights taxels up to 2.5 cm away.
 const SEARCH_RADIUS_M: f64 = 0.03;
 
+/// Sub-points along each side of a taxel. Three resolve a contact narrower than a taxel to 3 mm; a trunk's pressure
+/// over a 9 mm taxel changes by less than a fifth between them.
+const POINTS_PER_SIDE: usize = 3;
+
 impl SkinPatch {
+    /// The patches of an arm's skin, in the layout's order.
+    pub fn of_arm(arm: &Arm) -> Vec<SkinPatch> {
+        arm.skin
+            .layout
+            .patches
+            .iter()
+            .enumerate()
+            .map(|(patch, layout)| SkinPatch {
+                link: arm.skin.surfaces[patch].link,
+                centers_link: layout.taxels.iter().map(|taxel| taxel.position_link).collect(),
+                normals_link: layout.taxels.iter().map(|taxel| taxel.normal_link).collect(),
+                sub_points: (0..layout.taxels.len())
+                    .flat_map(|taxel| {
+                        arm.skin
+                            .surface_points(patch, taxel, POINTS_PER_SIDE)
+                            .into_iter()
+                            .map(move |point| SubPoint {
+                                taxel,
+                                position_link: point.position_link,
+                                normal_link: point.normal_link,
+                                area_m2: point.area_m2,
+                            })
+                    })
+                    .collect(),
+                reach_m: reach(&layout.taxels),
+                stiffness_n_per_m3: arm.skin.stiffness_n_per_m3,
+            })
+            .collect()
+    }
+
     /// Whether a point (link frame) lies on this skin rather than on the bare shell beside it.
     pub fn covers(&self, point_link: DVec3) -> bool {
         let reach = self.reach_m * self.reach_m;
-        self.centers_link.iter().any(|center| center.distance_squared(point_link) <= reach)
+        self.centers_link
+            .iter()
+            .any(|center| center.distance_squared(point_link) <= reach)
     }
 
     /// Spreads the contacts between this patch and one collision shape over the taxels. `shape_pose` is the shape's
@@ -87,7 +126,11 @@ impl SkinPatch {
         if weight <= 0.0 || inward == DVec3::ZERO {
             return Vec::new();
         }
-        let center = contacts.iter().map(|contact| contact.position_link * load(contact)).sum::<DVec3>() / weight;
+        let center = contacts
+            .iter()
+            .map(|contact| contact.position_link * load(contact))
+            .sum::<DVec3>()
+            / weight;
         let (across, along) = inward.any_orthonormal_pair();
         let cells: Vec<Cell> = self
             .nearby(contacts)
@@ -180,13 +223,18 @@ const TILT_COST: f64 = 1e-4;
 
 /// The pressures of the cells, N, under a rigid shape that is pressed on them with `force` (N) through the origin.
 fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
-    let Some(nearest) = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp) else { return Vec::new() };
+    let Some(nearest) = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp) else {
+        return Vec::new();
+    };
     let stiffness: f64 = cells.iter().map(|cell| cell.stiffness * cell.share).fold(0.0, f64::max);
     let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (TILT_COST * stiffness * 1e-4);
     let load = Vector3::new(force, 0.0, 0.0);
     let depth = |cell: &Cell, pose: &Vector3<f64>| (cell.place.dot(pose) - cell.gap).max(0.0);
     let energy = |pose: &Vector3<f64>| {
-        let elastic: f64 = cells.iter().map(|cell| cell.stiffness * cell.share * depth(cell, pose).powi(2)).sum();
+        let elastic: f64 = cells
+            .iter()
+            .map(|cell| cell.stiffness * cell.share * depth(cell, pose).powi(2))
+            .sum();
         0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
     };
     // Deep enough that one cell at least is in touch, so that the first Newton step has a slope.
@@ -205,7 +253,9 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
         if slope.amax() <= 1e-12 * force {
             break;
         }
-        let Some(step) = curvature.cholesky().map(|factor| factor.solve(&slope)) else { break };
+        let Some(step) = curvature.cholesky().map(|factor| factor.solve(&slope)) else {
+            break;
+        };
         let mut length = 1.0;
         loop {
             let trial = pose - step * length;
@@ -221,6 +271,21 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
         }
     }
     cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect()
+}
+
+/// Contacts as far from the nearest taxel's centre as neighbouring centres are from each other still lie on the skin:
+/// the cover reaches over the gaps between taxels and a little beyond the outermost.
+fn reach(taxels: &[Taxel]) -> f64 {
+    let nearest = |index: usize| {
+        let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);
+        others
+            .map(|(_, other)| other.position_link.distance(taxels[index].position_link))
+            .fold(f64::INFINITY, f64::min)
+    };
+    (0..taxels.len())
+        .map(nearest)
+        .filter(|distance| distance.is_finite())
+        .fold(0.0, f64::max)
 }
 
 fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {

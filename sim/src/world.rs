@@ -1,14 +1,12 @@
 //! The Rapier world of one clutter and one arm: stepping, contacts out, and leaving out of the solver what rests
 //! untouched.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
-use crate::arm::engine::{self, ArmHandles};
 use crate::arm::Arm;
+use crate::arm::engine::{self, ArmHandles};
 use crate::clutter::Clutter;
 use crate::geometry::Capsule;
 use crate::object::Mechanism;
@@ -46,8 +44,6 @@ pub struct World {
     pub physics: Physics,
     /// The arm's bodies.
     pub arm: ArmHandles,
-    link_of: BTreeMap<ColliderHandle, usize>,
-    object_of: BTreeMap<ColliderHandle, usize>,
     mechanisms: Vec<Option<Mechanism>>,
     hulls: Vec<Capsule>,
     dormancy: bool,
@@ -58,12 +54,9 @@ impl World {
     pub fn new(arm: &Arm, posture_rad: &[f64], clutter: &Clutter, options: PhysicsOptions, dormancy: bool) -> Self {
         let mut physics = Physics::new(options);
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
-        let link_of = handles.colliders.iter().map(|(collider, link)| (*collider, *link)).collect();
         let mut world = World {
             physics,
             arm: handles,
-            link_of,
-            object_of: BTreeMap::new(),
             mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
             hulls: clutter.objects.iter().map(|standing| standing.hull()).collect(),
             dormancy,
@@ -77,13 +70,14 @@ impl World {
         world
     }
 
-    /// Advances by one frame of 10 ms.
-    pub fn advance_frame(&mut self, clutter: &Clutter) {
+    /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_rad`.
+    pub fn advance_frame(&mut self, arm: &Arm, equilibrium_rad: &[f64], clutter: &Clutter) {
         if self.dormancy {
             self.wake(clutter);
         }
         let steps = (FRAME_PERIOD_S / self.physics.options.step_s).round() as usize;
         for _ in 0..steps {
+            self.arm.set_equilibrium(arm, equilibrium_rad, &mut self.physics);
             for mechanism in self.mechanisms.iter_mut().flatten() {
                 mechanism.relax(&mut self.physics);
             }
@@ -98,14 +92,15 @@ impl World {
     pub fn contacts(&self) -> Vec<SolverContact> {
         let mut contacts = Vec::new();
         let substep_s = self.physics.options.step_s / self.physics.options.substeps as f64;
-        for (collider, link) in &self.link_of {
-            let mut pairs: Vec<&ContactPair> =
-                self.physics.narrow_phase.contact_pairs_with(*collider).collect();
-            pairs.sort_by_key(|pair| (pair.collider1, pair.collider2));
+        for (collider, link) in &self.arm.colliders {
+            let mut pairs: Vec<&ContactPair> = self.physics.narrow_phase.contact_pairs_with(*collider).collect();
+            pairs.sort_by_key(|pair| (pair.collider1.into_raw_parts(), pair.collider2.into_raw_parts()));
             for pair in pairs {
                 let arm_is_first = pair.collider1 == *collider;
                 let other = if arm_is_first { pair.collider2 } else { pair.collider1 };
-                let Some(object) = self.object_of.get(&other) else { continue };
+                let Some(object) = object_of(&self.physics.colliders[other]) else {
+                    continue;
+                };
                 for manifold in pair.manifolds() {
                     // The normal points from the first shape to the second; the first is pushed against it.
                     let sign = if arm_is_first { -1.0 } else { 1.0 };
@@ -120,7 +115,7 @@ impl World {
                         let tangent = data.warmstart_tangent_world * -sign;
                         contacts.push(SolverContact {
                             link: *link,
-                            object: *object,
+                            object,
                             collider: other,
                             position_world: self.physics.colliders[*collider].position().transform_point(local),
                             inward_world: inward,
@@ -133,16 +128,28 @@ impl World {
         contacts
     }
 
+    /// Pose of a link in the world frame.
+    pub fn link_pose(&self, link: usize) -> Pose {
+        *self.physics.bodies[self.arm.links[link]].position()
+    }
+
     /// Number of objects that are in the solver now.
     pub fn active_objects(&self) -> usize {
         self.mechanisms.iter().flatten().count()
     }
 
+    /// The collision shapes of an object, `None` while it is left out of the solver.
+    pub fn colliders_of(&self, object: usize) -> Option<&[ColliderHandle]> {
+        self.mechanisms.get(object)?.as_ref().map(Mechanism::colliders)
+    }
+
     fn insert(&mut self, clutter: &Clutter, index: usize) {
         let standing = &clutter.objects[index];
-        let mechanism = standing.object.build(&mut self.physics, standing.foot_world, standing.yaw_rad);
+        let mechanism = standing
+            .object
+            .build(&mut self.physics, standing.foot_world, standing.yaw_rad);
         for collider in mechanism.colliders() {
-            self.object_of.insert(*collider, index);
+            self.physics.colliders[*collider].user_data = index as u128 + 1;
         }
         self.mechanisms[index] = Some(mechanism);
     }
@@ -168,9 +175,6 @@ impl World {
                 && !self.is_near(&moving, index, SLEEP_DISTANCE_M)
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
-                for collider in mechanism.colliders() {
-                    self.object_of.remove(collider);
-                }
                 mechanism.remove(&mut self.physics);
             }
         }
@@ -184,7 +188,10 @@ impl World {
             .flatten()
             .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.physics))
             .flat_map(|mechanism| mechanism.colliders());
-        self.link_of.keys().chain(mechanisms).map(|collider| self.physics.colliders[*collider].compute_aabb()).collect()
+        let arm = self.arm.colliders.iter().map(|(collider, _)| collider);
+        arm.chain(mechanisms)
+            .map(|collider| self.physics.colliders[*collider].compute_aabb())
+            .collect()
     }
 
     fn is_near(&self, boxes: &[Aabb], index: usize, distance_m: f64) -> bool {
@@ -193,4 +200,9 @@ impl World {
         let around = Aabb::new(hull.start - room, hull.end + room);
         boxes.iter().any(|moving| around.intersects(moving))
     }
+}
+
+/// The object that a collision shape belongs to: its mark is the object's index plus one, the arm's shapes have none.
+fn object_of(collider: &Collider) -> Option<usize> {
+    collider.user_data.checked_sub(1).map(|index| index as usize)
 }

@@ -76,18 +76,42 @@ impl Specification for FoamBlockSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
-            Limited { name: "wet_share", quantity: &self.wet_share, limits: SHARE_LIMITS },
-            Limited { name: "dry_modulus_pa", quantity: &self.dry_modulus_pa, limits: MODULUS_LIMITS_PA },
-            Limited { name: "wet_modulus_pa", quantity: &self.wet_modulus_pa, limits: MODULUS_LIMITS_PA },
+            Limited {
+                name: "height_m",
+                quantity: &self.height_m,
+                limits: HEIGHT_LIMITS_M,
+            },
+            Limited {
+                name: "wet_share",
+                quantity: &self.wet_share,
+                limits: SHARE_LIMITS,
+            },
+            Limited {
+                name: "dry_modulus_pa",
+                quantity: &self.dry_modulus_pa,
+                limits: MODULUS_LIMITS_PA,
+            },
+            Limited {
+                name: "wet_modulus_pa",
+                quantity: &self.wet_modulus_pa,
+                limits: MODULUS_LIMITS_PA,
+            },
         ]
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
         let height_m = self.height_m.draw(random, HEIGHT_LIMITS_M)?;
         let wet = random.next_u32() as f64 / 2f64.powi(32) < self.wet_share.draw(random, SHARE_LIMITS)?;
-        let modulus = if wet { &self.wet_modulus_pa } else { &self.dry_modulus_pa };
-        Ok(Box::new(FoamBlock { height_m, wet, modulus_pa: modulus.draw(random, MODULUS_LIMITS_PA)? }))
+        let modulus = if wet {
+            &self.wet_modulus_pa
+        } else {
+            &self.dry_modulus_pa
+        };
+        Ok(Box::new(FoamBlock {
+            height_m,
+            wet,
+            modulus_pa: modulus.draw(random, MODULUS_LIMITS_PA)?,
+        }))
     }
 
     fn stands_on(&self) -> StandsOn {

@@ -93,12 +93,36 @@ impl Specification for FoamRollSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited { name: "diameter_m", quantity: &self.diameter_m, limits: DIAMETER_LIMITS_M },
-            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
-            Limited { name: "modulus_pa", quantity: &self.modulus_pa, limits: MODULUS_LIMITS_PA },
-            Limited { name: "relaxing_share", quantity: &self.relaxing_share, limits: SHARE_LIMITS },
-            Limited { name: "relaxation_time_s", quantity: &self.relaxation_time_s, limits: TIME_LIMITS_S },
-            Limited { name: "density_kg_per_m3", quantity: &self.density_kg_per_m3, limits: DENSITY_LIMITS },
+            Limited {
+                name: "diameter_m",
+                quantity: &self.diameter_m,
+                limits: DIAMETER_LIMITS_M,
+            },
+            Limited {
+                name: "height_m",
+                quantity: &self.height_m,
+                limits: HEIGHT_LIMITS_M,
+            },
+            Limited {
+                name: "modulus_pa",
+                quantity: &self.modulus_pa,
+                limits: MODULUS_LIMITS_PA,
+            },
+            Limited {
+                name: "relaxing_share",
+                quantity: &self.relaxing_share,
+                limits: SHARE_LIMITS,
+            },
+            Limited {
+                name: "relaxation_time_s",
+                quantity: &self.relaxation_time_s,
+                limits: TIME_LIMITS_S,
+            },
+            Limited {
+                name: "density_kg_per_m3",
+                quantity: &self.density_kg_per_m3,
+                limits: DENSITY_LIMITS,
+            },
         ]
     }
 
@@ -210,7 +234,11 @@ impl Object for FoamRoll {
             let inertia = DVec3::new(cross, cross, slice_mass * radius * radius / 2.0);
             let mass = MassProperties::new(DVec3::ZERO, slice_mass, inertia);
             let body = mechanism.jointed(physics, core, center, mass, &[(0, slide), (1, slide)]);
-            let group = if slice == 0 { groups::rooted() } else { groups::bendable() };
+            let group = if slice == 0 {
+                groups::rooted()
+            } else {
+                groups::bendable()
+            };
             let upright = Pose::rotation(DVec3::X * PI / 2.0);
             let shape = ColliderBuilder::cylinder(slice_height / 2.0, radius)
                 .position(upright)
@@ -240,7 +268,11 @@ mod tests {
             relaxation_time_s: 2.0,
             density_kg_per_m3: 30.0,
         };
-        let options = PhysicsOptions { step_s: 0.005, substeps: 1, gravity_m_per_s2: 0.0 };
+        let options = PhysicsOptions {
+            step_s: 0.005,
+            substeps: 1,
+            gravity_m_per_s2: 0.0,
+        };
         let mut physics = Physics::new(options);
         let mut mechanism = roll.build(&mut physics, DVec3::ZERO, 0.0);
         // The core takes the force, so that only the lean shows.
@@ -264,12 +296,22 @@ mod tests {
         // Two seconds let the roll's own vibration (3 Hz, damping ratio 0.2) die out.
         let early = lean(2.0, force);
         let expected = at_once * (1.0 + (1.0 - (-2.0 / retardation).exp()));
-        assert!((early / expected - 1.0).abs() < 0.02, "after 2 s found {early}, expected {expected}");
+        assert!(
+            (early / expected - 1.0).abs() < 0.02,
+            "after 2 s found {early}, expected {expected}"
+        );
         let late = lean(40.0, force);
-        assert!((late / (2.0 * at_once) - 1.0).abs() < 0.02, "at last found {late}, expected {}", 2.0 * at_once);
+        assert!(
+            (late / (2.0 * at_once) - 1.0).abs() < 0.02,
+            "at last found {late}, expected {}",
+            2.0 * at_once
+        );
         let soon_after = lean(2.0, 0.0);
         let expected = at_once * (-2.0 / retardation).exp();
-        assert!((soon_after / expected - 1.0).abs() < 0.02, "2 s after release found {soon_after}, expected {expected}");
+        assert!(
+            (soon_after / expected - 1.0).abs() < 0.02,
+            "2 s after release found {soon_after}, expected {expected}"
+        );
         assert!(lean(60.0, 0.0).abs() < 1e-4 * at_once.max(1.0));
     }
 }

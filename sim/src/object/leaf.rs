@@ -101,16 +101,36 @@ impl Specification for LeafSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
-            Limited { name: "width_m", quantity: &self.width_m, limits: WIDTH_LIMITS_M },
+            Limited {
+                name: "height_m",
+                quantity: &self.height_m,
+                limits: HEIGHT_LIMITS_M,
+            },
+            Limited {
+                name: "width_m",
+                quantity: &self.width_m,
+                limits: WIDTH_LIMITS_M,
+            },
             Limited {
                 name: "flexural_rigidity_n_m2",
                 quantity: &self.flexural_rigidity_n_m2,
                 limits: RIGIDITY_LIMITS,
             },
-            Limited { name: "mass_per_area_kg_per_m2", quantity: &self.mass_per_area_kg_per_m2, limits: MASS_LIMITS },
-            Limited { name: "loss_factor", quantity: &self.loss_factor, limits: LOSS_LIMITS },
-            Limited { name: "root_depth_m", quantity: &self.root_depth_m, limits: DEPTH_LIMITS_M },
+            Limited {
+                name: "mass_per_area_kg_per_m2",
+                quantity: &self.mass_per_area_kg_per_m2,
+                limits: MASS_LIMITS,
+            },
+            Limited {
+                name: "loss_factor",
+                quantity: &self.loss_factor,
+                limits: LOSS_LIMITS,
+            },
+            Limited {
+                name: "root_depth_m",
+                quantity: &self.root_depth_m,
+                limits: DEPTH_LIMITS_M,
+            },
         ]
     }
 
@@ -209,11 +229,17 @@ impl Leaf {
 
     /// A spring damped in proportion to its stiffness so that the first mode's damping ratio is η/2.
     fn damped(&self, stiffness: f64) -> Spring {
-        Spring::elastic(stiffness, stiffness * self.loss_factor / self.first_frequency_rad_per_s())
+        Spring::elastic(
+            stiffness,
+            stiffness * self.loss_factor / self.first_frequency_rad_per_s(),
+        )
     }
 
     fn at_root(&self, stiffness: f64) -> Spring {
-        Spring { armature: ROOT_ARMATURE_KG_M2, ..self.damped(stiffness) }
+        Spring {
+            armature: ROOT_ARMATURE_KG_M2,
+            ..self.damped(stiffness)
+        }
     }
 }
 
@@ -260,14 +286,24 @@ impl Object for Leaf {
         let sideways = self.at_root(self.sideways_stiffness_nm_per_rad());
         parent = mechanism.jointed(physics, parent, DVec3::ZERO, massless(), &[(3, sideways)]);
         if let Some(stiffness) = self.root_stiffness_nm_per_rad {
-            parent = mechanism.jointed(physics, parent, DVec3::ZERO, massless(), &[(4, self.at_root(stiffness))]);
+            parent = mechanism.jointed(
+                physics,
+                parent,
+                DVec3::ZERO,
+                massless(),
+                &[(4, self.at_root(stiffness))],
+            );
         }
         let twist = self.at_root(self.twist_stiffness_nm_per_rad());
         let segment_m = self.height_m / f64::from(self.segments);
         let bend = self.damped(self.flexural_rigidity_n_m2 / segment_m);
         // Pieces lie between hinges: half a segment, n − 1 whole ones, half a segment.
         for piece in 0..=self.segments {
-            let length = if piece == 0 || piece == self.segments { segment_m / 2.0 } else { segment_m };
+            let length = if piece == 0 || piece == self.segments {
+                segment_m / 2.0
+            } else {
+                segment_m
+            };
             let size = DVec3::new(COLLISION_THICKNESS_M, self.width_m, length);
             let center = DVec3::Z * (length / 2.0);
             let mass = box_mass(self.mass_per_length_kg_per_m() * length, center, size);
@@ -278,7 +314,11 @@ impl Object for Leaf {
             };
             let hinge = if piece == 0 { (5, twist) } else { (4, bend) };
             parent = mechanism.jointed(physics, parent, origin, mass, &[hinge]);
-            let group = if piece <= 1 { groups::rooted() } else { groups::bendable() };
+            let group = if piece <= 1 {
+                groups::rooted()
+            } else {
+                groups::bendable()
+            };
             let shape = ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0)
                 .position(Pose::from_translation(center))
                 .friction(FRICTION)
@@ -297,7 +337,11 @@ mod tests {
 
     /// Deflections along x at the tip, m, of a leaf under a constant force at its tip, and of a clamped one by theory.
     fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
-        let options = PhysicsOptions { step_s: 0.01, substeps: 1, gravity_m_per_s2: 0.0 };
+        let options = PhysicsOptions {
+            step_s: 0.01,
+            substeps: 1,
+            gravity_m_per_s2: 0.0,
+        };
         let mut physics = Physics::new(options);
         let mechanism = leaf.build(&mut physics, DVec3::ZERO, 0.0);
         let last = mechanism.bodies()[mechanism.bodies().len() - 1];
@@ -338,7 +382,10 @@ mod tests {
             .sum();
         for sign in [1.0, -1.0] {
             let found = tip_deflection(&leaf, DVec3::X * load * sign).x * sign;
-            assert!((found / expected - 1.0).abs() < 1e-3, "found {found} m, expected {expected} m");
+            assert!(
+                (found / expected - 1.0).abs() < 1e-3,
+                "found {found} m, expected {expected} m"
+            );
         }
         // The discrete sum itself is 1/(4n²) under the continuum's P L³ / 3 E I.
         let continuum = load * leaf.height_m.powi(3) / 3.0 / leaf.flexural_rigidity_n_m2;
@@ -353,9 +400,16 @@ mod tests {
         let leaf = example(8, Some(2.0));
         let rooted = tip_deflection(&leaf, DVec3::X * load).x;
         let expected = load * leaf.height_m.powi(2) / 2.0;
-        assert!(((rooted - clamped) / expected - 1.0).abs() < 2e-3, "found {}, expected {expected}", rooted - clamped);
+        assert!(
+            ((rooted - clamped) / expected - 1.0).abs() < 2e-3,
+            "found {}, expected {expected}",
+            rooted - clamped
+        );
         let sideways = tip_deflection(&leaf, DVec3::Y * load).y;
         let expected = load * leaf.height_m.powi(2) / leaf.sideways_stiffness_nm_per_rad();
-        assert!((sideways / expected - 1.0).abs() < 2e-3, "found {sideways}, expected {expected}");
+        assert!(
+            (sideways / expected - 1.0).abs() < 2e-3,
+            "found {sideways}, expected {expected}"
+        );
     }
 }

@@ -21,7 +21,12 @@ pub struct Spring {
 impl Spring {
     /// An elastic spring with damping.
     pub fn elastic(stiffness: f64, damping: f64) -> Self {
-        Spring { stiffness, damping, armature: 0.0, maxwell: None }
+        Spring {
+            stiffness,
+            damping,
+            armature: 0.0,
+            maxwell: None,
+        }
     }
 }
 
@@ -92,7 +97,10 @@ impl Mechanism {
         let parent_pose = *physics.bodies[parent].position();
         let pose = parent_pose * Pose::from_translation(origin_parent);
         let body = physics.bodies.insert(
-            RigidBodyBuilder::dynamic().pose(pose).additional_mass_properties(mass).can_sleep(false),
+            RigidBodyBuilder::dynamic()
+                .pose(pose)
+                .additional_mass_properties(mass)
+                .can_sleep(false),
         );
         let mut locked = JointAxesMask::all();
         for (axis, _) in axes {
@@ -110,7 +118,12 @@ impl Mechanism {
                 }
             }
             for (axis, spring) in axes {
-                self.coordinates.push(Coordinate { joint: handle, axis: *axis, spring: *spring, dashpot: 0.0 });
+                self.coordinates.push(Coordinate {
+                    joint: handle,
+                    axis: *axis,
+                    spring: *spring,
+                    dashpot: 0.0,
+                });
             }
         }
         self.bodies.push(body);
@@ -119,7 +132,9 @@ impl Mechanism {
 
     /// Adds a massless collision shape to a body (the mass sits in the body's own properties).
     pub fn shape(&mut self, physics: &mut Physics, body: RigidBodyHandle, shape: ColliderBuilder) {
-        let collider = physics.colliders.insert_with_parent(shape.density(0.0), body, &mut physics.bodies);
+        let collider = physics
+            .colliders
+            .insert_with_parent(shape.density(0.0), body, &mut physics.bodies);
         self.colliders.push(collider);
     }
 
@@ -145,23 +160,32 @@ impl Mechanism {
     pub fn relax(&mut self, physics: &mut Physics) {
         let step_s = physics.options.step_s;
         for coordinate in &mut self.coordinates {
-            let Some(maxwell) = coordinate.spring.maxwell else { continue };
-            let Some((multibody, link)) = physics.joints.get_mut(coordinate.joint) else { continue };
+            let Some(maxwell) = coordinate.spring.maxwell else {
+                continue;
+            };
+            let Some((multibody, link)) = physics.joints.get_mut(coordinate.joint) else {
+                continue;
+            };
             let Some(link) = multibody.link_mut(link) else { continue };
             let displacement = link.joint.coords()[coordinate.axis];
             // Exact for a displacement that is constant over the step: dz/dt = (x − z)/τ.
             let share = -(-step_s / maxwell.relaxation_time_s).exp_m1();
             coordinate.dashpot += (displacement - coordinate.dashpot) * share;
             let total = coordinate.spring.stiffness + maxwell.stiffness;
-            link.joint.set_spring(coordinate.axis, total, maxwell.stiffness * coordinate.dashpot / total);
+            link.joint
+                .set_spring(coordinate.axis, total, maxwell.stiffness * coordinate.dashpot / total);
         }
     }
 
     /// Whether it stands as it was built and does not move, so that taking it out changes nothing.
     pub fn is_at_rest(&self, physics: &Physics) -> bool {
         self.coordinates.iter().all(|coordinate| {
-            let Some((multibody, link)) = physics.joints.get(coordinate.joint) else { return false };
-            let Some(index) = degree_of_freedom(multibody, link, coordinate.axis) else { return false };
+            let Some((multibody, link)) = physics.joints.get(coordinate.joint) else {
+                return false;
+            };
+            let Some(index) = degree_of_freedom(multibody, link, coordinate.axis) else {
+                return false;
+            };
             let Some(position) = multibody.link(link).map(|link| link.joint.coords()[coordinate.axis]) else {
                 return false;
             };

@@ -54,8 +54,16 @@ impl Specification for TrunkSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited { name: "diameter_m", quantity: &self.diameter_m, limits: DIAMETER_LIMITS_M },
-            Limited { name: "height_m", quantity: &self.height_m, limits: HEIGHT_LIMITS_M },
+            Limited {
+                name: "diameter_m",
+                quantity: &self.diameter_m,
+                limits: DIAMETER_LIMITS_M,
+            },
+            Limited {
+                name: "height_m",
+                quantity: &self.height_m,
+                limits: HEIGHT_LIMITS_M,
+            },
         ]
     }
 
@@ -98,7 +106,10 @@ impl Object for Trunk {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        BTreeMap::from([("diameter_m".into(), self.diameter_m), ("height_m".into(), self.height_m)])
+        BTreeMap::from([
+            ("diameter_m".into(), self.diameter_m),
+            ("height_m".into(), self.height_m),
+        ])
     }
 
     fn build(&self, physics: &mut Physics, foot_world: DVec3, _: f64) -> Mechanism {

@@ -80,7 +80,11 @@ pub struct Workspace {
 impl Default for Workspace {
     /// Choice: the foam's top lies 50 cm under the shoulder, in front of the right arm of Cody and within its reach.
     fn default() -> Self {
-        Workspace { x_m: [0.42, 0.85], y_m: [-0.65, 0.25], table_height_m: -0.58 }
+        Workspace {
+            x_m: [0.42, 0.85],
+            y_m: [-0.65, 0.25],
+            table_height_m: -0.58,
+        }
     }
 }
 
@@ -138,7 +142,12 @@ pub struct PhysicsSection {
 
 impl Default for PhysicsSection {
     fn default() -> Self {
-        PhysicsSection { step_s: 0.005, substeps: 4, gravity_m_per_s2: 9.81, dormancy: true }
+        PhysicsSection {
+            step_s: 0.005,
+            substeps: 4,
+            gravity_m_per_s2: 9.81,
+            dormancy: true,
+        }
     }
 }
 
@@ -187,7 +196,13 @@ impl Scene {
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|error| {
-            InputError::new(path, "file", error.to_string(), "a readable scene file", "check the path; `scenes/` holds examples")
+            InputError::new(
+                path,
+                "file",
+                error.to_string(),
+                "a readable scene file",
+                "check the path; `scenes/` holds examples",
+            )
         })?;
         Scene::parse(path, text)
     }
@@ -200,14 +215,27 @@ impl Scene {
         let path = path.as_ref();
         let file: SceneFile = toml::from_str(&text).map_err(|error| {
             let found = error.message().to_string();
-            let fault = InputError::new(path, "scene", found, "the keys that `underbrush schema` lists", "mend the line");
+            let fault = InputError::new(
+                path,
+                "scene",
+                found,
+                "the keys that `underbrush schema` lists",
+                "mend the line",
+            );
             match error.span() {
                 Some(span) => fault.at_line(line_of(&text, span.start)),
                 None => fault,
             }
         })?;
-        let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-        let scene = Scene { name, path: path.to_path_buf(), text, file };
+        let name = path
+            .file_stem()
+            .map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+        let scene = Scene {
+            name,
+            path: path.to_path_buf(),
+            text,
+            file,
+        };
         scene.check()?;
         Ok(scene)
     }
@@ -229,13 +257,26 @@ impl Scene {
             return Err(self.fault("workspace.table_height_m", workspace.table_height_m, "a finite height"));
         }
         self.check_physics()?;
-        file.sensor.fault().map_or(Ok(()), |(key, found, allowed)| Err(self.fault(&format!("sensor.{key}"), found, allowed)))?;
+        file.sensor.fault().map_or(Ok(()), |(key, found, allowed)| {
+            Err(self.fault(&format!("sensor.{key}"), found, allowed))
+        })?;
         if file.goals.count == 0 || file.goals.count > 1000 {
             return Err(self.fault("goals.count", file.goals.count, "1 to 1000 goals"));
         }
         let anywhere = (-5.0, 5.0);
-        for (name, quantity) in [("x_m", &file.goals.x_m), ("y_m", &file.goals.y_m), ("z_m", &file.goals.z_m)] {
-            self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
+        for (name, quantity) in [
+            ("x_m", &file.goals.x_m),
+            ("y_m", &file.goals.y_m),
+            ("z_m", &file.goals.z_m),
+        ] {
+            self.check_quantity(
+                "goals",
+                &Limited {
+                    name,
+                    quantity,
+                    limits: anywhere,
+                },
+            )?;
         }
         for (kind, number, group) in file.objects.groups() {
             let place = format!("objects.{kind}[{number}]");
@@ -265,9 +306,13 @@ impl Scene {
 
     fn check_physics(&self) -> Result<(), InputError> {
         let physics = &self.file.physics;
-        let steps = 0.01 / physics.step_s;
+        let steps = crate::world::FRAME_PERIOD_S / physics.step_s;
         if !(physics.step_s > 0.0 && steps >= 1.0 - 1e-9 && (steps - steps.round()).abs() < 1e-6) {
-            return Err(self.fault("physics.step_s", physics.step_s, "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 …)"));
+            return Err(self.fault(
+                "physics.step_s",
+                physics.step_s,
+                "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 …)",
+            ));
         }
         if !(1..=64).contains(&physics.substeps) {
             return Err(self.fault("physics.substeps", physics.substeps, "1 to 64"));
@@ -279,18 +324,32 @@ impl Scene {
     }
 
     fn check_quantity(&self, place: &str, limited: &Limited<'_>) -> Result<(), InputError> {
-        let Some((found, allowed)) = limited.quantity.fault(limited.limits) else { return Ok(()) };
+        let Some((found, allowed)) = limited.quantity.fault(limited.limits) else {
+            return Ok(());
+        };
         let fault = self.fault(&format!("{place}.{}", limited.name), found, allowed);
         let span = &limited.quantity.span;
-        Err(if span.is_empty() { fault } else { fault.at_line(line_of(&self.text, span.start)) })
+        Err(if span.is_empty() {
+            fault
+        } else {
+            fault.at_line(line_of(&self.text, span.start))
+        })
     }
 
     /// An error about this file; the line is that of the key's last part, where it stands only once in the text.
     pub(crate) fn fault(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
-        let fault = InputError::new(&self.path, field, found.to_string(), allowed, "change the value in the scene file");
+        let fault = InputError::new(
+            &self.path,
+            field,
+            found.to_string(),
+            allowed,
+            "change the value in the scene file",
+        );
         let key = field.rsplit('.').next().unwrap_or(field);
         let mut lines = self.text.lines().enumerate().filter(|(_, line)| {
-            line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
+            line.trim_start()
+                .strip_prefix(key)
+                .is_some_and(|rest| rest.trim_start().starts_with('='))
         });
         match (lines.next(), lines.next()) {
             (Some((line, _)), None) => fault.at_line(line + 1),
@@ -305,5 +364,10 @@ pub fn schema() -> schemars::Schema {
 }
 
 fn line_of(text: &str, offset: usize) -> usize {
-    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+    text.as_bytes()
+        .iter()
+        .take(offset)
+        .filter(|byte| **byte == b'\n')
+        .count()
+        + 1
 }

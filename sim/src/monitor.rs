@@ -1,0 +1,55 @@
+//! Watches a reach: reached, stuck, timed out, aborted.
+
+use std::collections::VecDeque;
+
+use glam::DVec3;
+use underbrush_recording::Outcome;
+
+use crate::controller::ReachRules;
+use crate::world::FRAME_PERIOD_S;
+
+/// Watches the way to one goal.
+pub struct Monitor {
+    rules: ReachRules,
+    goal: DVec3,
+    tips: VecDeque<DVec3>,
+    frames: usize,
+}
+
+impl Monitor {
+    /// Watches the way to `goal` (m, world frame) by a controller's rules.
+    pub fn new(rules: ReachRules, goal: DVec3) -> Self {
+        Monitor { rules, goal, tips: VecDeque::new(), frames: 0 }
+    }
+
+    /// Takes the tip's position (m, world frame) and the largest contact force on the skin (N) of one frame; says how
+    /// the way ended, where it has.
+    pub fn observe(&mut self, tip_world: DVec3, largest_force_n: f64) -> Option<Outcome> {
+        self.frames += 1;
+        let window = (self.rules.stuck_window_s / FRAME_PERIOD_S).round() as usize;
+        self.tips.push_back(tip_world);
+        if self.tips.len() > window {
+            self.tips.pop_front();
+        }
+        if largest_force_n > self.rules.stop_force_n {
+            Some(Outcome::Aborted)
+        } else if tip_world.distance(self.goal) < self.rules.reached_distance_m {
+            Some(Outcome::Reached)
+        } else if self.tips.len() == window && self.mean_motion_m() < self.rules.stuck_distance_m {
+            Some(Outcome::Stuck)
+        } else if self.frames as f64 * FRAME_PERIOD_S >= self.rules.time_out_s {
+            Some(Outcome::TimedOut)
+        } else {
+            None
+        }
+    }
+
+    /// How far the mean position of the window's second half is from that of its first.
+    fn mean_motion_m(&self) -> f64 {
+        let half = self.tips.len() / 2;
+        let mean = |tips: &mut dyn Iterator<Item = &DVec3>, count: usize| tips.sum::<DVec3>() / count.max(1) as f64;
+        let first = mean(&mut self.tips.iter().take(half), half);
+        let second = mean(&mut self.tips.iter().skip(half), self.tips.len() - half);
+        first.distance(second)
+    }
+}

@@ -1,0 +1,252 @@
+//! One reach: sense → control → step → record, goal after goal.
+
+use glam::DVec3;
+use underbrush_recording::{Frame, GoalRecord, InputError, Outcome, Pose, Recording};
+
+use crate::arm::Arm;
+use crate::clutter::{ArmAtStart, Clutter};
+use crate::contact_log::ContactLog;
+use crate::controller::{Controller, ControllerInput, Preset, TaxelContact};
+use crate::geometry::Capsule;
+use crate::monitor::Monitor;
+use crate::scene::Scene;
+use crate::seed::stream;
+use crate::sensor::Sensor;
+use crate::skin::SkinPatch;
+use crate::touch::{Touch, feel};
+use crate::world::{FRAME_PERIOD_S, World};
+
+/// Everything that decides a reach but its index.
+#[derive(Clone, Debug)]
+pub struct ReachPlan {
+    /// The scene.
+    pub scene: Scene,
+    /// The arm.
+    pub arm: Arm,
+    /// The controller.
+    pub preset: Preset,
+    /// The campaign's seed.
+    pub seed: u64,
+}
+
+/// Looks on while a reach runs: called once a frame.
+pub type Observer<'a> = dyn FnMut(&World, &Clutter, &Frame) + 'a;
+
+impl ReachPlan {
+    /// A plan with the scene's own arm and, unless another is named, its own controller.
+    ///
+    /// # Errors
+    /// When the arm's files are bad or no controller has that name.
+    pub fn new(scene: Scene, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
+        let arm = match scene.file.arm.as_str() {
+            "cody" => Arm::cody()?,
+            path => Arm::load(scene.path.parent().unwrap_or(std::path::Path::new(".")).join(path))?,
+        };
+        let name = controller.unwrap_or(&scene.file.controller);
+        let preset = Preset::by_name(name).ok_or_else(|| {
+            scene.fault("controller", format!("`{name}`"), format!("one of {}", Preset::NAMES.join(", ")))
+        })?;
+        Ok(ReachPlan { scene, arm, preset, seed })
+    }
+
+    /// Runs reach number `reach_index`.
+    ///
+    /// # Errors
+    /// When the scene is impossible for this draw; how the reach ends is data, never an error.
+    pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, InputError> {
+        let clutter = Clutter::draw(&self.scene, &arm_at_start(&self.arm), self.seed, reach_index)?;
+        Ok(Reach::new(self, &clutter, reach_index).run(&clutter, observer))
+    }
+}
+
+/// A reach under way.
+struct Reach<'a> {
+    plan: &'a ReachPlan,
+    patches: Vec<SkinPatch>,
+    world: World,
+    controller: Box<dyn Controller>,
+    sensor: Sensor,
+    contacts: ContactLog,
+    recording: Recording,
+    /// Frames between two calls of the controller.
+    control_period: usize,
+    equilibrium_rad: Vec<f64>,
+}
+
+/// Back-off after getting stuck (Jain et al. 2013): 5 cm back, then 10 cm sideways, then once more to the goal.
+const BACK_OFF_M: f64 = 0.05;
+const SIDESTEP_M: f64 = 0.10;
+/// Time allowed for each of the two, s: at the slower preset's 0.2 m/s either takes half a second. A choice.
+const BACK_OFF_TIME_S: f64 = 2.0;
+
+impl<'a> Reach<'a> {
+    fn new(plan: &'a ReachPlan, clutter: &Clutter, reach_index: u64) -> Self {
+        let scene = &plan.scene;
+        let posture = plan.arm.start_posture_rad();
+        let physics = &scene.file.physics;
+        let recording = Recording {
+            scene: scene.name.clone(),
+            controller: plan.preset.name.into(),
+            seed: plan.seed,
+            reach_index,
+            rate_hz: 1.0 / FRAME_PERIOD_S,
+            joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
+            layout: plan.arm.skin.layout(),
+            objects: clutter.objects.iter().map(|standing| standing.record()).collect(),
+            goals: Vec::new(),
+            contacts: Vec::new(),
+            frames: Vec::new(),
+            largest_force_residual: 0.0,
+        };
+        Reach {
+            plan,
+            patches: SkinPatch::of_arm(&plan.arm),
+            world: World::new(&plan.arm, &posture, clutter, physics.options(), physics.dormancy),
+            controller: plan.preset.controller(&plan.arm),
+            sensor: Sensor::new(scene.file.sensor, stream(plan.seed, &scene.name, reach_index, "sensor")),
+            contacts: ContactLog::default(),
+            recording,
+            control_period: (1.0 / FRAME_PERIOD_S / plan.preset.rate_hz).round().max(1.0) as usize,
+            equilibrium_rad: posture,
+        }
+    }
+
+    fn run(mut self, clutter: &Clutter, observer: &mut Observer) -> Recording {
+        for (index, goal) in clutter.goals.iter().enumerate() {
+            let start_time_s = self.time_s();
+            let mut outcome = self.go(clutter, index, *goal, *goal, None, observer);
+            for _ in 0..self.plan.scene.file.goals.retries {
+                if outcome != Outcome::Stuck {
+                    break;
+                }
+                outcome = self.retry(clutter, index, *goal, observer);
+            }
+            self.recording.goals.push(GoalRecord { position_world: *goal, start_time_s, end_time_s: self.time_s(), outcome });
+            if outcome == Outcome::Aborted {
+                break;
+            }
+        }
+        self.recording.contacts = self.contacts.finish();
+        self.recording
+    }
+
+    /// Backs off, steps aside and tries the goal again.
+    fn retry(&mut self, clutter: &Clutter, index: usize, goal: DVec3, observer: &mut Observer) -> Outcome {
+        let tip = self.world.tip_world(&self.plan.arm);
+        let forward = (goal - tip).with_z(0.0).normalize_or(DVec3::X);
+        let back = tip - forward * BACK_OFF_M;
+        // To the left, where the other arm would be on the robot's right side there is nothing: a choice.
+        let aside = back + DVec3::Z.cross(forward) * SIDESTEP_M;
+        for waypoint in [back, aside] {
+            if self.go(clutter, index, waypoint, goal, Some(BACK_OFF_TIME_S), observer) == Outcome::Aborted {
+                return Outcome::Aborted;
+            }
+        }
+        self.go(clutter, index, goal, goal, None, observer)
+    }
+
+    /// Drives the tip to `target` until the way ends; frames name `goal`.
+    fn go(
+        &mut self,
+        clutter: &Clutter,
+        goal_index: usize,
+        target: DVec3,
+        goal: DVec3,
+        time_out_s: Option<f64>,
+        observer: &mut Observer,
+    ) -> Outcome {
+        let mut rules = self.plan.preset.rules;
+        rules.time_out_s = time_out_s.unwrap_or(rules.time_out_s);
+        let mut monitor = Monitor::new(rules, target);
+        loop {
+            let touch = feel(&self.world, &self.recording.layout, &self.patches, &mut self.sensor);
+            if self.recording.frames.len() % self.control_period == 0 {
+                self.control(&touch, target);
+            }
+            let frame = self.record(&touch, goal_index, goal);
+            let ended = monitor.observe(frame.tip_pose_world.position, touch.largest_force_n());
+            observer(&self.world, clutter, &frame);
+            self.recording.frames.push(frame);
+            self.world.advance_frame(clutter);
+            if let Some(outcome) = ended {
+                return outcome;
+            }
+        }
+    }
+
+    /// Lets the controller move the equilibrium angles, from what the skin senses.
+    fn control(&mut self, touch: &Touch, target: DVec3) {
+        let arm = &self.plan.arm;
+        let joint_angle_rad = self.world.arm.joint_angles(&self.world.physics);
+        let poses = arm.forward_kinematics(&joint_angle_rad);
+        let contacts: Vec<TaxelContact> = touch
+            .taxels
+            .iter()
+            .filter(|reading| reading.sensed_force_n > 0.0)
+            .map(|reading| {
+                let patch = usize::from(reading.patch);
+                let place = &self.recording.layout.patches[patch].taxels[usize::from(reading.taxel)];
+                let link = self.patches[patch].link;
+                let position = poses[link].transform_point(place.position_link);
+                TaxelContact {
+                    jacobian: arm.position_jacobian(&poses, link, position),
+                    normal_world: -poses[link].transform_vector(place.normal_link),
+                    force_n: reading.sensed_force_n,
+                }
+            })
+            .collect();
+        let tip = arm.tip_pose(&poses);
+        let input = ControllerInput {
+            joint_angle_rad: &joint_angle_rad,
+            equilibrium_angle_rad: &self.equilibrium_rad,
+            tip_position_world: tip.translation,
+            tip_jacobian: arm.position_jacobian(&poses, arm.tip_link, tip.translation),
+            goal_position_world: target,
+            contacts: &contacts,
+        };
+        self.equilibrium_rad = self.controller.step(&input).equilibrium_angle_rad;
+        self.world.arm.set_equilibrium_angles(&mut self.world.physics, &self.equilibrium_rad);
+    }
+
+    fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {
+        let number = self.recording.frames.len();
+        self.contacts.observe(number as u32, &touch.pairs);
+        self.recording.largest_force_residual = self.recording.largest_force_residual.max(touch.force_residual);
+        let pose = |pose: rapier3d::prelude::Pose| Pose { position: pose.translation, orientation: pose.rotation };
+        let arm = &self.world.arm;
+        let physics = &self.world.physics;
+        Frame {
+            time_s: self.time_s(),
+            joint_angle_rad: arm.joint_angles(physics),
+            joint_velocity_rad_per_s: arm.joint_velocities(physics),
+            equilibrium_angle_rad: self.equilibrium_rad.clone(),
+            joint_torque_nm: arm.joint_torques(physics),
+            tip_pose_world: pose(self.world.link_pose(self.plan.arm.tip_link) * self.plan.arm.tip_pose_link),
+            goal_position_world: goal,
+            goal_index: goal_index as u16,
+            patch_pose_world: self.patches.iter().map(|patch| pose(self.world.link_pose(patch.link))).collect(),
+            contact_force_world: touch.contact_force_world.clone(),
+            taxels: touch.taxels.clone(),
+        }
+    }
+
+    fn time_s(&self) -> f64 {
+        self.recording.frames.len() as f64 * FRAME_PERIOD_S
+    }
+}
+
+/// Where an arm starts and how far it reaches.
+pub fn arm_at_start(arm: &Arm) -> ArmAtStart {
+    let poses = arm.forward_kinematics(&arm.start_posture_rad());
+    let links = arm
+        .links
+        .iter()
+        .zip(&poses)
+        .flat_map(|(link, pose)| link.colliders.iter().map(|collider| collider.capsule(pose)))
+        .collect::<Vec<Capsule>>();
+    // From the first joint whose offset from the next is a bone rather than an actuator's width.
+    let tip_world = arm.tip_pose(&poses).translation;
+    let chain: Vec<DVec3> = poses[1..].iter().map(|pose| pose.translation).chain([tip_world]).collect();
+    let length_m = chain.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    ArmAtStart { links, tip_world, shoulder_world: chain[0], length_m }
+}

@@ -1,0 +1,268 @@
+//! What the skin feels in one frame: solver contacts → taxel forces → sensed values, with their ground truth.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rapier3d::prelude::{ColliderHandle, Pose};
+use underbrush_recording::{SkinLayout, TaxelReading};
+
+use crate::sensor::Sensor;
+use crate::skin::{ContactPoint, SkinPatch};
+use crate::world::{SolverContact, World};
+
+/// What arm and skin feel in one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Touch {
+    /// Taxels that feel or report anything, sorted by patch, then taxel.
+    pub taxels: Vec<TaxelReading>,
+    /// Sum of the solver's contact forces on each patch, N, world frame.
+    pub contact_force_world: Vec<DVec3>,
+    /// Force between a patch (`None`: bare link) and an object, N, world frame.
+    pub pairs: BTreeMap<(Option<u16>, u16), DVec3>,
+    /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's.
+    pub force_residual: f64,
+}
+
+impl Touch {
+    /// The largest force between the arm and one object, N.
+    pub fn largest_force_n(&self) -> f64 {
+        self.pairs.values().map(|force| force.length()).fold(0.0, f64::max)
+    }
+}
+
+/// True force on one taxel, summed over the objects on it.
+#[derive(Default)]
+struct Load {
+    normal_n: f64,
+    shear_link: DVec3,
+    object: Option<(u16, f64)>,
+}
+
+/// Contact points between one patch and one collision shape.
+struct Group {
+    object: u16,
+    collider: ColliderHandle,
+    points: Vec<ContactPoint>,
+}
+
+/// Reads the skin of the world as it stands.
+pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &mut Sensor) -> Touch {
+    let mut touch = Touch {
+        contact_force_world: vec![DVec3::ZERO; patches.len()],
+        ..Touch::default()
+    };
+    let mut groups: BTreeMap<(usize, (u32, u32)), Group> = BTreeMap::new();
+    for contact in world.contacts() {
+        let object = contact.object as u16;
+        let pose = world.link_pose(contact.link);
+        let point = pose.inverse_transform_point(contact.position_world);
+        let patch = patches
+            .iter()
+            .position(|patch| patch.link == contact.link && patch.covers(point));
+        *touch
+            .pairs
+            .entry((patch.map(|patch| patch as u16), object))
+            .or_default() += contact.force_world;
+        if let Some(patch) = patch {
+            touch.contact_force_world[patch] += contact.force_world;
+            let group = groups
+                .entry((patch, contact.collider.into_raw_parts()))
+                .or_insert_with(|| Group {
+                    object,
+                    collider: contact.collider,
+                    points: Vec::new(),
+                });
+            group.points.push(in_link_frame(&contact, &pose, point));
+        }
+    }
+    let mut loads: BTreeMap<(usize, usize), Load> = BTreeMap::new();
+    for ((patch, _), group) in &groups {
+        let skin = &patches[*patch];
+        let shape = &world.physics.colliders[group.collider];
+        let shape_pose = world.link_pose(skin.link).inverse() * *shape.position();
+        for force in skin.spread(&group.points, shape.shape(), &shape_pose) {
+            let load = loads.entry((*patch, force.taxel)).or_default();
+            load.normal_n += force.normal_force_n;
+            load.shear_link += force.shear_link;
+            if load.object.is_none_or(|(_, largest)| force.normal_force_n > largest) {
+                load.object = Some((group.object, force.normal_force_n));
+            }
+        }
+    }
+    touch.force_residual = residual(world, patches, &loads, &touch.contact_force_world);
+    for (patch, described) in layout.patches.iter().enumerate() {
+        for (taxel, place) in described.taxels.iter().enumerate() {
+            let load = loads.get(&(patch, taxel));
+            let true_normal_force_n = load.map_or(0.0, |load| load.normal_n);
+            let sensed_force_n = sensor.read(true_normal_force_n);
+            let shear = load.map_or(DVec3::ZERO, |load| load.shear_link);
+            if load.is_none() && sensed_force_n == 0.0 {
+                continue;
+            }
+            touch.taxels.push(TaxelReading {
+                patch: patch as u16,
+                taxel: taxel as u16,
+                true_normal_force_n,
+                true_shear_force_n: [
+                    shear.dot(place.tangent_link),
+                    shear.dot(place.normal_link.cross(place.tangent_link)),
+                ],
+                sensed_force_n,
+                object: load.and_then(|load| load.object).map(|(object, _)| object),
+            });
+        }
+    }
+    touch
+}
+
+fn in_link_frame(contact: &SolverContact, pose: &Pose, position_link: DVec3) -> ContactPoint {
+    ContactPoint {
+        position_link,
+        inward_link: pose.inverse_transform_vector(contact.inward_world),
+        force_link: pose.inverse_transform_vector(contact.force_world),
+    }
+}
+
+fn residual(world: &World, patches: &[SkinPatch], loads: &BTreeMap<(usize, usize), Load>, solver: &[DVec3]) -> f64 {
+    let mut sums = vec![DVec3::ZERO; patches.len()];
+    for ((patch, taxel), load) in loads {
+        let skin = &patches[*patch];
+        let force = load.shear_link - skin.normals_link[*taxel] * load.normal_n;
+        sums[*patch] += world.link_pose(skin.link).transform_vector(force);
+    }
+    let relative = |(sum, solver): (&DVec3, &DVec3)| (*sum - *solver).length() / solver.length().max(1e-6);
+    sums.iter().zip(solver).map(relative).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::Arm;
+    use crate::clutter::{Clutter, Standing};
+    use crate::object::{Object, leaf::Leaf, trunk::Trunk};
+    use crate::physics::PhysicsOptions;
+    use crate::seed::stream;
+    use crate::sensor::SensorOptions;
+    use nalgebra::DVector;
+
+    /// The arm pressed for `seconds` against one object at the left of its forearm by equilibrium angles that would
+    /// press with `force_n` (N) if nothing moved.
+    fn press(object: Box<dyn Object>, gap_m: f64, force_n: f64, seconds: f64) -> (Arm, World, Vec<f64>, Touch) {
+        let arm = Arm::cody().unwrap();
+        let posture = arm.start_posture_rad();
+        let poses = arm.forward_kinematics(&posture);
+        let forearm = arm.link_index("forearm").unwrap();
+        let place = poses[forearm].transform_point(DVec3::new(0.0, 0.0, 0.10));
+        let foot_world = (place + DVec3::Y * (0.04604 + gap_m)).with_z(place.z - 0.3);
+        let objects = vec![Standing {
+            object,
+            foot_world,
+            yaw_rad: std::f64::consts::FRAC_PI_2,
+        }];
+        let clutter = Clutter {
+            objects,
+            goals: Vec::new(),
+        };
+        let options = PhysicsOptions {
+            step_s: 0.005,
+            substeps: 4,
+            gravity_m_per_s2: 9.81,
+        };
+        let mut world = World::new(&arm, &posture, &clutter, options, false);
+        let jacobian = arm.position_jacobian(&poses, forearm, place);
+        let torque = jacobian.transpose() * nalgebra::Vector3::new(0.0, force_n, 0.0);
+        let equilibrium: Vec<f64> = (0..posture.len())
+            .map(|joint| posture[joint] + torque[joint] / arm.joints[joint].stiffness_nm_per_rad)
+            .collect();
+        for _ in 0..(seconds / crate::world::FRAME_PERIOD_S) as usize {
+            world.advance_frame(&arm, &equilibrium, &clutter);
+        }
+        let options = SensorOptions {
+            perfect: true,
+            ..SensorOptions::default()
+        };
+        let mut sensor = Sensor::new(options, stream(0, "test", 0, "sensor"));
+        let touch = feel(&world, &arm.skin.layout, &SkinPatch::of_arm(&arm), &mut sensor);
+        (arm, world, equilibrium, touch)
+    }
+
+    fn trunk() -> Box<dyn Object> {
+        Box::new(Trunk {
+            diameter_m: 0.03,
+            height_m: 0.6,
+        })
+    }
+
+    /// Pins that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and
+    /// that taxels add up to them to 1e-9.
+    #[test]
+    fn springs_balance_contact_forces() {
+        for force in [2.0, 9.0] {
+            let (arm, world, equilibrium, touch) = press(trunk(), 0.017, force, 8.0);
+            let angle = world.arm.joint_angle_rad(&world.physics);
+            let poses = arm.forward_kinematics(&angle);
+            let spring: Vec<f64> = (0..angle.len())
+                .map(|joint| arm.joints[joint].stiffness_nm_per_rad * (equilibrium[joint] - angle[joint]))
+                .collect();
+            let spring = DVector::from_vec(spring);
+            let mut contact = DVector::zeros(angle.len());
+            for at in world.contacts() {
+                let force = nalgebra::Vector3::from(at.force_world.to_array());
+                contact += arm.position_jacobian(&poses, at.link, at.position_world).transpose() * force;
+            }
+            assert!(contact.norm() > 0.1 * force, "no contact: {contact}");
+            let residual = (&spring + &contact).norm() / spring.norm();
+            assert!(
+                residual < 1e-3,
+                "relative residual {residual} at {force} N: {spring} {contact}"
+            );
+            assert!(
+                touch.force_residual < 1e-9,
+                "taxels miss the solver's force by {}",
+                touch.force_residual
+            );
+        }
+    }
+
+    /// Pins that a trunk lights a patch of taxels of the size of a stored frame of the real skin (nine newtons on
+    /// 4 × 2 taxels of 0.6–1.5 N), and that more force lights no fewer.
+    #[test]
+    fn a_broad_contact_lights_a_patch() {
+        let lit = |force: f64| {
+            let (.., touch) = press(trunk(), 0.017, force, 8.0);
+            touch
+                .taxels
+                .iter()
+                .filter(|taxel| taxel.true_normal_force_n > 0.02)
+                .count()
+        };
+        let (few, many) = (lit(3.0), lit(12.0));
+        assert!(
+            (2..=12).contains(&few) && few <= many && many <= 24,
+            "{few} taxels at 3 N, {many} at 12 N"
+        );
+    }
+
+    /// Pins that a leaf gives way where a trunk does not: the same push, a tenth of the force.
+    #[test]
+    fn a_leaf_pushes_back_less_than_a_trunk() {
+        let leaf = Leaf {
+            height_m: 0.4,
+            width_m: 0.03,
+            flexural_rigidity_n_m2: 0.02,
+            mass_per_area_kg_per_m2: 0.8,
+            loss_factor: 0.1,
+            root_stiffness_nm_per_rad: Some(2.0),
+            segments: 8,
+        };
+        let (.., soft) = press(Box::new(leaf), 0.005, 6.0, 4.0);
+        let (.., hard) = press(trunk(), 0.017, 6.0, 4.0);
+        assert!(soft.largest_force_n() > 0.01, "the leaf was not touched");
+        assert!(
+            soft.largest_force_n() < 0.3 * hard.largest_force_n(),
+            "{} N, {} N",
+            soft.largest_force_n(),
+            hard.largest_force_n()
+        );
+    }
+}
