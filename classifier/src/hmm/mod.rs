@@ -1,0 +1,19 @@
+//! Hidden Markov models with one Gaussian of full covariance per state.
+//!
+//! [`HmmParameters`] are numbers as they stand in a file; only [`GaussianHmm::new`] turns them into a model that can
+//! score and be trained, so whatever scores is known to be sound. Training is [`train()`], scores are
+//! [`GaussianHmm::log_probability`] for whole sequences and [`RunningScore`] sample by sample; both run the same code.
+
+mod emission;
+mod model;
+mod score;
+mod start;
+mod statistics;
+mod topology;
+mod train;
+
+pub use model::{GaussianHmm, HmmParameters, ParameterError};
+pub use score::{RunningScore, ScoreKind};
+pub use start::equal_slice_start;
+pub use topology::{InitialDistribution, Topology};
+pub use train::{Stop, TrainingError, TrainingHistory, TrainingOptions, train};

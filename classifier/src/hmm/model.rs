@@ -1,0 +1,271 @@
+//! The model: parameters as written in a file, and the same checked and ready to score.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::emission::Emissions;
+
+/// Parameters of a hidden Markov model of N states over D features (paper, eq. 1: λ = (A, B, π)), not yet checked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HmmParameters {
+    /// N initial probabilities π.
+    pub initial: Vec<f64>,
+    /// N × N transition probabilities A; row: from, column: to.
+    pub transition: Vec<Vec<f64>>,
+    /// N × D means of the states' Gaussians, in the features' units.
+    pub mean: Vec<Vec<f64>>,
+    /// N × D × D covariances of the states' Gaussians.
+    pub covariance: Vec<Vec<Vec<f64>>>,
+}
+
+/// Which parameter is unsound, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{field}: found {found}; allowed: {allowed}; remedy: {remedy}")]
+pub struct ParameterError {
+    /// The parameter, for instance `transition[2]`.
+    pub field: String,
+    /// What was found.
+    pub found: String,
+    /// What is allowed.
+    pub allowed: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+/// How far a row of probabilities may be from 1 and still be taken as it stands.
+const ROW_SUM_TOLERANCE: f64 = 1e-6;
+
+/// A checked model, with what scoring needs prepared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaussianHmm {
+    pub(super) states: usize,
+    pub(super) dimension: usize,
+    pub(super) initial: Vec<f64>,
+    /// N × N.
+    pub(super) transition: Vec<f64>,
+    /// N × D.
+    pub(super) mean: Vec<f64>,
+    /// N × D × D.
+    pub(super) covariance: Vec<f64>,
+    pub(super) log_initial: Vec<f64>,
+    /// N × N, −inf for zero.
+    pub(super) log_transition: Vec<f64>,
+    pub(super) emissions: Emissions,
+}
+
+impl GaussianHmm {
+    /// Checks parameters and prepares them for scoring.
+    ///
+    /// # Errors
+    /// [`ParameterError`] where sizes disagree, a number is not finite, a probability is outside 0 … 1, a row does not
+    /// sum to 1 within 1e-6, or a covariance is not symmetric and positive definite.
+    pub fn new(parameters: HmmParameters) -> Result<Self, ParameterError> {
+        let states = parameters.initial.len();
+        if states == 0 {
+            return Err(error(
+                "initial",
+                "no states",
+                "at least one state",
+                "give one number per state",
+            ));
+        }
+        check_probabilities("initial", &parameters.initial)?;
+        check_length("transition", "rows", parameters.transition.len(), states)?;
+        for (i, row) in parameters.transition.iter().enumerate() {
+            check_length(&format!("transition[{i}]"), "numbers", row.len(), states)?;
+            check_probabilities(&format!("transition[{i}]"), row)?;
+        }
+        check_length("mean", "rows", parameters.mean.len(), states)?;
+        let dimension = parameters.mean[0].len();
+        if dimension == 0 {
+            return Err(error(
+                "mean[0]",
+                "no numbers",
+                "one number per feature",
+                "give a mean per feature",
+            ));
+        }
+        for (i, row) in parameters.mean.iter().enumerate() {
+            check_length(&format!("mean[{i}]"), "numbers", row.len(), dimension)?;
+            check_finite(&format!("mean[{i}]"), row)?;
+        }
+        check_length("covariance", "matrices", parameters.covariance.len(), states)?;
+        for (i, matrix) in parameters.covariance.iter().enumerate() {
+            check_covariance(&format!("covariance[{i}]"), matrix, dimension)?;
+        }
+        let mean = parameters.mean.concat();
+        let covariance: Vec<f64> = parameters.covariance.iter().flatten().flatten().copied().collect();
+        let emissions = Emissions::new(dimension, &mean, &covariance).map_err(|state| {
+            error(
+                format!("covariance[{state}]"),
+                "a matrix that is not positive definite",
+                "positive definite covariances",
+                "train with a variance floor above 0, or raise the diagonal",
+            )
+        })?;
+        let transition = parameters.transition.concat();
+        Ok(GaussianHmm {
+            states,
+            dimension,
+            log_initial: parameters.initial.iter().map(|p| p.ln()).collect(),
+            log_transition: transition.iter().map(|p| p.ln()).collect(),
+            initial: parameters.initial,
+            transition,
+            mean,
+            covariance,
+            emissions,
+        })
+    }
+
+    /// Number of states N.
+    pub fn state_count(&self) -> usize {
+        self.states
+    }
+
+    /// Number of features D.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The parameters, as they go into a file.
+    pub fn parameters(&self) -> HmmParameters {
+        let rows = |flat: &[f64], width: usize| flat.chunks_exact(width).map(<[f64]>::to_vec).collect::<Vec<_>>();
+        HmmParameters {
+            initial: self.initial.clone(),
+            transition: rows(&self.transition, self.states),
+            mean: rows(&self.mean, self.dimension),
+            covariance: self
+                .covariance
+                .chunks_exact(self.dimension * self.dimension)
+                .map(|block| rows(block, self.dimension))
+                .collect(),
+        }
+    }
+}
+
+fn error(field: impl Into<String>, found: impl Into<String>, allowed: &str, remedy: &str) -> ParameterError {
+    ParameterError {
+        field: field.into(),
+        found: found.into(),
+        allowed: allowed.to_owned(),
+        remedy: remedy.to_owned(),
+    }
+}
+
+fn check_length(field: &str, what: &str, found: usize, expected: usize) -> Result<(), ParameterError> {
+    if found == expected {
+        return Ok(());
+    }
+    let (found, allowed) = (format!("{found} {what}"), format!("{expected} {what}"));
+    Err(error(
+        field,
+        found,
+        &allowed,
+        "make all sizes agree: initial N, transition N×N, mean N×D, covariance N×D×D",
+    ))
+}
+
+fn check_finite(field: &str, numbers: &[f64]) -> Result<(), ParameterError> {
+    match numbers.iter().find(|number| !number.is_finite()) {
+        None => Ok(()),
+        Some(number) => Err(error(
+            field,
+            number.to_string(),
+            "finite numbers",
+            "train the model again",
+        )),
+    }
+}
+
+fn check_probabilities(field: &str, row: &[f64]) -> Result<(), ParameterError> {
+    check_finite(field, row)?;
+    if let Some(p) = row.iter().find(|&&p| !(0.0..=1.0 + ROW_SUM_TOLERANCE).contains(&p)) {
+        return Err(error(
+            field,
+            p.to_string(),
+            "probabilities from 0 to 1",
+            "correct the number",
+        ));
+    }
+    let sum: f64 = row.iter().sum();
+    if (sum - 1.0).abs() > ROW_SUM_TOLERANCE {
+        let found = format!("a sum of {sum}");
+        return Err(error(
+            field,
+            found,
+            "a sum of 1 within 1e-6",
+            "divide the numbers by their sum",
+        ));
+    }
+    Ok(())
+}
+
+fn check_covariance(field: &str, matrix: &[Vec<f64>], dimension: usize) -> Result<(), ParameterError> {
+    check_length(field, "rows", matrix.len(), dimension)?;
+    for (i, row) in matrix.iter().enumerate() {
+        check_length(&format!("{field}[{i}]"), "numbers", row.len(), dimension)?;
+        check_finite(&format!("{field}[{i}]"), row)?;
+    }
+    for i in 0..dimension {
+        for j in 0..i {
+            let (below, above) = (matrix[i][j], matrix[j][i]);
+            if (below - above).abs() > 1e-9 * (matrix[i][i] * matrix[j][j]).abs().sqrt() {
+                let found = format!("{below} at [{i}][{j}] and {above} at [{j}][{i}]");
+                return Err(error(field, found, "a symmetric matrix", "use the mean of the two"));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(in super::super) fn sound() -> HmmParameters {
+        HmmParameters {
+            initial: vec![0.5, 0.5],
+            transition: vec![vec![0.9, 0.1], vec![0.0, 1.0]],
+            mean: vec![vec![0.0, 1.0], vec![2.0, 3.0]],
+            covariance: vec![vec![vec![1.0, 0.1], vec![0.1, 1.0]]; 2],
+        }
+    }
+
+    #[test]
+    fn each_fault_names_its_field() {
+        // Pins that every way to break the parameters is refused and that the error names the place.
+        let faults: [(&str, fn(&mut HmmParameters)); 13] = [
+            ("initial", |p| p.initial.clear()),
+            ("initial", |p| p.initial[0] = f64::NAN),
+            ("initial", |p| p.initial = vec![-0.5, 1.5]),
+            ("transition", |p| {
+                p.transition.pop();
+            }),
+            ("transition[1]", |p| p.transition[1].push(0.0)),
+            ("transition[0]", |p| p.transition[0][0] = 0.90001),
+            ("mean", |p| p.mean.truncate(1)),
+            ("mean[1]", |p| p.mean[1].truncate(1)),
+            ("mean[0]", |p| p.mean[0].clear()),
+            ("mean[1]", |p| p.mean[1][0] = f64::INFINITY),
+            ("covariance[1]", |p| p.covariance[1][0][1] = 0.2),
+            ("covariance[0][1]", |p| p.covariance[0][1][0] = f64::NAN),
+            ("covariance[1]", |p| {
+                p.covariance[1] = vec![vec![1.0, 2.0], vec![2.0, 1.0]]
+            }),
+        ];
+        for (field, break_it) in faults {
+            let mut parameters = sound();
+            break_it(&mut parameters);
+            assert_eq!(GaussianHmm::new(parameters).unwrap_err().field, field);
+        }
+    }
+
+    #[test]
+    fn parameters_come_back_as_they_went_in() {
+        // Pins that checking changes no number.
+        let model = GaussianHmm::new(sound()).unwrap();
+        assert_eq!(model.parameters(), sound());
+        assert_eq!((model.state_count(), model.dimension()), (2, 2));
+    }
+}

@@ -1,0 +1,122 @@
+//! Where training starts: means and covariances of equal time slices.
+
+use super::emission::{floor_eigenvalues, is_singular};
+use super::model::{GaussianHmm, HmmParameters};
+use super::topology::{InitialDistribution, Topology};
+use super::train::{TrainingError, check_sequences, largest_observation};
+use crate::feature::Observations;
+
+/// A model to start Baum-Welch from: state j of N has the mean and covariance of the j-th of N equal time slices of
+/// every sequence, pooled (the authors' recipe).
+///
+/// Slice j of T samples runs from ⌊jT/N⌋ to before ⌊(j+1)T/N⌋, but never holds fewer than one sample: a sequence
+/// shorter than N is stretched by giving the same sample to neighbouring slices, so that each sequence has a say in
+/// each state.
+///
+/// # Errors
+/// [`TrainingError`] where there are no sequences or states, or where a slice has no spread and `variance_floor` is 0.
+pub fn equal_slice_start(
+    sequences: &[Observations],
+    states: usize,
+    topology: Topology,
+    initial: InitialDistribution,
+    variance_floor: f64,
+) -> Result<GaussianHmm, TrainingError> {
+    if states == 0 {
+        return Err(TrainingError::BadOption {
+            option: "states",
+            found: "0".into(),
+            allowed: "at least 1",
+        });
+    }
+    let dimension = check_sequences(sequences)?;
+    let largest = largest_observation(sequences);
+    let mut mean = Vec::with_capacity(states);
+    let mut covariance = Vec::with_capacity(states);
+    for state in 0..states {
+        let (state_mean, mut state_covariance) = slice_moments(sequences, dimension, state, states);
+        floor_eigenvalues(&mut state_covariance, dimension, variance_floor);
+        if is_singular(&state_covariance, dimension, largest) {
+            return Err(TrainingError::SingularCovariance { state, iteration: 0 });
+        }
+        mean.push(state_mean);
+        covariance.push(state_covariance.chunks_exact(dimension).map(<[f64]>::to_vec).collect());
+    }
+    let parameters = HmmParameters {
+        initial: initial.probabilities(states),
+        transition: topology.transitions(states),
+        mean,
+        covariance,
+    };
+    Ok(GaussianHmm::new(parameters)?)
+}
+
+/// Mean and covariance (divisor: number of samples) of one slice of all sequences.
+fn slice_moments(sequences: &[Observations], dimension: usize, slice: usize, slices: usize) -> (Vec<f64>, Vec<f64>) {
+    let samples = || {
+        sequences.iter().flat_map(move |sequence| {
+            let count = sequence.sample_count();
+            let first = slice * count / slices;
+            let end = ((slice + 1) * count / slices).max(first + 1);
+            (first..end).map(|index| sequence.sample(index))
+        })
+    };
+    let mut mean = vec![0.0; dimension];
+    let mut count = 0.0;
+    for sample in samples() {
+        count += 1.0;
+        mean.iter_mut().zip(sample).for_each(|(sum, value)| *sum += value);
+    }
+    mean.iter_mut().for_each(|sum| *sum /= count);
+    let mut covariance = vec![0.0; dimension * dimension];
+    for sample in samples() {
+        for row in 0..dimension {
+            for column in 0..dimension {
+                covariance[row * dimension + column] += (sample[row] - mean[row]) * (sample[column] - mean[column]);
+            }
+        }
+    }
+    covariance.iter_mut().for_each(|sum| *sum /= count);
+    (mean, covariance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slices_are_pooled_over_sequences() {
+        // Pins means and variances of two slices over sequences of 4 and 2 samples, computed by hand.
+        let sequences = [
+            Observations::new(1, vec![1.0, 2.0, 7.0, 9.0]).unwrap(),
+            Observations::new(1, vec![3.0, 5.0]).unwrap(),
+        ];
+        let model = equal_slice_start(&sequences, 2, Topology::Ergodic, InitialDistribution::Uniform, 0.0).unwrap();
+        let parameters = model.parameters();
+        assert_eq!(parameters.mean, [[2.0], [7.0]]);
+        let expected = [2.0 / 3.0, 8.0 / 3.0];
+        for (found, expected) in parameters.covariance.iter().zip(expected) {
+            assert!((found[0][0] - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn short_sequences_reach_every_state() {
+        // Pins the stretching: two samples over four states give means 1 1 2 2; the floor makes up for the spread.
+        let sequences = [Observations::new(1, vec![1.0, 2.0]).unwrap()];
+        let start = |floor| {
+            equal_slice_start(
+                &sequences,
+                4,
+                Topology::LeftToRight,
+                InitialDistribution::FirstState,
+                floor,
+            )
+        };
+        assert_eq!(start(1e-4).unwrap().parameters().mean, [[1.0], [1.0], [2.0], [2.0]]);
+        assert_eq!(
+            start(0.0),
+            Err(TrainingError::SingularCovariance { state: 0, iteration: 0 })
+        );
+    }
+}

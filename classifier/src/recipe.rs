@@ -1,0 +1,68 @@
+//! Recipes: every choice that makes a set of models from trials.
+
+use serde::{Deserialize, Serialize};
+
+use crate::feature::FeatureSet;
+use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
+
+/// Whether features enter the models as measured or z-scored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScalingKind {
+    /// As measured, N and m.
+    Unscaled,
+    /// Zero mean and unit standard deviation over all training samples; see [`crate::feature::Scaling`].
+    ZScore,
+}
+
+/// How models are started, trained and scored. Stored in the model file, so that a table can say what made it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recipe {
+    /// States of each model.
+    pub states: usize,
+    /// What of a sample the models see.
+    pub features: FeatureSet,
+    /// Transitions that exist.
+    pub topology: Topology,
+    /// Where models start.
+    pub initial: InitialDistribution,
+    /// What a trial's score is.
+    pub score: ScoreKind,
+    /// Whether features are scaled.
+    pub scaling: ScalingKind,
+    /// Only the first so many samples of each trial, in training and in scoring (paper, section V-C); `None`: all.
+    pub max_samples: Option<usize>,
+    /// Baum-Welch's bounds.
+    pub training: TrainingOptions,
+}
+
+impl Recipe {
+    /// The recipe of the authors' nearest published code: left-to-right with skips, uniform start distribution,
+    /// variance floor 1e-4, unscaled features, score by the Viterbi path; 10 states and force, as in the paper's online
+    /// experiment (section V-B).
+    ///
+    /// Unscaled, the floor of 1e-4 is (0.01 N)² but also (1 cm)², so contact motion is blurred to about a centimetre.
+    pub fn authors() -> Self {
+        Recipe {
+            states: 10,
+            features: FeatureSet::Force,
+            topology: Topology::LeftToRight,
+            initial: InitialDistribution::Uniform,
+            score: ScoreKind::Viterbi,
+            scaling: ScalingKind::Unscaled,
+            max_samples: None,
+            training: TrainingOptions::default(),
+        }
+    }
+
+    /// What one would choose today: the forward likelihood of eq. 2 as score, and z-scored features, so that the
+    /// variance floor means the same (a hundredth of the data's deviation) for every feature.
+    pub fn modern() -> Self {
+        Recipe {
+            score: ScoreKind::Forward,
+            scaling: ScalingKind::ZScore,
+            ..Recipe::authors()
+        }
+    }
+}

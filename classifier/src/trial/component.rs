@@ -1,0 +1,82 @@
+//! Connected components of the taxels in contact in one frame.
+
+use glam::DVec3;
+use underbrush_recording::Grid;
+
+use super::image::PatchImage;
+
+/// One contact region of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Component {
+    /// Its taxels in ascending order.
+    pub(super) taxels: Vec<usize>,
+    /// Unweighted mean of its taxels' centres, m, world frame (as in the authors' code; paper, section IV-C).
+    pub(super) centre_world: DVec3,
+    /// The taxel with the largest sensed force, the first in a draw.
+    pub(super) strongest: usize,
+    /// Its force, N: the feature "maximum force".
+    pub(super) force_n: f64,
+    /// Ground truth: the object of the strongest taxel that has one. Crosstalk can light taxels that touch nothing.
+    pub(super) object: Option<u16>,
+}
+
+/// The 4-connected regions of taxels in contact, in the order of their first taxels.
+///
+/// Rows × columns is the number of taxels; `grid.wraps` joins the last column to the first.
+pub(super) fn components(image: &PatchImage, grid: Grid) -> Vec<Component> {
+    let mut seen = vec![false; grid.rows * grid.columns];
+    let mut found = Vec::new();
+    for first in 0..seen.len() {
+        if seen[first] || !image.is_in_contact(first) {
+            continue;
+        }
+        seen[first] = true;
+        let mut taxels = vec![first];
+        let mut next = 0;
+        while let Some(&taxel) = taxels.get(next) {
+            next += 1;
+            for neighbour in neighbours(taxel, grid).into_iter().flatten() {
+                if !seen[neighbour] && image.is_in_contact(neighbour) {
+                    seen[neighbour] = true;
+                    taxels.push(neighbour);
+                }
+            }
+        }
+        taxels.sort_unstable();
+        found.push(measure(image, taxels));
+    }
+    found
+}
+
+fn neighbours(taxel: usize, grid: Grid) -> [Option<usize>; 4] {
+    let (row, column) = (taxel / grid.columns, taxel % grid.columns);
+    let at = |row: usize, column: usize| row * grid.columns + column;
+    [
+        (row > 0).then(|| at(row - 1, column)),
+        (row + 1 < grid.rows).then(|| at(row + 1, column)),
+        (column > 0 || grid.wraps).then(|| at(row, (column + grid.columns - 1) % grid.columns)),
+        (column + 1 < grid.columns || grid.wraps).then(|| at(row, (column + 1) % grid.columns)),
+    ]
+}
+
+fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
+    let strongest_of = |taxels: &mut dyn Iterator<Item = usize>| {
+        taxels.reduce(|best, taxel| {
+            if image.sensed_force_n(taxel) > image.sensed_force_n(best) {
+                taxel
+            } else {
+                best
+            }
+        })
+    };
+    let strongest = strongest_of(&mut taxels.iter().copied()).unwrap_or(taxels[0]);
+    let touching = strongest_of(&mut taxels.iter().copied().filter(|&taxel| image.object(taxel).is_some()));
+    let sum: DVec3 = taxels.iter().map(|&taxel| image.position_world(taxel)).sum();
+    Component {
+        centre_world: sum / taxels.len() as f64,
+        strongest,
+        force_n: image.sensed_force_n(strongest),
+        object: touching.and_then(|taxel| image.object(taxel)),
+        taxels,
+    }
+}

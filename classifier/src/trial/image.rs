@@ -1,0 +1,124 @@
+//! One patch of one frame as an image of forces.
+
+use glam::DVec3;
+use underbrush_recording::{Frame, Patch, Pose, SkinLayout};
+
+use super::TrialError;
+
+/// The sensed forces of one patch in the frame last read, and where its taxels are. Reading does not allocate.
+#[derive(Clone, Debug)]
+pub struct PatchImage {
+    patch_index: usize,
+    patch: Patch,
+    threshold_n: f64,
+    sensed_force_n: Vec<f64>,
+    object: Vec<Option<u16>>,
+    pose_world: Option<Pose>,
+}
+
+impl PatchImage {
+    /// An image of a patch of the skin, with no taxel in contact yet; in contact is what senses more than `threshold_n`.
+    ///
+    /// # Errors
+    /// [`TrialError::UnknownPatch`], or [`TrialError::BadOption`] for a threshold that is negative or not finite.
+    pub fn new(layout: &SkinLayout, patch: &str, threshold_n: f64) -> Result<Self, TrialError> {
+        if !threshold_n.is_finite() || threshold_n < 0.0 {
+            let allowed = "a finite force from 0 N";
+            return Err(TrialError::BadOption {
+                option: "threshold_n",
+                found: threshold_n,
+                allowed,
+            });
+        }
+        let patch_index = layout.patch_index(patch).ok_or_else(|| TrialError::UnknownPatch {
+            found: patch.to_owned(),
+            known: layout.patches.iter().map(|patch| patch.name.clone()).collect(),
+        })?;
+        let patch = layout.patches[patch_index].clone();
+        let count = patch.taxels.len();
+        let (sensed_force_n, object) = (vec![0.0; count], vec![None; count]);
+        Ok(PatchImage {
+            patch_index,
+            patch,
+            threshold_n,
+            sensed_force_n,
+            object,
+            pose_world: None,
+        })
+    }
+
+    /// Takes in a frame; `frame_index` is for errors only.
+    ///
+    /// # Errors
+    /// [`TrialError::BadFrame`] where the frame has no pose for the patch, names a taxel that the patch has not, or
+    /// holds NaN or infinity.
+    pub fn read(&mut self, frame_index: usize, frame: &Frame) -> Result<(), TrialError> {
+        let bad = |found: String, allowed: String| TrialError::BadFrame {
+            frame: frame_index,
+            found,
+            allowed,
+        };
+        let name = &self.patch.name;
+        let pose = frame.patch_pose_world.get(self.patch_index).copied().ok_or_else(|| {
+            let found = format!("{} patch poses, none for {name}", frame.patch_pose_world.len());
+            bad(found, "a pose for each patch of the layout".into())
+        })?;
+        if !pose.position.is_finite() || !pose.orientation.is_finite() {
+            return Err(bad(format!("pose {pose:?} of {name}"), "finite numbers".into()));
+        }
+        self.pose_world = Some(pose);
+        self.sensed_force_n.fill(0.0);
+        self.object.fill(None);
+        for reading in frame
+            .taxels
+            .iter()
+            .filter(|reading| usize::from(reading.patch) == self.patch_index)
+        {
+            let taxel = usize::from(reading.taxel);
+            let count = self.sensed_force_n.len();
+            let force = self.sensed_force_n.get_mut(taxel).ok_or_else(|| {
+                bad(
+                    format!("taxel {taxel} of patch {name}"),
+                    format!("taxels 0 to {}", count.saturating_sub(1)),
+                )
+            })?;
+            if !reading.sensed_force_n.is_finite() {
+                let found = format!("{} N sensed by taxel {taxel} of {name}", reading.sensed_force_n);
+                return Err(bad(found, "finite forces".into()));
+            }
+            *force = reading.sensed_force_n;
+            self.object[taxel] = reading.object;
+        }
+        Ok(())
+    }
+
+    /// The patch.
+    pub fn patch(&self) -> &Patch {
+        &self.patch
+    }
+
+    /// Whether a taxel is in contact; a taxel that the patch has not never is.
+    pub fn is_in_contact(&self, taxel: usize) -> bool {
+        self.sensed_force_n(taxel) > self.threshold_n
+    }
+
+    /// The sensed force of a taxel, N; 0 for one that the patch has not.
+    pub fn sensed_force_n(&self, taxel: usize) -> f64 {
+        self.sensed_force_n.get(taxel).copied().unwrap_or(0.0)
+    }
+
+    /// Ground truth: the object that presses most on a taxel.
+    pub fn object(&self, taxel: usize) -> Option<u16> {
+        self.object.get(taxel).copied().flatten()
+    }
+
+    /// Where a taxel's centre is, m, world frame; in the link frame before the first frame is read.
+    ///
+    /// # Panics
+    /// Where the patch has no such taxel.
+    pub fn position_world(&self, taxel: usize) -> DVec3 {
+        let position_link = self.patch.taxels[taxel].position_link;
+        self.pose_world
+            .map_or(position_link, |pose| pose.transform_point(position_link))
+    }
+}

@@ -1,0 +1,233 @@
+//! Trials: what one taxel, or one connected component, felt from contact to break (paper, sections IV-C and IV-D).
+
+mod component;
+mod image;
+mod tracking;
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use thiserror::Error;
+use underbrush_recording::{Frame, ObjectRecord, Recording, Sample, Trial};
+
+pub use image::PatchImage;
+pub use tracking::component_trials;
+
+/// How trials are cut from a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrialOptions {
+    /// Name of the patch; the paper classifies on the forearm only.
+    pub patch: String,
+    /// A taxel is in contact where its sensed force is above this, N. 0: the sensor already reports 0 for all that is
+    /// within its noise.
+    pub threshold_n: f64,
+    /// Trials of fewer samples are left out.
+    pub min_samples: usize,
+    /// Whether the last column of the grid neighbours the first in components; `None`: as the layout says. The authors'
+    /// code does not wrap, though their sleeve is closed.
+    pub wrap: Option<bool>,
+    /// Components of successive frames are the same contact only if their centres are at most this far apart, m.
+    ///
+    /// 0.025 by choice: sliding from one taxel to its diagonal neighbour moves the centre by 16 mm (pitch 10.8 mm along
+    /// and 12 mm around the forearm), the arm moves at most 5 mm between frames (0.5 m/s, 100 Hz), and a component that
+    /// gains or loses an edge row shifts by half a pitch; separate objects are mostly farther apart.
+    pub association_distance_m: f64,
+}
+
+impl Default for TrialOptions {
+    fn default() -> Self {
+        TrialOptions {
+            patch: "forearm".into(),
+            threshold_n: 0.0,
+            min_samples: 1,
+            wrap: None,
+            association_distance_m: 0.025,
+        }
+    }
+}
+
+/// Why a recording cannot be cut into trials.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TrialError {
+    /// No patch of this name.
+    #[error("the skin has no patch called {found:?}; it has {known:?}: name one of these")]
+    UnknownPatch {
+        /// The name asked for.
+        found: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// Components need a grid.
+    #[error(
+        "the taxels of patch {patch} form no grid of rows × columns ({found}); cut its trials by taxel, or give its grid"
+    )]
+    NoGrid {
+        /// The patch.
+        patch: String,
+        /// What there is instead.
+        found: String,
+    },
+    /// An option that makes no sense.
+    #[error("{option} is {found}; allowed: {allowed}")]
+    BadOption {
+        /// Name of the option.
+        option: &'static str,
+        /// The number found.
+        found: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A frame that does not fit the layout or holds NaN or infinity.
+    #[error("frame {frame} (from 0): {found}; allowed: {allowed}; mend or drop the recording")]
+    BadFrame {
+        /// Index of the frame.
+        frame: usize,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+/// A trial and the object behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactTrial {
+    /// The trial. Its number counts from 0 within the recording, by first frame, then taxel; its category is that of
+    /// [`ContactTrial::object`].
+    pub trial: Trial,
+    /// Index in [`Recording::objects`] of the object that is the truth in most of the trial's samples (the one with the
+    /// smaller index in a draw); `None` where no sample has one.
+    pub object: Option<u16>,
+}
+
+/// One trial per taxel of the patch and period during which its sensed force stays above the threshold (section IV-D).
+///
+/// Motion is the distance in the world frame of the taxel's centre from where it was in the trial's first frame.
+///
+/// # Errors
+/// [`TrialError`] where the patch is unknown, an option makes no sense, or a frame does not fit the layout.
+pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec<ContactTrial>, TrialError> {
+    let mut image = PatchImage::new(&recording.layout, &options.patch, options.threshold_n)?;
+    let mut open: Vec<Option<OpenTrial>> = vec![None; image.patch().taxels.len()];
+    let mut trials = TrialList::new(recording, options);
+    for (index, frame) in recording.frames.iter().enumerate() {
+        image.read(index, frame)?;
+        for (taxel, slot) in open.iter_mut().enumerate() {
+            if !image.is_in_contact(taxel) {
+                trials.close(slot.take())?;
+                continue;
+            }
+            let position_world = image.position_world(taxel);
+            let trial = slot.get_or_insert_with(|| OpenTrial::new(index, taxel, position_world));
+            trial.push(frame, image.sensed_force_n(taxel), position_world, image.object(taxel));
+        }
+    }
+    for trial in open {
+        trials.close(trial)?;
+    }
+    Ok(trials.finish())
+}
+
+/// A trial still in contact.
+#[derive(Clone, Debug)]
+struct OpenTrial {
+    first_frame: usize,
+    taxel: usize,
+    start_world: DVec3,
+    samples: Vec<Sample>,
+    /// Samples by object.
+    votes: BTreeMap<u16, usize>,
+}
+
+impl OpenTrial {
+    fn new(first_frame: usize, taxel: usize, start_world: DVec3) -> Self {
+        OpenTrial {
+            first_frame,
+            taxel,
+            start_world,
+            samples: Vec::new(),
+            votes: BTreeMap::new(),
+        }
+    }
+
+    fn push(&mut self, frame: &Frame, force_n: f64, position_world: DVec3, object: Option<u16>) {
+        let motion_m = Some(position_world.distance(self.start_world));
+        self.samples.push(Sample {
+            time_s: frame.time_s,
+            force_n,
+            motion_m,
+        });
+        if let Some(object) = object {
+            *self.votes.entry(object).or_default() += 1;
+        }
+    }
+
+    /// The object with most samples, the smallest index in a draw.
+    fn object(&self) -> Option<u16> {
+        let most = self.votes.values().max()?;
+        self.votes
+            .iter()
+            .find(|(_, count)| *count == most)
+            .map(|(object, _)| *object)
+    }
+}
+
+/// Closed trials on their way into a table.
+struct TrialList<'a> {
+    recording: &'a Recording,
+    options: &'a TrialOptions,
+    /// With the sort key first frame, taxel.
+    closed: Vec<((usize, usize), ContactTrial)>,
+}
+
+impl<'a> TrialList<'a> {
+    fn new(recording: &'a Recording, options: &'a TrialOptions) -> Self {
+        TrialList {
+            recording,
+            options,
+            closed: Vec::new(),
+        }
+    }
+
+    fn close(&mut self, trial: Option<OpenTrial>) -> Result<(), TrialError> {
+        let Some(trial) = trial.filter(|trial| trial.samples.len() >= self.options.min_samples.max(1)) else {
+            return Ok(());
+        };
+        let object = trial.object();
+        let record: Option<&ObjectRecord> = match object {
+            None => None,
+            Some(index) => {
+                let objects = &self.recording.objects;
+                Some(objects.get(usize::from(index)).ok_or_else(|| TrialError::BadFrame {
+                    frame: trial.first_frame,
+                    found: format!("object {index} as ground truth in a contact that begins here"),
+                    allowed: format!("indices of the recording's {} objects", objects.len()),
+                })?)
+            }
+        };
+        let key = (trial.first_frame, trial.taxel);
+        let trial = Trial {
+            trial: 0,
+            category: record.map(|record| record.category.name().to_owned()),
+            reach: Some(self.recording.reach_index),
+            patch: Some(self.options.patch.clone()),
+            taxel: u32::try_from(trial.taxel).ok(),
+            samples: trial.samples,
+        };
+        self.closed.push((key, ContactTrial { trial, object }));
+        Ok(())
+    }
+
+    fn finish(mut self) -> Vec<ContactTrial> {
+        self.closed.sort_by_key(|(key, _)| *key);
+        let mut trials: Vec<ContactTrial> = self.closed.into_iter().map(|(_, trial)| trial).collect();
+        trials
+            .iter_mut()
+            .zip(0..)
+            .for_each(|(contact, number)| contact.trial.trial = number);
+        trials
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,108 @@
+//! Components followed from frame to frame.
+
+use glam::DVec3;
+use underbrush_recording::{Grid, Recording};
+
+use super::component::{Component, components};
+use super::image::PatchImage;
+use super::{ContactTrial, OpenTrial, TrialError, TrialList, TrialOptions};
+
+/// One trial per connected component, followed from contact to break (section IV-C): per frame the largest force of
+/// its taxels, and the distance in the world frame of its centre from where it began.
+///
+/// Components of a frame are associated with those of the frame before by the distance of their centres in the world
+/// frame: nearest pair first, each used once, none farther apart than
+/// [`TrialOptions::association_distance_m`]. So
+/// * where two components merge, the one whose centre was nearer goes on and the other's trial ends;
+/// * where one splits, the piece nearer to the old centre goes on and the other begins a trial of its own, with motion
+///   from there;
+/// * a component that jumps farther ends, and begins anew.
+///
+/// # Errors
+/// [`TrialError`] as for [`super::taxel_trials`], and where the patch has no grid.
+pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec<ContactTrial>, TrialError> {
+    let reach = options.association_distance_m;
+    if !reach.is_finite() || reach < 0.0 {
+        let allowed = "a finite distance from 0 m";
+        return Err(TrialError::BadOption {
+            option: "association_distance_m",
+            found: reach,
+            allowed,
+        });
+    }
+    let mut image = PatchImage::new(&recording.layout, &options.patch, options.threshold_n)?;
+    let grid = grid(&image, options.wrap)?;
+    let mut tracks: Vec<Track> = Vec::new();
+    let mut trials = TrialList::new(recording, options);
+    for (index, frame) in recording.frames.iter().enumerate() {
+        image.read(index, frame)?;
+        let found = components(&image, grid);
+        let mut followed = associate(&tracks, &found, reach);
+        let mut before: Vec<Option<Track>> = tracks.into_iter().map(Some).collect();
+        tracks = Vec::with_capacity(found.len());
+        for (component, track) in found.iter().zip(followed.drain(..)) {
+            let centre_world = component.centre_world;
+            let open = track.and_then(|track| before[track].take()).map(|track| track.trial);
+            let mut trial = open.unwrap_or_else(|| OpenTrial::new(index, component.strongest, centre_world));
+            trial.push(frame, component.force_n, centre_world, component.object);
+            tracks.push(Track { trial, centre_world });
+        }
+        for ended in before.into_iter().flatten() {
+            trials.close(Some(ended.trial))?;
+        }
+    }
+    for track in tracks {
+        trials.close(Some(track.trial))?;
+    }
+    Ok(trials.finish())
+}
+
+/// A component's trial, and where it was last.
+struct Track {
+    trial: OpenTrial,
+    centre_world: DVec3,
+}
+
+/// For each component the track that it continues. Draws go to the track, then the component, of smaller index.
+fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<usize>> {
+    let mut pairs = Vec::new();
+    for (t, track) in tracks.iter().enumerate() {
+        for (c, component) in found.iter().enumerate() {
+            let distance = track.centre_world.distance(component.centre_world);
+            if distance <= reach_m {
+                pairs.push((distance, t, c));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut used = vec![false; tracks.len()];
+    let mut followed = vec![None; found.len()];
+    for (_, t, c) in pairs {
+        if !used[t] && followed[c].is_none() {
+            used[t] = true;
+            followed[c] = Some(t);
+        }
+    }
+    followed
+}
+
+fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {
+    let patch = image.patch();
+    let no_grid = |found: String| TrialError::NoGrid {
+        patch: patch.name.clone(),
+        found,
+    };
+    let grid = patch.grid.ok_or_else(|| no_grid("the layout gives none".into()))?;
+    if grid.rows.checked_mul(grid.columns) != Some(patch.taxels.len()) {
+        return Err(no_grid(format!(
+            "{} × {} for {} taxels",
+            grid.rows,
+            grid.columns,
+            patch.taxels.len()
+        )));
+    }
+    Ok(Grid {
+        wraps: wrap.unwrap_or(grid.wraps),
+        ..grid
+    })
+}
