@@ -2,6 +2,9 @@
 
 use rapier3d::prelude::*;
 
+/// Name and version of the engine, for provenance; a test holds the version to that of the lock file.
+pub const ENGINE: &str = "rapier3d-f64 0.36.1, enhanced-determinism";
+
 /// Step and solver options of the engine; recorded in the provenance of every data set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PhysicsOptions {

@@ -1,0 +1,172 @@
+//! `underbrush classify`: a verdict for each trial, or for each taxel in contact as frames come in.
+
+use std::collections::BTreeMap;
+use std::io::BufRead;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+use serde::Serialize;
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::{Decision, Rule, Verdict};
+use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_recording::disk::{Dataset, read_recording};
+use underbrush_recording::{Frame, InputError, SkinLayout, Trial};
+use underbrush_sim::arm::Arm;
+
+use super::score::Score;
+use crate::failure::Failure;
+use crate::input::{self, TrialArguments};
+use crate::output;
+
+/// Options of `underbrush classify`.
+#[derive(Args)]
+pub struct Options {
+    /// Model file
+    model: PathBuf,
+    /// Data set (folder), recording, table of trials, or `-`: frames as JSON lines on stdin, each answered before the
+    /// next is read
+    input: PathBuf,
+    /// Give a verdict for each taxel in contact in each frame, as JSON lines
+    #[arg(long)]
+    online: bool,
+    /// From log-likelihoods to verdicts
+    #[arg(long, value_enum, default_value = "argmax")]
+    decision: DecisionName,
+    /// With `--decision uncertain`: least lead of the best category, nats
+    #[arg(long, value_name = "NATS", default_value_t = 15.0)]
+    lead: f64,
+    /// Prior of a category, such as leaf=0.7; all alike if none is given
+    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
+    prior: Vec<(String, f64)>,
+    /// Score; the model's own if not given
+    #[arg(long, value_enum)]
+    score: Option<Score>,
+    #[command(flatten)]
+    cut: TrialArguments,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum DecisionName {
+    /// The best category
+    Argmax,
+    /// The best category, uncertain below a lead
+    Uncertain,
+    /// The paper's thresholds: lead over 80 a category, 15 to 80 an outlier, under 15 uncertain
+    Paper,
+}
+
+fn prior(text: &str) -> Result<(String, f64), String> {
+    let parse = || {
+        let (category, value) = text.split_once('=')?;
+        Some((category.to_string(), value.parse::<f64>().ok()?))
+    };
+    parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
+}
+
+impl Options {
+    fn decision(&self) -> Decision {
+        let rule = match self.decision {
+            DecisionName::Argmax => Decision::argmax().rule,
+            DecisionName::Uncertain => Rule::UncertainBelow { lead: self.lead },
+            DecisionName::Paper => Decision::paper().rule,
+        };
+        Decision { prior: self.prior.iter().cloned().collect(), rule }
+    }
+}
+
+#[derive(Serialize)]
+struct TrialVerdict {
+    trial: u64,
+    verdict: Verdict,
+    truth: Option<String>,
+    scores: BTreeMap<String, f64>,
+}
+
+/// Classifies.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let models = ModelSet::load(&options.model)?;
+    let kind = options.score.map_or(models.score_kind(), ScoreKind::from);
+    if options.online || options.input == Path::new("-") {
+        return online(&options, models, kind);
+    }
+    let judge = options.decision().prepare(&models.categories())?;
+    let trials = input::trials(&options.input, &options.cut)?;
+    let classify = |trial: &Trial| -> Result<TrialVerdict, Failure> {
+        let scores = models.score(trial, kind)?;
+        let verdict = judge.judge(&scores)?;
+        Ok(TrialVerdict { trial: trial.trial, verdict, truth: trial.category.clone(), scores: scores.into_iter().collect() })
+    };
+    let verdicts: Vec<TrialVerdict> = trials.par_iter().map(classify).collect::<Result<_, _>>()?;
+    if json {
+        return output::result(true, &serde_json::json!({ "verdicts": verdicts }), String::new);
+    }
+    let header = std::iter::once("trial,verdict,truth".to_string());
+    let rows = verdicts.iter().map(|row| {
+        format!("{},{},{}", row.trial, row.verdict, row.truth.as_deref().unwrap_or(""))
+    });
+    output::lines(header.chain(rows))
+}
+
+#[derive(Serialize)]
+struct FrameVerdicts<'a> {
+    time_s: f64,
+    taxels: Vec<TaxelLine<'a>>,
+}
+
+#[derive(Serialize)]
+struct TaxelLine<'a> {
+    taxel: usize,
+    samples: usize,
+    verdict: &'a str,
+    scores: BTreeMap<&'a str, f64>,
+}
+
+/// One line of JSON out for each frame in.
+fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Failure> {
+    let categories = models.categories();
+    let settings = OnlineOptions {
+        patch: options.cut.patch.clone(),
+        threshold_n: options.cut.threshold_n,
+        score: kind,
+        decision: options.decision(),
+    };
+    let start = |layout: &SkinLayout| OnlineClassifier::new(models.clone(), layout, &settings);
+    let answer = |classifier: &mut OnlineClassifier, frame: &Frame| -> Result<(), Failure> {
+        let taxels = classifier
+            .update(frame)?
+            .map(|taxel| TaxelLine {
+                taxel: taxel.taxel,
+                samples: taxel.samples,
+                verdict: taxel.verdict.name(),
+                scores: categories.iter().map(String::as_str).zip(taxel.log_likelihood.iter().copied()).collect(),
+            })
+            .collect();
+        let line = serde_json::to_string(&FrameVerdicts { time_s: frame.time_s, taxels });
+        output::lines([line.map_err(|error| Failure::run(error.to_string()))?])
+    };
+    if options.input == Path::new("-") {
+        let mut classifier = start(&Arm::cody()?.skin.layout)?;
+        for (number, line) in std::io::stdin().lock().lines().enumerate() {
+            let line = line.map_err(|error| Failure::run(format!("cannot read standard input: {error}")))?;
+            let frame: Frame = serde_json::from_str(&line).map_err(|error| {
+                let allowed = "one frame as a JSON object a line, with the fields of a recording's frame";
+                InputError::new("-", "frame", error.to_string(), allowed, "mend the line").at_line(number + 1)
+            })?;
+            answer(&mut classifier, &frame)?;
+        }
+    } else if options.input.is_dir() {
+        let dataset = Dataset::open(&options.input)?;
+        for episode in 0..dataset.episodes().len() {
+            let recording = dataset.read_reach(episode)?;
+            let mut classifier = start(&recording.layout)?;
+            recording.frames.iter().try_for_each(|frame| answer(&mut classifier, frame))?;
+        }
+    } else {
+        let recording = read_recording(&options.input)?;
+        let mut classifier = start(&recording.layout)?;
+        recording.frames.iter().try_for_each(|frame| answer(&mut classifier, frame))?;
+    }
+    Ok(())
+}

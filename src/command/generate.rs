@@ -1,0 +1,123 @@
+//! `underbrush generate`: a data set of many reaches.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+use underbrush_recording::disk::{Dataset, Shard};
+use underbrush_sim::scene::Scene;
+
+use crate::dataset::Campaign;
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush generate`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene files, such as scenes/leaf.toml scenes/trunk.toml
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+    /// Reaches of each scene
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    reaches: u64,
+    /// Seed; scenes, seed and version decide every byte
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    /// Folder of the data set
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Controller, instead of each scene's own
+    #[arg(long, value_name = "NAME")]
+    controller: Option<String>,
+    /// Go on with an interrupted data set
+    #[arg(long)]
+    resume: bool,
+    /// Run only part I of N (from 1), into a folder of its own
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    shard: Option<Shard>,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parse = || {
+        let (index, count) = text.split_once('/')?;
+        let (index, count): (u64, u64) = (index.parse().ok()?, count.parse().ok()?);
+        (1..=count).contains(&index).then_some(Shard { index: index - 1, count })
+    };
+    parse().ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
+}
+
+/// How a data set came out.
+#[derive(Serialize)]
+pub struct Summary {
+    dataset: PathBuf,
+    reaches: usize,
+    frames: usize,
+    simulated_s: f64,
+    wall_s: f64,
+    touched_reaches: usize,
+    outcomes: std::collections::BTreeMap<&'static str, usize>,
+    largest_force_residual: f64,
+}
+
+impl Summary {
+    /// Sums up a data set that took `wall_s` to make.
+    pub fn of(dataset: &Dataset, wall_s: f64) -> Self {
+        let episodes = dataset.episodes();
+        let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
+        let mut outcomes = std::collections::BTreeMap::new();
+        for episode in episodes {
+            *outcomes.entry(episode.outcome.name()).or_default() += 1;
+        }
+        Summary {
+            dataset: dataset.dir().to_path_buf(),
+            reaches: episodes.len(),
+            frames,
+            simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
+            wall_s,
+            touched_reaches: episodes.iter().filter(|episode| episode.touched).count(),
+            outcomes,
+            largest_force_residual: episodes.iter().map(|episode| episode.largest_force_residual).fold(0.0, f64::max),
+        }
+    }
+
+    /// For a person.
+    pub fn text(&self) -> String {
+        let outcomes: Vec<String> = self.outcomes.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        format!(
+            "{} reaches, {:.0} s of simulated time in {:.0} s ({:.0} times real time)\n\
+             outcomes: {}; {} of {} reaches touched something\n\
+             largest relative difference between taxel and contact forces: {:.1e}\n\
+             data set in {}",
+            self.reaches,
+            self.simulated_s,
+            self.wall_s,
+            self.simulated_s / self.wall_s.max(1e-9),
+            outcomes.join(", "),
+            self.touched_reaches,
+            self.reaches,
+            self.largest_force_residual,
+            self.dataset.display()
+        )
+    }
+}
+
+/// Runs the campaign.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let start = Instant::now();
+    let scenes = options.scenes.iter().map(|path| Ok((Scene::load(path)?, options.reaches)));
+    let campaign = Campaign {
+        scenes: scenes.collect::<Result<Vec<_>, Failure>>()?,
+        seed: options.seed,
+        controller: options.controller,
+        shard: options.shard,
+    };
+    let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(Failure::usage(format!("two scenes are called {}; rename one file", pair[0])));
+    }
+    let dataset = campaign.write(&options.out, options.resume)?;
+    let summary = Summary::of(&dataset, start.elapsed().as_secs_f64());
+    output::result(json, &summary, || summary.text())
+}

@@ -1,0 +1,169 @@
+//! `underbrush inspect`: what is in a file or folder, and whether it is sound.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Value, json};
+use underbrush_classifier::ModelSet;
+use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
+use underbrush_sim::clutter::Clutter;
+use underbrush_sim::reach::{ReachPlan, arm_at_start};
+use underbrush_sim::scene::Scene;
+
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush inspect`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
+    path: PathBuf,
+    /// With a scene: the seed of the draw that is tried
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+}
+
+/// Checks the thing and prints what is in it.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let path = &options.path;
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let found = match extension {
+        _ if path.is_dir() => dataset(path)?,
+        "toml" => scene(path, options.seed)?,
+        "json" => model(path)?,
+        "parquet" if is_recording(path)? => recording(path)?,
+        "parquet" | "csv" => trials(path)?,
+        _ => {
+            return Err(Failure::usage(format!(
+                "{}: neither a folder nor a .toml, .json, .parquet or .csv file; give one of these",
+                path.display()
+            )));
+        }
+    };
+    output::result(json, &found, || text(&found, 0))
+}
+
+/// Nested keys and values, one a line.
+fn text(value: &Value, depth: usize) -> String {
+    let pad = "  ".repeat(depth);
+    match value {
+        Value::Object(map) => map
+            .iter()
+            .map(|(key, value)| match value {
+                Value::Object(inner) if !inner.is_empty() => format!("{pad}{key}:\n{}", text(value, depth + 1)),
+                Value::String(plain) => format!("{pad}{key}: {plain}\n"),
+                other => format!("{pad}{key}: {other}\n"),
+            })
+            .collect(),
+        other => format!("{pad}{other}\n"),
+    }
+}
+
+fn scene(path: &Path, seed: u64) -> Result<Value, Failure> {
+    let plan = ReachPlan::new(Scene::load(path)?, None, seed)?;
+    let clutter = Clutter::draw(&plan.scene, &arm_at_start(&plan.arm), seed, 0)?;
+    let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
+    for standing in &clutter.objects {
+        *objects.entry(standing.object.kind()).or_default() += 1;
+    }
+    let file = &plan.scene.file;
+    Ok(json!({
+        "scene": plan.scene.name,
+        "summary": file.summary,
+        "arm": plan.arm.name,
+        "controller": plan.preset.name,
+        "objects": objects,
+        "goals": clutter.goals.len(),
+        "physics": file.physics,
+        "sensor": file.sensor,
+        "blake3": plan.scene.hash(),
+        "check": format!("sound; the draw of seed {seed}, reach 0 finds room for everything"),
+    }))
+}
+
+fn dataset(path: &Path) -> Result<Value, Failure> {
+    let dataset = Dataset::open(path)?;
+    dataset.verify()?;
+    let episodes = dataset.episodes();
+    let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut scenes: BTreeMap<&str, usize> = BTreeMap::new();
+    for episode in episodes {
+        *outcomes.entry(episode.outcome.name()).or_default() += 1;
+        *scenes.entry(&episode.scene).or_default() += 1;
+    }
+    let provenance = dataset.provenance();
+    let patches: BTreeMap<&str, usize> =
+        dataset.layout().patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
+    Ok(json!({
+        "data set": path,
+        "reaches": episodes.len(),
+        "frames": episodes.iter().map(|episode| episode.frames).sum::<usize>(),
+        "reaches by scene": scenes,
+        "outcomes": outcomes,
+        "reaches that touched something": episodes.iter().filter(|episode| episode.touched).count(),
+        "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
+        "taxels": patches,
+        "largest relative difference between taxel and contact forces":
+            episodes.iter().map(|episode| episode.largest_force_residual).fold(0.0, f64::max),
+        "seed": provenance.seed,
+        "controller": provenance.controller,
+        "program": format!("{} {}", provenance.program, provenance.program_version),
+        "engine": provenance.engine,
+        "check": "sound; every file matches its checksum",
+    }))
+}
+
+fn recording(path: &Path) -> Result<Value, Failure> {
+    let recording = read_recording(path)?;
+    let goals: Vec<&str> = recording.goals.iter().map(|goal| goal.outcome.name()).collect();
+    Ok(json!({
+        "recording": path,
+        "scene": recording.scene,
+        "controller": recording.controller,
+        "seed": recording.seed,
+        "reach": recording.reach_index,
+        "frames": recording.frames.len(),
+        "seconds": recording.frames.len() as f64 / recording.rate_hz,
+        "outcome": recording.outcome().name(),
+        "goals": goals.join(", "),
+        "objects": recording.objects.len(),
+        "contacts": recording.contacts.len(),
+        "largest relative difference between taxel and contact forces": recording.largest_force_residual,
+        "check": "sound",
+    }))
+}
+
+fn trials(path: &Path) -> Result<Value, Failure> {
+    let trials = read_trials(path)?;
+    let mut categories: BTreeMap<&str, usize> = BTreeMap::new();
+    for trial in &trials {
+        *categories.entry(trial.category.as_deref().unwrap_or("unknown")).or_default() += 1;
+    }
+    let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
+    lengths.sort_unstable();
+    Ok(json!({
+        "trials table": path,
+        "trials": trials.len(),
+        "samples": lengths.iter().sum::<usize>(),
+        "median samples a trial": lengths.get(lengths.len() / 2),
+        "trials by category": categories,
+        "has motion": trials.iter().flat_map(|trial| &trial.samples).all(|sample| sample.motion_m.is_some()),
+        "check": "sound",
+    }))
+}
+
+fn model(path: &Path) -> Result<Value, Failure> {
+    let models = ModelSet::load(path)?;
+    let states: BTreeMap<&str, usize> =
+        models.models().iter().map(|(category, model)| (category.as_str(), model.state_count())).collect();
+    Ok(json!({
+        "model": path,
+        "features": models.features().names(),
+        "states by category": states,
+        "score": models.score_kind(),
+        "recipe": models.recipe,
+        "provenance": models.provenance,
+        "check": "sound; distributions sum to one, covariances are positive definite",
+    }))
+}

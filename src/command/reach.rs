@@ -1,0 +1,170 @@
+//! `underbrush reach`: one reach, looked at closely.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::Recording;
+use underbrush_recording::disk::write_recording;
+use underbrush_sim::controller::Preset;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+use underbrush_sim::snapshot::Snapshot;
+
+use crate::failure::Failure;
+use crate::input::{self, Unit};
+use crate::{output, picture};
+
+/// Options of `underbrush reach`.
+#[derive(Args)]
+pub struct Options {
+    /// Scene file, such as scenes/mixed.toml
+    scene: PathBuf,
+    /// Seed
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    /// Which reach of the seed's campaign
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    index: u64,
+    /// Controller, instead of the scene's own
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Preset::NAMES))]
+    controller: Option<String>,
+    /// Recording to write (Parquet)
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Picture to write (SVG): the frame in which most taxels of the skin feel something
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+}
+
+/// How a reach went.
+#[derive(Serialize)]
+pub struct Report {
+    scene: String,
+    controller: String,
+    seed: u64,
+    reach_index: u64,
+    outcome: &'static str,
+    goals: Vec<Goal>,
+    simulated_s: f64,
+    wall_s: f64,
+    simulated_over_wall: f64,
+    f_max_n: f64,
+    contacts: usize,
+    peak_contact_force_n: f64,
+    mean_contact_force_n: f64,
+    largest_force_residual: f64,
+    taxel_trials: usize,
+    component_trials: usize,
+}
+
+#[derive(Serialize)]
+struct Goal {
+    outcome: &'static str,
+    seconds: f64,
+    position_world_m: [f64; 3],
+}
+
+/// Runs the reach.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller.as_deref(), options.seed)?;
+    let start = Instant::now();
+    let mut best: Option<Snapshot> = None;
+    let recording = plan.run(options.index, &mut |world, clutter, frame| {
+        let most = best.as_ref().map_or(0, |snapshot| snapshot.frame.taxels.len());
+        if options.picture.is_some() && (best.is_none() || frame.taxels.len() > most) {
+            best = Some(Snapshot::take(world, clutter, frame));
+        }
+    })?;
+    let report = Report::of(&recording, plan.preset.f_max_n(), start.elapsed().as_secs_f64())?;
+    if let Some(path) = &options.out {
+        write_recording(path, &recording)?;
+    }
+    if let (Some(path), Some(snapshot)) = (&options.picture, &best) {
+        let caption = format!(
+            "{}, seed {}, reach {}: {:.2} s after the start",
+            plan.scene.file.summary, options.seed, options.index, snapshot.frame.time_s
+        );
+        let svg = picture::draw(snapshot, &recording.layout, &input::object_categories(&recording), &caption);
+        output::write_file(path, svg.as_bytes())?;
+    }
+    output::result(json, &report, || report.text())
+}
+
+impl Report {
+    fn of(recording: &Recording, f_max_n: f64, wall_s: f64) -> Result<Self, Failure> {
+        let cut = |by| input::cut(recording, by, &TrialOptions::default(), 0).map(|trials| trials.len());
+        let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
+        let frames = |contact: &underbrush_recording::Contact| f64::from(contact.last_frame - contact.first_frame + 1);
+        let contact_frames: f64 = recording.contacts.iter().map(frames).sum();
+        let force_sum: f64 = recording.contacts.iter().map(|contact| contact.mean_force_n * frames(contact)).sum();
+        Ok(Report {
+            scene: recording.scene.clone(),
+            controller: recording.controller.clone(),
+            seed: recording.seed,
+            reach_index: recording.reach_index,
+            outcome: recording.outcome().name(),
+            goals: recording
+                .goals
+                .iter()
+                .map(|goal| Goal {
+                    outcome: goal.outcome.name(),
+                    seconds: goal.end_time_s - goal.start_time_s,
+                    position_world_m: goal.position_world.to_array(),
+                })
+                .collect(),
+            simulated_s,
+            wall_s,
+            simulated_over_wall: simulated_s / wall_s.max(1e-9),
+            f_max_n,
+            contacts: recording.contacts.len(),
+            peak_contact_force_n: recording.contacts.iter().map(|contact| contact.peak_force_n).fold(0.0, f64::max),
+            mean_contact_force_n: force_sum / contact_frames.max(1.0),
+            largest_force_residual: recording.largest_force_residual,
+            taxel_trials: cut(Unit::Taxel)?,
+            component_trials: cut(Unit::Component)?,
+        })
+    }
+
+    fn text(&self) -> String {
+        let rows: Vec<Vec<String>> = self
+            .goals
+            .iter()
+            .enumerate()
+            .map(|(number, goal)| {
+                let [x, y, z] = goal.position_world_m;
+                vec![
+                    (number + 1).to_string(),
+                    format!("({x:.2}, {y:.2}, {z:.2})"),
+                    goal.outcome.into(),
+                    format!("{:.1}", goal.seconds),
+                ]
+            })
+            .collect();
+        output::table(&["goal", "position / m", "outcome", "seconds"], &rows)
+            + &format!(
+                "\n{} (seed {}, reach {}, {}): {}\n\
+                 {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
+                 {} contacts; peak force {:.2} N, mean {:.2} N; the controller's f_max is {} N a taxel\n\
+                 {} taxel trials and {} component trials on the forearm\n\
+                 largest relative difference between taxel and contact forces: {:.1e}",
+                self.scene,
+                self.seed,
+                self.reach_index,
+                self.controller,
+                self.outcome,
+                self.simulated_s,
+                self.wall_s,
+                self.simulated_over_wall,
+                self.contacts,
+                self.peak_contact_force_n,
+                self.mean_contact_force_n,
+                self.f_max_n,
+                self.taxel_trials,
+                self.component_trials,
+                self.largest_force_residual
+            )
+    }
+}

@@ -1,0 +1,89 @@
+//! `underbrush score`: the log-likelihood of each trial under each model.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+use serde::Serialize;
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::hmm::ScoreKind;
+use underbrush_recording::Trial;
+
+use crate::failure::Failure;
+use crate::input::{self, TrialArguments, Unit};
+use crate::output;
+
+/// Options of `underbrush score`.
+#[derive(Args)]
+pub struct Options {
+    /// Model file
+    model: PathBuf,
+    /// Table of trials (only `trial`, `time_s`, `force_n` are required), data set or recording
+    trials: PathBuf,
+    /// Score: the sum over all state paths, or the best path
+    #[arg(long, value_enum, default_value = "forward")]
+    by: Score,
+}
+
+/// A score as named on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Score {
+    /// ln P(O|λ), over all state paths
+    Forward,
+    /// ln of the probability of the best state path
+    Viterbi,
+}
+
+impl From<Score> for ScoreKind {
+    fn from(score: Score) -> Self {
+        match score {
+            Score::Forward => ScoreKind::Forward,
+            Score::Viterbi => ScoreKind::Viterbi,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Row {
+    model: String,
+    trial: u64,
+    /// `None` in JSON where the trial is impossible under the model (−∞).
+    log_likelihood: f64,
+}
+
+/// Prints CSV, one row a model and trial.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let models = ModelSet::load(&options.model)?;
+    let trials = input::trials(&options.trials, &whole_skin())?;
+    let kind = options.by.into();
+    let score = |trial: &Trial| models.score(trial, kind).map(|scores| (trial.trial, scores));
+    let scored: Vec<_> = trials.par_iter().map(score).collect::<Result<_, _>>()?;
+    let rows = || {
+        models.categories().into_iter().enumerate().flat_map(|(index, model)| {
+            scored.iter().map(move |(trial, scores)| Row {
+                model: model.clone(),
+                trial: *trial,
+                log_likelihood: scores[index].1,
+            })
+        })
+    };
+    if json {
+        let rows: Vec<Row> = rows().collect();
+        return output::result(true, &serde_json::json!({ "scores": rows }), String::new);
+    }
+    let header = "model,trial,log_likelihood".to_string();
+    // The shortest text that reads back as the same number.
+    output::lines(std::iter::once(header).chain(rows().map(|row| {
+        format!("{},{},{}", csv_field(&row.model), row.trial, row.log_likelihood)
+    })))
+}
+
+/// A category may be any text in a foreign table.
+fn csv_field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+}
+
+/// Trials as `underbrush trials` cuts them by default.
+fn whole_skin() -> TrialArguments {
+    TrialArguments { by: Unit::Taxel, patch: "forearm".into(), threshold_n: 0.0, min_samples: 1, no_wrap: false }
+}

@@ -1,0 +1,104 @@
+//! Errors become text here, once, and exit statuses: 1 the run failed, 2 bad usage or input.
+
+use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use underbrush_classifier::ModelError;
+use underbrush_recording::InputError;
+use underbrush_recording::disk::DiskError;
+use underbrush_sim::campaign::CampaignError;
+
+/// Why a command ended without its result.
+#[derive(Debug)]
+pub struct Failure {
+    text: String,
+    input: Option<InputError>,
+    status: u8,
+    closed_pipe: bool,
+}
+
+impl Failure {
+    /// Bad usage or input that no file holds.
+    pub fn usage(text: impl Into<String>) -> Self {
+        Failure { text: text.into(), input: None, status: 2, closed_pipe: false }
+    }
+
+    /// A run that failed.
+    pub fn run(text: impl Into<String>) -> Self {
+        Failure { status: 1, ..Failure::usage(text) }
+    }
+
+    /// Standard output that could not be written.
+    pub fn output(error: std::io::Error) -> Self {
+        let closed_pipe = error.kind() == std::io::ErrorKind::BrokenPipe;
+        Failure { closed_pipe, ..Failure::run(format!("cannot write to standard output: {error}")) }
+    }
+
+    /// Whether the reader of the output simply went away (`| head`), which is no failure.
+    pub fn is_closed_pipe(&self) -> bool {
+        self.closed_pipe
+    }
+
+    /// The exit status.
+    pub fn status(&self) -> u8 {
+        self.status
+    }
+
+    /// The text for a person, with the offending line where the place in a file is known.
+    pub fn report(&self) -> Report {
+        let Some(input) = &self.input else {
+            return Report::new(MietteDiagnostic::new(self.text.clone()));
+        };
+        let message = format!("{}: found {}", input.field, input.found);
+        let help = format!("allowed: {}; {}", input.allowed, input.remedy);
+        let place = input.file.display().to_string();
+        let diagnostic = MietteDiagnostic::new(message).with_help(help);
+        let text = std::fs::read_to_string(&input.file).ok();
+        let (Some(line), Some(text)) = (input.line, text) else {
+            let line = input.line.map_or(String::new(), |line| format!(":{line}"));
+            return Report::new(MietteDiagnostic {
+                message: format!("{place}{line}: {}", diagnostic.message),
+                ..diagnostic
+            });
+        };
+        let start: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
+        let length = text[start..].lines().next().map_or(0, str::len);
+        let diagnostic = diagnostic.with_label(LabeledSpan::at(start..start + length, "here"));
+        Report::new(diagnostic).with_source_code(NamedSource::new(place, text))
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Failure { text: error.to_string(), input: Some(error), ..Failure::usage("") }
+    }
+}
+
+impl From<DiskError> for Failure {
+    fn from(error: DiskError) -> Self {
+        match error {
+            DiskError::Input(input) => input.into(),
+            // The operating system's refusal and a failure to encode are the run's; all else is a bad folder or file.
+            DiskError::Io { .. } | DiskError::Encode { .. } | DiskError::Unwritable { .. } => Failure::run(error.to_string()),
+            other => Failure::usage(other.to_string()),
+        }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        match error {
+            ModelError::Input(input) => input.into(),
+            ModelError::Training { .. } => Failure::run(error.to_string()),
+            other => Failure::usage(other.to_string()),
+        }
+    }
+}
+
+impl From<CampaignError<DiskError>> for Failure {
+    fn from(error: CampaignError<DiskError>) -> Self {
+        match error {
+            CampaignError::Input(input) => input.into(),
+            CampaignError::Receiver(error) => error.into(),
+            CampaignError::Engine { .. } => Failure::run(error.to_string()),
+        }
+    }
+}
