@@ -6,6 +6,8 @@
 //! The disk formats (Parquet, JSON, CSV) sit apart, behind the feature `disk`.
 
 pub mod category;
+#[cfg(feature = "disk")]
+pub mod disk;
 pub mod frame;
 pub mod input_error;
 pub mod layout;

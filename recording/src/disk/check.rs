@@ -1,0 +1,272 @@
+//! The rules that a recording keeps, checked before it is written and after it is read.
+//!
+//! What passes can be laid out in dense columns without loss and indexed without bounds errors.
+
+use std::path::Path;
+
+use super::DiskError;
+use crate::{Frame, InputError, Pose, Recording, SkinLayout};
+
+/// A rule broken by a recording or a trial.
+#[derive(Debug, PartialEq)]
+pub(super) struct Violation {
+    /// Where.
+    pub(super) field: String,
+    /// What stands there.
+    pub(super) found: String,
+    /// The rule.
+    pub(super) allowed: &'static str,
+}
+
+impl Violation {
+    /// The error for something that was to be written to a file.
+    pub(super) fn unwritable(self, path: &Path) -> DiskError {
+        let Violation { field, found, allowed } = self;
+        DiskError::Unwritable {
+            path: path.to_path_buf(),
+            field,
+            found,
+            allowed: allowed.to_string(),
+        }
+    }
+
+    /// The error for something that was read from a file.
+    pub(super) fn misread(self, path: &Path) -> DiskError {
+        let remedy = "write the file again with the program that made it";
+        InputError::new(path, self.field, self.found, self.allowed, remedy).into()
+    }
+}
+
+/// `Err` with field, found and allowed unless the rule holds.
+pub(super) fn require(
+    holds: bool,
+    field: impl FnOnce() -> String,
+    found: impl FnOnce() -> String,
+    allowed: &'static str,
+) -> Result<(), Violation> {
+    if holds {
+        Ok(())
+    } else {
+        Err(Violation {
+            field: field(),
+            found: found(),
+            allowed,
+        })
+    }
+}
+
+fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    match values.into_iter().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(Violation {
+            field: field(),
+            found: value.to_string(),
+            allowed: "finite numbers",
+        }),
+    }
+}
+
+/// Checks a skin layout: patch names usable in column names and unique, taxels in every patch, grids that fit.
+pub(super) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
+    for (index, patch) in layout.patches.iter().enumerate() {
+        let field = |name: &str| format!("layout.patches[{index}].{name}");
+        // LeRobot reads "/" in a feature name as a path.
+        let named = !patch.name.is_empty() && !patch.name.contains('/');
+        require(
+            named,
+            || field("name"),
+            || format!("{:?}", patch.name),
+            "a name without \"/\"",
+        )?;
+        let unique = layout.patch_index(&patch.name) == Some(index);
+        require(
+            unique,
+            || field("name"),
+            || format!("{:?} a second time", patch.name),
+            "names that differ",
+        )?;
+        let count = patch.taxels.len();
+        require(
+            (1..=65536).contains(&count),
+            || field("taxels"),
+            || format!("{count} taxels"),
+            "1 to 65536 taxels",
+        )?;
+        if let Some(grid) = patch.grid {
+            let fits = grid.rows.checked_mul(grid.columns) == Some(count);
+            let found = || format!("{} × {} for {count} taxels", grid.rows, grid.columns);
+            require(fits, || field("grid"), found, "rows × columns = taxels")?;
+        }
+        let numbers = patch.taxels.iter().flat_map(|taxel| {
+            let vectors = [taxel.position_link, taxel.normal_link, taxel.tangent_link];
+            vectors
+                .into_iter()
+                .flat_map(|vector| vector.to_array())
+                .chain([taxel.area_m2])
+        });
+        finite(numbers, || field("taxels"))?;
+    }
+    Ok(())
+}
+
+/// Checks everything in a recording but its frames.
+fn check_header(recording: &Recording) -> Result<(), Violation> {
+    check_layout(&recording.layout)?;
+    let rate = recording.rate_hz;
+    require(
+        rate.is_finite() && rate > 0.0,
+        || "rate_hz".into(),
+        || rate.to_string(),
+        "a number above 0",
+    )?;
+    require(
+        !recording.joint_names.is_empty(),
+        || "joint_names".into(),
+        || "none".into(),
+        "at least one joint",
+    )?;
+    let objects = recording.objects.len();
+    // The per-taxel ground truth holds object indices as 16-bit integers with −1 for "none".
+    require(
+        objects <= 32768,
+        || "objects".into(),
+        || format!("{objects} objects"),
+        "at most 32768 objects",
+    )?;
+    finite([recording.largest_force_residual], || "largest_force_residual".into())?;
+    for (index, object) in recording.objects.iter().enumerate() {
+        let numbers = object
+            .position_world
+            .to_array()
+            .into_iter()
+            .chain(object.parameters.values().copied());
+        finite(numbers, || format!("objects[{index}]"))?;
+    }
+    for (index, goal) in recording.goals.iter().enumerate() {
+        let times = [goal.start_time_s, goal.end_time_s];
+        finite(goal.position_world.to_array().into_iter().chain(times), || {
+            format!("goals[{index}]")
+        })?;
+    }
+    for (index, contact) in recording.contacts.iter().enumerate() {
+        let field = |name: &str| format!("contacts[{index}].{name}");
+        let patch = contact.patch.map_or(0, usize::from);
+        let known = contact.patch.is_none() || patch < recording.layout.patches.len();
+        require(
+            known,
+            || field("patch"),
+            || patch.to_string(),
+            "the index of a patch of the layout",
+        )?;
+        let known = usize::from(contact.object) < objects;
+        require(
+            known,
+            || field("object"),
+            || contact.object.to_string(),
+            "the index of an object",
+        )?;
+        let ordered = contact.first_frame <= contact.last_frame;
+        require(
+            ordered,
+            || field("last_frame"),
+            || contact.last_frame.to_string(),
+            "first_frame or later",
+        )?;
+        finite([contact.peak_force_n, contact.mean_force_n], || {
+            field("peak_force_n and mean_force_n")
+        })?;
+    }
+    Ok(())
+}
+
+fn pose_numbers(pose: &Pose) -> impl Iterator<Item = f64> {
+    pose.position.to_array().into_iter().chain(pose.orientation.to_array())
+}
+
+fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(), Violation> {
+    let field = |name: &str| format!("frames[{index}].{name}");
+    let joints = recording.joint_names.len();
+    for (name, values) in [
+        ("joint_angle_rad", &frame.joint_angle_rad),
+        ("joint_velocity_rad_per_s", &frame.joint_velocity_rad_per_s),
+        ("equilibrium_angle_rad", &frame.equilibrium_angle_rad),
+        ("joint_torque_nm", &frame.joint_torque_nm),
+    ] {
+        let found = || format!("{} numbers for {joints} joints", values.len());
+        require(values.len() == joints, || field(name), found, "one number a joint")?;
+        finite(values.iter().copied(), || field(name))?;
+    }
+    let patches = recording.layout.patches.len();
+    let lengths = [frame.patch_pose_world.len(), frame.contact_force_world.len()];
+    let found = || format!("{lengths:?} for {patches} patches");
+    let each = lengths == [patches; 2];
+    require(
+        each,
+        || field("patch_pose_world and contact_force_world"),
+        found,
+        "one a patch",
+    )?;
+    let numbers = [frame.time_s].into_iter().chain(frame.goal_position_world.to_array());
+    finite(numbers.chain(pose_numbers(&frame.tip_pose_world)), || {
+        field("time, goal or tip pose")
+    })?;
+    finite(frame.patch_pose_world.iter().flat_map(pose_numbers), || {
+        field("patch_pose_world")
+    })?;
+    finite(
+        frame.contact_force_world.iter().flat_map(|force| force.to_array()),
+        || field("contact_force_world"),
+    )?;
+    let sorted = frame
+        .taxels
+        .is_sorted_by(|a, b| (a.patch, a.taxel) < (b.patch, b.taxel));
+    let found = || "out of order or twice the same".to_string();
+    require(
+        sorted,
+        || field("taxels"),
+        found,
+        "taxels sorted by patch, then taxel, each once",
+    )?;
+    for (position, reading) in frame.taxels.iter().enumerate() {
+        let field = || field(&format!("taxels[{position}]"));
+        let patch = recording.layout.patches.get(usize::from(reading.patch));
+        let known = patch.is_some_and(|patch| usize::from(reading.taxel) < patch.taxels.len());
+        let found = || format!("patch {} taxel {}", reading.patch, reading.taxel);
+        require(known, field, found, "a taxel of the layout")?;
+        let object = reading.object.map_or(0, usize::from);
+        let known = reading.object.is_none() || object < recording.objects.len();
+        require(known, field, || format!("object {object}"), "the index of an object")?;
+        let [first_shear, second_shear] = reading.true_shear_force_n;
+        let forces = [
+            reading.true_normal_force_n,
+            first_shear,
+            second_shear,
+            reading.sensed_force_n,
+        ];
+        finite(forces, field)?;
+        let something = reading.object.is_some() || forces.iter().any(|&force| force != 0.0);
+        require(
+            something,
+            field,
+            || "all zeros".into(),
+            "only taxels that feel or report something",
+        )?;
+    }
+    Ok(())
+}
+
+/// Checks a whole recording.
+pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
+    check_header(recording)?;
+    let count = recording.frames.len();
+    for (index, contact) in recording.contacts.iter().enumerate() {
+        let inside = usize::try_from(contact.last_frame).is_ok_and(|last| last < count);
+        let field = || format!("contacts[{index}].last_frame");
+        require(inside, field, || contact.last_frame.to_string(), "the index of a frame")?;
+    }
+    recording
+        .frames
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, frame)| check_frame(recording, index, frame))
+}

@@ -1,0 +1,217 @@
+//! The episodes of a data set (`meta/episodes/…`) and their tasks (`meta/tasks.parquet`).
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow_array::builder::{ListBuilder, StringBuilder};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
+use arrow_array::{Array, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt64Array};
+use parquet::arrow::arrow_reader::ArrowReaderOptions;
+use serde_json::json;
+
+use super::truth_tables::read_outcome;
+use crate::Outcome;
+use crate::disk::DiskError;
+use crate::disk::parquet_file::{Batches, open, write_table};
+use crate::disk::table::{Columns, TableBuilder};
+
+/// One reach of a data set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Episode {
+    /// What the arm was to do.
+    pub task: String,
+    /// Number of frames.
+    pub frames: usize,
+    /// Index of its first frame in the whole data set.
+    pub first_index: usize,
+    /// Chunk (folder) of its data file.
+    pub chunk_index: usize,
+    /// Number of its data file in the chunk.
+    pub file_index: usize,
+    /// Name of the scene.
+    pub scene: String,
+    /// The campaign's seed.
+    pub seed: u64,
+    /// Index of the reach in its campaign.
+    pub reach_index: u64,
+    /// Name of the controller.
+    pub controller: String,
+    /// How the reach ended: the worst of its goals' outcomes.
+    pub outcome: Outcome,
+    /// Number of goals tried.
+    pub goals: usize,
+    /// Number of goals reached.
+    pub goals_reached: usize,
+    /// Number of objects in the clutter.
+    pub objects: usize,
+    /// Number of contacts, with and without skin.
+    pub contacts: usize,
+    /// Whether any skin touched anything.
+    pub touched: bool,
+    /// Largest relative difference between the sum of the taxel forces and the solver's contact force.
+    pub largest_force_residual: f64,
+}
+
+/// Writes the episodes, in order.
+pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
+    let count = |pick: fn(&Episode) -> usize| Int64Array::from_iter_values(episodes.iter().map(|e| pick(e) as i64));
+    let text = |pick: fn(&Episode) -> &str| StringArray::from_iter_values(episodes.iter().map(pick));
+    let wide = |pick: fn(&Episode) -> u64| UInt64Array::from_iter_values(episodes.iter().map(pick));
+    let zeros = || Int64Array::from_value(0, episodes.len());
+    let mut tasks = ListBuilder::new(StringBuilder::new());
+    for episode in episodes {
+        tasks.append_value([Some(&episode.task)]);
+    }
+    let batch = TableBuilder::default()
+        .column("episode_index", Int64Array::from_iter_values(0..episodes.len() as i64))
+        .column("tasks", tasks.finish())
+        .column("length", count(|episode| episode.frames))
+        .column("data/chunk_index", count(|episode| episode.chunk_index))
+        .column("data/file_index", count(|episode| episode.file_index))
+        .column("dataset_from_index", count(|episode| episode.first_index))
+        .column(
+            "dataset_to_index",
+            count(|episode| episode.first_index + episode.frames),
+        )
+        .column("meta/episodes/chunk_index", zeros())
+        .column("meta/episodes/file_index", zeros())
+        .column("scene", text(|episode| &episode.scene))
+        .column("seed", wide(|episode| episode.seed))
+        .column("reach_index", wide(|episode| episode.reach_index))
+        .column("controller", text(|episode| &episode.controller))
+        .column("outcome", text(|episode| episode.outcome.name()))
+        .column("goals", count(|episode| episode.goals))
+        .column("goals_reached", count(|episode| episode.goals_reached))
+        .column("objects", count(|episode| episode.objects))
+        .column("contacts", count(|episode| episode.contacts))
+        .column(
+            "touched",
+            BooleanArray::from_iter(episodes.iter().map(|episode| Some(episode.touched))),
+        )
+        .column(
+            "largest_force_residual",
+            Float64Array::from_iter_values(episodes.iter().map(|episode| episode.largest_force_residual)),
+        )
+        .build(path)?;
+    write_table(path, &batch, [])
+}
+
+/// Reads the episodes back, in order.
+pub(super) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
+    let mut episodes = Vec::new();
+    for batch in Batches::new(path, open(path, ArrowReaderOptions::default())?)? {
+        read_batch(&Columns { path, batch: &batch? }, &mut episodes)?;
+    }
+    Ok(episodes)
+}
+
+fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), DiskError> {
+    let count = |name: &'static str| -> Result<Vec<usize>, DiskError> {
+        let numbers = columns.numbers::<Int64Type>(name)?.iter();
+        let number = |&n: &i64| {
+            // Within 32 bits, so that no sum of them can overflow.
+            let number = u32::try_from(n).ok().and_then(|n| usize::try_from(n).ok());
+            number.ok_or_else(|| columns.error(name, n.to_string(), "0 to 4294967295"))
+        };
+        numbers.map(number).collect()
+    };
+    let tasks = first_tasks(columns)?;
+    let (index, frames, first_index) = (count("episode_index")?, count("length")?, count("dataset_from_index")?);
+    let (chunk_index, file_index) = (count("data/chunk_index")?, count("data/file_index")?);
+    let (goals, goals_reached) = (count("goals")?, count("goals_reached")?);
+    let (objects, contacts) = (count("objects")?, count("contacts")?);
+    let (scene, controller, outcome) = (
+        columns.text("scene")?,
+        columns.text("controller")?,
+        columns.text("outcome")?,
+    );
+    let seed = columns.numbers::<UInt64Type>("seed")?;
+    let reach_index = columns.numbers::<UInt64Type>("reach_index")?;
+    let touched = columns.flags("touched")?;
+    let largest_force_residual = columns.numbers::<Float64Type>("largest_force_residual")?;
+    for (row, task) in tasks.into_iter().enumerate() {
+        let expected = episodes
+            .last()
+            .map_or(0, |episode| episode.first_index + episode.frames);
+        if index[row] != episodes.len() || first_index[row] != expected {
+            let found = format!("episode {} from frame {}", index[row], first_index[row]);
+            let allowed = format!("episode {} from frame {expected}", episodes.len());
+            return Err(columns.error("dataset_from_index", found, allowed));
+        }
+        episodes.push(Episode {
+            task,
+            frames: frames[row],
+            first_index: first_index[row],
+            chunk_index: chunk_index[row],
+            file_index: file_index[row],
+            scene: scene.value(row).to_string(),
+            seed: seed[row],
+            reach_index: reach_index[row],
+            controller: controller.value(row).to_string(),
+            outcome: read_outcome(columns, outcome, row)?,
+            goals: goals[row],
+            goals_reached: goals_reached[row],
+            objects: objects[row],
+            contacts: contacts[row],
+            touched: touched.value(row),
+            largest_force_residual: largest_force_residual[row],
+        });
+    }
+    Ok(())
+}
+
+fn first_tasks(columns: &Columns) -> Result<Vec<String>, DiskError> {
+    let error = || columns.error("tasks", "no list of one text", "a list of one text a row");
+    let lists = columns
+        .batch
+        .column_by_name("tasks")
+        .and_then(|array| array.as_list_opt::<i32>())
+        .ok_or_else(error)?;
+    let task = |list: Option<Arc<dyn Array>>| {
+        let list = list?;
+        let texts = list.as_string_opt::<i32>()?;
+        (texts.len() == 1 && texts.is_valid(0)).then(|| texts.value(0).to_string())
+    };
+    lists.iter().map(|list| task(list).ok_or_else(error)).collect()
+}
+
+/// The tasks in the order of their first episode, each with its index.
+pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {
+    let mut numbers = BTreeMap::new();
+    for task in tasks {
+        let next = numbers.len() as i64;
+        numbers.entry(task).or_insert(next);
+    }
+    numbers
+}
+
+/// Writes the tasks. LeRobot takes the sentence from the *pandas index*, so the Arrow schema says that `task` is one.
+pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
+    let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
+    tasks.sort_unstable();
+    let batch = TableBuilder::default()
+        .column(
+            "task_index",
+            Int64Array::from_iter_values(tasks.iter().map(|(number, _)| *number)),
+        )
+        .column(
+            "task",
+            StringArray::from_iter_values(tasks.iter().map(|(_, task)| *task)),
+        )
+        .build(path)?;
+    let column = |name: &str, pandas_type: &str, numpy_type: &str| json!({"name": name, "field_name": name, "pandas_type": pandas_type, "numpy_type": numpy_type, "metadata": null});
+    let pandas = json!({
+        "index_columns": ["task"],
+        "column_indexes": [],
+        "columns": [column("task_index", "int64", "int64"), column("task", "unicode", "object")],
+        "creator": {"library": "underbrush", "version": env!("CARGO_PKG_VERSION")},
+        "pandas_version": "2.0.0",
+    });
+    let metadata = HashMap::from([("pandas".to_string(), pandas.to_string())]);
+    let schema = Arc::new(batch.schema().as_ref().clone().with_metadata(metadata));
+    let batch = RecordBatch::try_new(schema, batch.columns().to_vec())
+        .map_err(|error| DiskError::encode(path)(error.into()))?;
+    write_table(path, &batch, [])
+}

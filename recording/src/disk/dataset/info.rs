@@ -1,0 +1,106 @@
+//! `meta/info.json` (LeRobotDataset v3.0) and `meta/provenance.json`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::Provenance;
+use crate::InputError;
+use crate::disk::DiskError;
+use crate::disk::features::Feature;
+
+/// The version of LeRobot's layout that this program writes and reads.
+pub(super) const CODEBASE_VERSION: &str = "v3.0";
+/// The version of what this program adds to that layout.
+pub(super) const FORMAT: &str = "underbrush-dataset/1";
+/// Data files to a folder.
+pub(super) const FILES_PER_CHUNK: usize = 1000;
+
+/// What `meta/info.json` says, in LeRobot's words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Info {
+    /// Version of LeRobot's layout, `v3.0`.
+    pub codebase_version: String,
+    /// Name of the robot.
+    pub robot_type: String,
+    /// Number of reaches.
+    pub total_episodes: usize,
+    /// Number of frames of all reaches together.
+    pub total_frames: usize,
+    /// Number of different tasks.
+    pub total_tasks: usize,
+    /// Data files to a folder.
+    pub chunks_size: usize,
+    /// Size at which a new data file begins, MB.
+    pub data_files_size_in_mb: u64,
+    /// Size at which a new video file would begin, MB; there are none.
+    pub video_files_size_in_mb: u64,
+    /// Frames per second.
+    #[serde(serialize_with = "serialize_rate")]
+    pub fps: f64,
+    /// Episodes by split, `train` alone: `0:N`.
+    pub splits: BTreeMap<String, String>,
+    /// Pattern of the data files' paths.
+    pub data_path: String,
+    /// Pattern of the video files' paths: none.
+    pub video_path: Option<String>,
+    /// The columns by name.
+    pub features: BTreeMap<String, FeatureInfo>,
+}
+
+/// One column.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FeatureInfo {
+    /// Type of its numbers, for instance `float64`.
+    pub dtype: String,
+    /// How many numbers a row, as a list of one.
+    pub shape: Vec<usize>,
+    /// What each number is, where that is not a taxel index.
+    pub names: Option<Vec<String>>,
+}
+
+impl FeatureInfo {
+    /// The entry of a column.
+    pub(super) fn of(feature: &Feature) -> Self {
+        let dtype = feature.number.to_string().to_lowercase();
+        FeatureInfo {
+            dtype,
+            shape: vec![feature.width],
+            names: feature.names.clone(),
+        }
+    }
+}
+
+/// LeRobot wants an integer wherever the rate is one.
+fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    let whole = *rate_hz as u64;
+    if whole as f64 == *rate_hz {
+        serializer.serialize_u64(whole)
+    } else {
+        serializer.serialize_f64(*rate_hz)
+    }
+}
+
+/// What `meta/provenance.json` holds.
+#[derive(Serialize, Deserialize)]
+pub(super) struct ProvenanceFile {
+    /// Always [`FORMAT`].
+    pub(super) format: String,
+    /// Where the data come from.
+    pub(super) provenance: Provenance,
+}
+
+/// Reads a JSON file.
+pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
+    let bytes = fs::read(path).map_err(DiskError::io(path, "read"))?;
+    serde_json::from_slice(&bytes).map_err(|error| {
+        let remedy = "copy or generate the data set again";
+        let found = error.to_string();
+        InputError::new(path, "JSON", found, "the fields that underbrush writes", remedy)
+            .at_line(error.line())
+            .into()
+    })
+}

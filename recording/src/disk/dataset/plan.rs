@@ -1,0 +1,125 @@
+//! What a data set will hold and where it comes from: fixed before the first reach runs, compared on resume.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::SkinLayout;
+
+/// Everything that decides the bytes of a data set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DatasetPlan {
+    /// Where the data come from.
+    pub provenance: Provenance,
+    /// Name of the robot (`robot_type` in LeRobot's `info.json`).
+    pub robot: String,
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// Names of the joints, in the order of a frame's joint columns.
+    pub joint_names: Vec<String>,
+    /// The skin, the same in every reach.
+    pub layout: SkinLayout,
+    /// The reaches in the order of their episodes.
+    pub episodes: Vec<PlannedEpisode>,
+}
+
+/// One reach to come.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlannedEpisode {
+    /// Name of its scene.
+    pub scene: String,
+    /// What the arm is to do, as a sentence (LeRobot's `task`).
+    pub task: String,
+    /// Its index in the campaign; (seed, index) decides everything drawn.
+    pub reach_index: u64,
+}
+
+/// Where a data set comes from; enough to make it again. Facts of one run (date, machine, threads) have no place here.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Name of the program.
+    pub program: String,
+    /// Version of the program.
+    pub program_version: String,
+    /// Name and version of the physics engine (or of the robot's software).
+    pub engine: String,
+    /// Options of the engine and everything else that a scene does not say, by name.
+    pub options: BTreeMap<String, Value>,
+    /// The scenes, as text.
+    pub scenes: Vec<SceneText>,
+    /// The campaign's seed.
+    pub seed: u64,
+    /// Name of the controller.
+    pub controller: String,
+    /// Parameters of the controller, by name.
+    pub controller_parameters: BTreeMap<String, Value>,
+    /// Reaches of the whole campaign, all shards together.
+    pub reaches: u64,
+    /// Which part of the campaign this set holds; `None` for all of it.
+    pub shard: Option<Shard>,
+}
+
+/// A scene file as it was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneText {
+    /// Name of the scene.
+    pub name: String,
+    /// The whole text of the file.
+    pub text: String,
+    /// BLAKE3 hash of the text, hexadecimal.
+    pub blake3: String,
+}
+
+impl SceneText {
+    /// A scene's text with its hash.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        let text = text.into();
+        SceneText {
+            name: name.into(),
+            blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
+            text,
+        }
+    }
+}
+
+/// One part of a campaign that several machines share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// Which part, from 0.
+    pub index: u64,
+    /// How many parts.
+    pub count: u64,
+}
+
+/// Path and both values of the first place where two JSON values differ.
+pub(super) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
+    fn brief(value: Option<&Value>) -> String {
+        let text = value.map_or("absent".to_string(), Value::to_string);
+        match text.char_indices().nth(60) {
+            Some((end, _)) => format!("{}…", &text[..end]),
+            None => text,
+        }
+    }
+    fn search(path: &str, stored: Option<&Value>, given: Option<&Value>) -> Option<(String, String, String)> {
+        let below = |key: &str| {
+            if path.is_empty() {
+                key.to_string()
+            } else {
+                format!("{path}.{key}")
+            }
+        };
+        match (stored, given) {
+            (Some(Value::Object(a)), Some(Value::Object(b))) => {
+                let keys: std::collections::BTreeSet<_> = a.keys().chain(b.keys()).collect();
+                keys.into_iter()
+                    .find_map(|key| search(&below(key), a.get(key), b.get(key)))
+            }
+            (Some(Value::Array(a)), Some(Value::Array(b))) => (0..a.len().max(b.len()))
+                .find_map(|index| search(&format!("{path}[{index}]"), a.get(index), b.get(index))),
+            (a, b) if a == b => None,
+            (a, b) => Some((path.to_string(), brief(a), brief(b))),
+        }
+    }
+    search("", Some(stored), Some(given))
+}

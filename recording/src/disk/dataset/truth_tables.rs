@@ -1,0 +1,187 @@
+//! Ground truth beside the frames: `meta/objects.parquet`, `meta/goals.parquet`, `meta/contacts.parquet`.
+//!
+//! Rows stand in the order of the episodes, so that counts per episode say where each episode's rows begin.
+
+use std::path::Path;
+
+use arrow_array::types::{Float64Type, Int32Type, Int64Type};
+use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};
+
+use crate::disk::DiskError;
+use crate::disk::parquet_file::read_rows;
+use crate::disk::table::{Columns, TableBuilder};
+use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SkinLayout};
+
+fn table(episode: usize, rows: usize) -> TableBuilder {
+    TableBuilder::default().column("episode_index", Int64Array::from_value(episode as i64, rows))
+}
+
+fn numbering(rows: usize) -> Int32Array {
+    (0..rows).map(|row| row as i32).collect::<Vec<_>>().into()
+}
+
+fn text<'a>(values: impl Iterator<Item = &'a str>) -> StringArray {
+    StringArray::from_iter_values(values)
+}
+
+fn numbers(values: impl Iterator<Item = f64>) -> Float64Array {
+    Float64Array::from_iter_values(values)
+}
+
+/// An episode's objects; parameters as a JSON object.
+pub(super) fn object_rows(path: &Path, episode: usize, objects: &[ObjectRecord]) -> Result<RecordBatch, DiskError> {
+    let parameters = objects.iter().map(|object| serde_json::to_string(&object.parameters));
+    let parameters = parameters
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| DiskError::io(path, "write")(error.into()))?;
+    table(episode, objects.len())
+        .column("object_index", numbering(objects.len()))
+        .column("kind", text(objects.iter().map(|object| object.kind.as_str())))
+        .column("category", text(objects.iter().map(|object| object.category.name())))
+        .vectors(
+            "position_world",
+            "_m",
+            objects.iter().map(|object| object.position_world),
+        )
+        .column("parameters", StringArray::from(parameters))
+        .build(path)
+}
+
+/// The objects in the rows from `first` on.
+pub(super) fn read_objects(path: &Path, first: usize, count: usize) -> Result<Vec<ObjectRecord>, DiskError> {
+    let mut objects = Vec::new();
+    for batch in read_rows(path, first, count)? {
+        let columns = Columns { path, batch: &batch };
+        let (kind, category) = (columns.text("kind")?, columns.text("category")?);
+        let parameters = columns.text("parameters")?;
+        for (row, position_world) in columns.vectors("position_world", "_m")?.into_iter().enumerate() {
+            objects.push(ObjectRecord {
+                kind: kind.value(row).to_string(),
+                category: Category::from_name(category.value(row))
+                    .ok_or_else(|| columns.error("category", category.value(row), "leaf, trunk, block or outlier"))?,
+                position_world,
+                parameters: serde_json::from_str(parameters.value(row))
+                    .map_err(|error| columns.error("parameters", error.to_string(), "a JSON object of numbers"))?,
+            });
+        }
+    }
+    Ok(objects)
+}
+
+/// An episode's goals.
+pub(super) fn goal_rows(path: &Path, episode: usize, goals: &[GoalRecord]) -> Result<RecordBatch, DiskError> {
+    table(episode, goals.len())
+        .column("goal_index", numbering(goals.len()))
+        .vectors("position_world", "_m", goals.iter().map(|goal| goal.position_world))
+        .column("start_time_s", numbers(goals.iter().map(|goal| goal.start_time_s)))
+        .column("end_time_s", numbers(goals.iter().map(|goal| goal.end_time_s)))
+        .column("outcome", text(goals.iter().map(|goal| goal.outcome.name())))
+        .build(path)
+}
+
+/// The goals in the rows from `first` on.
+pub(super) fn read_goals(path: &Path, first: usize, count: usize) -> Result<Vec<GoalRecord>, DiskError> {
+    let mut goals = Vec::new();
+    for batch in read_rows(path, first, count)? {
+        let columns = Columns { path, batch: &batch };
+        let start = columns.numbers::<Float64Type>("start_time_s")?;
+        let end = columns.numbers::<Float64Type>("end_time_s")?;
+        let outcome = columns.text("outcome")?;
+        for (row, position_world) in columns.vectors("position_world", "_m")?.into_iter().enumerate() {
+            goals.push(GoalRecord {
+                position_world,
+                start_time_s: start[row],
+                end_time_s: end[row],
+                outcome: read_outcome(&columns, outcome, row)?,
+            });
+        }
+    }
+    Ok(goals)
+}
+
+/// The outcome that a row names.
+pub(super) fn read_outcome(columns: &Columns, outcome: &StringArray, row: usize) -> Result<Outcome, DiskError> {
+    let name = outcome.value(row);
+    Outcome::from_name(name).ok_or_else(|| columns.error("outcome", name, "reached, stuck, timed_out or aborted"))
+}
+
+/// An episode's contacts, one row each; the patch is null for a part of the arm without skin.
+pub(super) fn contact_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let contacts = &recording.contacts;
+    let patch = |contact: &Contact| {
+        contact
+            .patch
+            .and_then(|patch| recording.layout.patches.get(usize::from(patch)))
+            .map(|patch| patch.name.clone())
+    };
+    let category = |contact: &Contact| {
+        recording
+            .objects
+            .get(usize::from(contact.object))
+            .map(|object| object.category.name())
+    };
+    let frames = |frame: fn(&Contact) -> u32| Int64Array::from_iter_values(contacts.iter().map(frame).map(i64::from));
+    table(episode, contacts.len())
+        .column("patch", contacts.iter().map(patch).collect::<StringArray>())
+        .column(
+            "object_index",
+            Int32Array::from_iter_values(contacts.iter().map(|contact| contact.object.into())),
+        )
+        .column("category", contacts.iter().map(category).collect::<StringArray>())
+        .column("first_frame", frames(|contact| contact.first_frame))
+        .column("last_frame", frames(|contact| contact.last_frame))
+        .column(
+            "peak_force_n",
+            numbers(contacts.iter().map(|contact| contact.peak_force_n)),
+        )
+        .column(
+            "mean_force_n",
+            numbers(contacts.iter().map(|contact| contact.mean_force_n)),
+        )
+        .build(path)
+}
+
+/// The contacts in the rows from `first` on.
+pub(super) fn read_contacts(
+    path: &Path,
+    layout: &SkinLayout,
+    first: usize,
+    count: usize,
+) -> Result<Vec<Contact>, DiskError> {
+    let mut contacts = Vec::new();
+    for batch in read_rows(path, first, count)? {
+        let columns = Columns { path, batch: &batch };
+        let patch = columns.text_or_null("patch")?;
+        let object = columns.numbers::<Int32Type>("object_index")?;
+        let frames = [
+            columns.numbers::<Int64Type>("first_frame")?,
+            columns.numbers::<Int64Type>("last_frame")?,
+        ];
+        let peak = columns.numbers::<Float64Type>("peak_force_n")?;
+        let mean = columns.numbers::<Float64Type>("mean_force_n")?;
+        for row in 0..batch.num_rows() {
+            let whole = |name: &str, number: i64| {
+                u32::try_from(number).map_err(|_| columns.error(name, number.to_string(), "0 to 4294967295"))
+            };
+            let patch = match patch.is_valid(row).then(|| patch.value(row)) {
+                None => None,
+                Some(name) => Some(
+                    layout
+                        .patch_index(name)
+                        .and_then(|index| u16::try_from(index).ok())
+                        .ok_or_else(|| columns.error("patch", name, "a patch of meta/taxels.parquet"))?,
+                ),
+            };
+            contacts.push(Contact {
+                patch,
+                object: u16::try_from(object[row])
+                    .map_err(|_| columns.error("object_index", object[row].to_string(), "0 to 32767"))?,
+                first_frame: whole("first_frame", frames[0][row])?,
+                last_frame: whole("last_frame", frames[1][row])?,
+                peak_force_n: peak[row],
+                mean_force_n: mean[row],
+            });
+        }
+    }
+    Ok(contacts)
+}

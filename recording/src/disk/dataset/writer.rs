@@ -1,0 +1,278 @@
+//! Making a data set: reaches are staged one by one, in any order and from many threads, then put together.
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::checksums::FileSum;
+use super::info::read_json;
+use super::plan::first_difference;
+use super::{Dataset, DatasetPlan, finish, names};
+use crate::Recording;
+use crate::disk::check::{Violation, check_layout, require};
+use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
+use crate::disk::{DiskError, write_recording};
+
+/// A data set in the making.
+///
+/// Every finished reach is staged at once as a file of its own below `incomplete/`, so that a crash costs at most the
+/// reaches in progress; [`DatasetWriter::finish`] puts them together in the order of the plan. The bytes of the
+/// finished set depend on plan and recordings alone: not on the order of staging, nor on crashes and resumptions.
+#[derive(Debug)]
+pub struct DatasetWriter {
+    dir: PathBuf,
+    plan: DatasetPlan,
+    /// A killed [`DatasetWriter::finish`] had written everything and only `incomplete/` is left to remove.
+    whole: bool,
+    /// Staged bytes at which a new data file begins.
+    pub(in crate::disk) bytes_per_file: u64,
+    /// Held until the end; the system releases it if the process dies.
+    _lock: File,
+}
+
+/// What a folder holds, as far as a new data set is concerned.
+enum Folder {
+    Empty,
+    Begun,
+    Finished,
+    Foreign,
+}
+
+fn look(dir: &Path) -> Result<Folder, DiskError> {
+    if dir.join(names::PLAN).exists() {
+        return Ok(Folder::Begun);
+    }
+    if dir.join(names::INFO).exists() {
+        return Ok(Folder::Finished);
+    }
+    if !dir.exists() {
+        return Ok(Folder::Empty);
+    }
+    // A crash before the plan was written leaves the lock, and perhaps a temporary file, in `incomplete`.
+    let ours = |file: &str| file == "lock" || file.starts_with(TEMPORARY_PREFIX);
+    let empty = match list(dir)?.as_slice() {
+        [] => true,
+        [only] if only == names::INCOMPLETE => list(&dir.join(names::INCOMPLETE))?.iter().all(|file| ours(file)),
+        _ => false,
+    };
+    Ok(if empty { Folder::Empty } else { Folder::Foreign })
+}
+
+/// Names of the files and folders in a folder.
+fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
+    let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
+    let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
+    entries
+        .map(name)
+        .collect::<std::io::Result<_>>()
+        .map_err(DiskError::io(folder, "read"))
+}
+
+/// Stores the plan, or compares it with the one stored when the set was begun.
+fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+    let path = dir.join(names::PLAN);
+    let bytes = json_bytes(&path, plan)?;
+    if !path.exists() {
+        return write_bytes(&path, &bytes);
+    }
+    let stored: Value = read_json(&path)?;
+    let given = serde_json::from_slice(&bytes).map_err(|error| DiskError::io(&path, "compare")(error.into()))?;
+    match first_difference(&stored, &given) {
+        None => Ok(()),
+        Some((field, stored, given)) => Err(DiskError::PlanDiffers {
+            dir: dir.to_path_buf(),
+            field,
+            stored,
+            given,
+        }),
+    }
+}
+
+impl DatasetWriter {
+    /// Begins a data set in an empty or new folder or, with `resume`, takes up one that was begun with the same plan.
+    ///
+    /// # Errors
+    /// [`DiskError::Unwritable`] for a plan without reaches, joints or rate, or with a broken layout;
+    /// [`DiskError::FolderNotEmpty`], [`DiskError::Finished`] and [`DiskError::Unfinished`] (without `resume`) for what
+    /// the folder already holds; [`DiskError::PlanDiffers`] on another plan; [`DiskError::InUse`] while another process
+    /// writes there.
+    pub fn create(dir: impl AsRef<Path>, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
+        let dir = dir.as_ref().to_path_buf();
+        check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
+        match look(&dir)? {
+            Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
+            Folder::Finished => return Err(DiskError::Finished { dir }),
+            Folder::Begun if !resume => return Err(DiskError::Unfinished { dir }),
+            Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,
+        }
+        let path = dir.join(names::LOCK);
+        let lock = File::create(&path).map_err(DiskError::io(&path, "write"))?;
+        lock.try_lock().map_err(|error| match error {
+            TryLockError::WouldBlock => DiskError::InUse { dir: dir.clone() },
+            TryLockError::Error(cause) => DiskError::io(&path, "lock")(cause),
+        })?;
+        settle_plan(&dir, &plan)?;
+        let whole = dir.join(names::INFO).exists();
+        Ok(DatasetWriter {
+            dir,
+            plan,
+            whole,
+            bytes_per_file: finish::BYTES_PER_FILE,
+            _lock: lock,
+        })
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &DatasetPlan {
+        &self.plan
+    }
+
+    /// The folder.
+    pub(super) fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Where the reach at a position is staged.
+    pub(super) fn staged(&self, position: usize) -> PathBuf {
+        self.dir
+            .join(format!("{}/reach-{position:06}.parquet", names::INCOMPLETE))
+    }
+
+    /// Positions in the plan that are still to run, ascending. A staged file that is torn or changed counts as missing.
+    ///
+    /// # Errors
+    /// [`DiskError::Io`] where a staged file cannot be read.
+    pub fn missing(&self) -> Result<Vec<usize>, DiskError> {
+        if self.whole {
+            return Ok(Vec::new());
+        }
+        let mut missing = Vec::new();
+        for position in 0..self.plan.episodes.len() {
+            let path = self.staged(position);
+            let sum = path.with_extension("json");
+            // The sum is written after the file: without it the file is not known to be whole.
+            let whole =
+                path.exists() && sum.exists() && read_json::<FileSum>(&sum).ok() == Some(FileSum::of_file(&path)?);
+            if !whole {
+                missing.push(position);
+            }
+        }
+        Ok(missing)
+    }
+
+    /// Stages the reach at a position of the plan; callable from many threads, for different positions, in any order.
+    ///
+    /// # Errors
+    /// [`DiskError::NoSuchReach`] for a position outside the plan; [`DiskError::Unwritable`] for a recording that is
+    /// not the planned one, has no frames or breaks a rule of its types; [`DiskError::Io`] and [`DiskError::Encode`]
+    /// when the disk refuses.
+    pub fn stage(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
+        let path = self.staged(position);
+        self.check_planned(position, recording)?;
+        write_recording(&path, recording)?;
+        let sum = path.with_extension("json");
+        write_bytes(&sum, &json_bytes(&sum, &FileSum::of_file(&path)?)?)
+    }
+
+    fn check_planned(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
+        let (plan, provenance) = (&self.plan, &self.plan.provenance);
+        let Some(episode) = plan.episodes.get(position) else {
+            let (dir, count) = (self.dir.clone(), plan.episodes.len());
+            return Err(DiskError::NoSuchReach {
+                dir,
+                index: position,
+                count,
+            });
+        };
+        let joints = format!("{:?}", recording.joint_names);
+        let layout = format!("{} taxels, or of another arrangement", recording.layout.taxel_count());
+        let facts = [
+            ("scene", recording.scene == episode.scene, recording.scene.clone()),
+            (
+                "reach_index",
+                recording.reach_index == episode.reach_index,
+                recording.reach_index.to_string(),
+            ),
+            ("seed", recording.seed == provenance.seed, recording.seed.to_string()),
+            (
+                "controller",
+                recording.controller == provenance.controller,
+                recording.controller.clone(),
+            ),
+            (
+                "rate_hz",
+                recording.rate_hz == plan.rate_hz,
+                recording.rate_hz.to_string(),
+            ),
+            ("joint_names", recording.joint_names == plan.joint_names, joints),
+            ("layout", recording.layout == plan.layout, layout),
+        ];
+        let planned = facts.into_iter().try_for_each(|(field, same, found)| {
+            require(
+                same,
+                || field.to_string(),
+                || found,
+                "what the plan of the data set says",
+            )
+        });
+        let frames = !recording.frames.is_empty();
+        planned
+            .and_then(|()| require(frames, || "frames".into(), || "none".into(), "at least one frame"))
+            .map_err(|violation| violation.unwritable(&self.staged(position)))
+    }
+
+    /// Puts the staged reaches together in the order of the plan and removes `incomplete/`.
+    ///
+    /// # Errors
+    /// [`DiskError::ReachesMissing`] while any is missing; [`DiskError::Input`], [`DiskError::Io`] and
+    /// [`DiskError::Encode`] when the disk refuses. After an error, or a crash at any moment, the set can be resumed.
+    pub fn finish(self) -> Result<Dataset, DiskError> {
+        if let [first, rest @ ..] = self.missing()?.as_slice() {
+            return Err(DiskError::ReachesMissing {
+                dir: self.dir,
+                count: rest.len() + 1,
+                first: *first,
+            });
+        }
+        if !self.whole {
+            finish::assemble(&self)?;
+        }
+        // The plan goes last: while it is there, the rest can be taken up again.
+        let incomplete = self.dir.join(names::INCOMPLETE);
+        for name in list(&incomplete)?
+            .iter()
+            .filter(|name| !names::PLAN.ends_with(name.as_str()))
+        {
+            let path = incomplete.join(name);
+            fs::remove_file(&path).map_err(DiskError::io(&path, "remove"))?;
+        }
+        sync_folder(&incomplete)?;
+        fs::remove_dir_all(&incomplete).map_err(DiskError::io(&incomplete, "remove"))?;
+        sync_folder(&self.dir)?;
+        Dataset::open(&self.dir)
+    }
+}
+
+fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
+    let rate = plan.rate_hz;
+    check_layout(&plan.layout)?;
+    require(
+        rate.is_finite() && rate > 0.0,
+        || "rate_hz".into(),
+        || rate.to_string(),
+        "a number above 0",
+    )?;
+    require(
+        !plan.joint_names.is_empty(),
+        || "joint_names".into(),
+        || "none".into(),
+        "at least one joint",
+    )?;
+    require(
+        !plan.episodes.is_empty(),
+        || "episodes".into(),
+        || "none".into(),
+        "at least one reach",
+    )
+}

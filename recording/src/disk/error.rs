@@ -1,0 +1,119 @@
+//! What can go wrong between memory and disk.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use parquet::errors::ParquetError;
+
+use crate::InputError;
+
+/// An error of [`crate::disk`]; every text names the file and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum DiskError {
+    /// A file that was read holds something that is not allowed there.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The operating system refused to read or write.
+    #[error("{}: cannot {action}: {source}; check the path, its permissions and the free space", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was tried, as a verb (`read`, `write`).
+        action: &'static str,
+        /// The refusal.
+        source: io::Error,
+    },
+    /// Parquet could not be encoded or written.
+    #[error("{}: cannot write Parquet: {source}; check the permissions and the free space", .path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: ParquetError,
+    },
+    /// Something handed over to be written breaks a rule of its type.
+    #[error("{}: not written: {field} is {found}; allowed: {allowed}", .path.display())]
+    Unwritable {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The field that breaks the rule.
+        field: String,
+        /// What it holds.
+        found: String,
+        /// The rule.
+        allowed: String,
+    },
+    /// The folder for a new data set already holds something else.
+    #[error("{}: holds files that are no data set; choose an empty or a new folder", .dir.display())]
+    FolderNotEmpty {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// The folder for a new data set already holds a finished one.
+    #[error("{}: holds a finished data set; nothing is left to do there: read it, or choose another folder", .dir.display())]
+    Finished {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// The folder holds a data set whose making was interrupted.
+    #[error("{}: holds an unfinished data set; run the same command with --resume to finish it, or delete the folder", .dir.display())]
+    Unfinished {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// The unfinished data set in the folder was begun with another plan.
+    #[error(
+        "{}: was begun with another plan: {field} was {stored}, now {given}; resume with the same scenes, seed and \
+         options, or choose another folder", .dir.display()
+    )]
+    PlanDiffers {
+        /// The folder.
+        dir: PathBuf,
+        /// Path of the first field that differs, for instance `provenance.seed`.
+        field: String,
+        /// Its value in the stored plan.
+        stored: String,
+        /// Its value in the plan given now.
+        given: String,
+    },
+    /// Another process is writing this data set.
+    #[error("{}: another process is writing this data set; wait for it to end, or choose another folder", .dir.display())]
+    InUse {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// A data set cannot be finished while reaches are missing.
+    #[error("{}: {count} reaches are missing, the first at position {first}; run them, then finish", .dir.display())]
+    ReachesMissing {
+        /// The folder.
+        dir: PathBuf,
+        /// How many are missing.
+        count: usize,
+        /// The first missing position in the plan, from 0.
+        first: usize,
+    },
+    /// A position or an index lies outside the data set.
+    #[error("{}: there is no reach {index}; allowed: 0 to {} (the set holds {count})", .dir.display(), .count.saturating_sub(1))]
+    NoSuchReach {
+        /// The folder.
+        dir: PathBuf,
+        /// What was asked for.
+        index: usize,
+        /// How many reaches there are.
+        count: usize,
+    },
+}
+
+impl DiskError {
+    /// For `map_err` on calls of the operating system.
+    pub(super) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> DiskError {
+        let path = path.to_path_buf();
+        move |source| DiskError::Io { path, action, source }
+    }
+
+    /// For `map_err` on calls of the Parquet writer.
+    pub(super) fn encode(path: &Path) -> impl FnOnce(ParquetError) -> DiskError {
+        let path = path.to_path_buf();
+        move |source| DiskError::Encode { path, source }
+    }
+}

@@ -1,0 +1,127 @@
+//! The columns of a recording: names, types and widths, as LeRobotDataset v3.0 calls for them.
+
+use std::sync::Arc;
+
+use arrow_schema::{DataType, Field, Schema, SchemaRef};
+
+use crate::SkinLayout;
+
+/// What the numbers of a pose column are.
+const POSE_NAMES: [&str; 7] = ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"];
+
+/// One column: a number or a fixed number of numbers a row.
+#[derive(Clone, Debug)]
+pub(super) struct Feature {
+    /// Name of the column; never holds a "/".
+    pub(super) name: String,
+    /// Type of one number.
+    pub(super) number: DataType,
+    /// How many numbers a row; 1 is a plain column.
+    pub(super) width: usize,
+    /// What each number is, where that is not a taxel index.
+    pub(super) names: Option<Vec<String>>,
+}
+
+impl Feature {
+    fn new(name: impl Into<String>, number: DataType, width: usize) -> Self {
+        Feature {
+            name: name.into(),
+            number,
+            width,
+            names: None,
+        }
+    }
+
+    fn named(mut self, names: &[impl ToString]) -> Self {
+        self.names = Some(names.iter().map(ToString::to_string).collect());
+        self
+    }
+
+    /// The element of a list column.
+    pub(super) fn element(&self) -> Field {
+        Field::new("item", self.number.clone(), true)
+    }
+
+    fn field(&self) -> Field {
+        let data_type = match i32::try_from(self.width) {
+            Ok(width) if width > 1 => DataType::FixedSizeList(Arc::new(self.element()), width),
+            _ => self.number.clone(),
+        };
+        Field::new(&self.name, data_type, true)
+    }
+}
+
+/// All columns of a recording in file order; `frames.rs` fills them in the same order.
+pub(super) fn features(joint_names: &[String], layout: &SkinLayout) -> Vec<Feature> {
+    use DataType::{Float32, Float64, Int8, Int16, Int32, Int64};
+    let joints = joint_names.len();
+    let mut features = vec![
+        Feature::new("timestamp", Float32, 1),
+        Feature::new("frame_index", Int64, 1),
+        Feature::new("episode_index", Int64, 1),
+        Feature::new("index", Int64, 1),
+        Feature::new("task_index", Int64, 1),
+        Feature::new("time_s", Float64, 1),
+        Feature::new("observation.state", Float64, joints).named(joint_names),
+        Feature::new("observation.velocity", Float64, joints).named(joint_names),
+        Feature::new("observation.torque", Float64, joints).named(joint_names),
+        Feature::new("action", Float64, joints).named(joint_names),
+        Feature::new("observation.tip_pose", Float64, 7).named(&POSE_NAMES),
+        Feature::new("goal_position", Float64, 3).named(&POSE_NAMES[..3]),
+        Feature::new("goal_index", Int32, 1),
+    ];
+    for patch in &layout.patches {
+        let name = |feature: PatchFeature| feature.column(&patch.name);
+        let count = patch.taxels.len();
+        features.extend([
+            Feature::new(name(PatchFeature::Pose), Float64, 7).named(&POSE_NAMES),
+            Feature::new(name(PatchFeature::Tactile), Float64, count),
+            Feature::new(name(PatchFeature::NormalForce), Float64, count),
+            Feature::new(name(PatchFeature::ShearForce), Float64, 2 * count),
+            Feature::new(name(PatchFeature::Object), Int16, count),
+            Feature::new(name(PatchFeature::Category), Int8, count),
+            Feature::new(name(PatchFeature::ContactForce), Float64, 3).named(&["x_n", "y_n", "z_n"]),
+        ]);
+    }
+    features
+}
+
+/// The columns that every patch has.
+#[derive(Clone, Copy)]
+pub(super) enum PatchFeature {
+    /// Pose of the patch's link, world frame.
+    Pose,
+    /// Sensed normal force of each taxel, N.
+    Tactile,
+    /// True normal force of each taxel, N.
+    NormalForce,
+    /// True shear force of each taxel along its two tangents, N.
+    ShearForce,
+    /// Index of the object on each taxel, −1 for none.
+    Object,
+    /// Code of that object's category, −1 for none.
+    Category,
+    /// Sum of the solver's contact forces on the patch, N, world frame.
+    ContactForce,
+}
+
+impl PatchFeature {
+    /// The name of the column of a patch.
+    pub(super) fn column(self, patch: &str) -> String {
+        let prefix = match self {
+            PatchFeature::Pose => "observation.patch_pose",
+            PatchFeature::Tactile => "observation.tactile",
+            PatchFeature::NormalForce => "truth.normal_force",
+            PatchFeature::ShearForce => "truth.shear_force",
+            PatchFeature::Object => "truth.object",
+            PatchFeature::Category => "truth.category",
+            PatchFeature::ContactForce => "truth.contact_force",
+        };
+        format!("{prefix}.{patch}")
+    }
+}
+
+/// The Arrow schema of the columns.
+pub(super) fn schema(features: &[Feature]) -> SchemaRef {
+    Arc::new(Schema::new(features.iter().map(Feature::field).collect::<Vec<_>>()))
+}

@@ -1,0 +1,187 @@
+//! Parquet files as this crate writes and reads them.
+
+use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use tempfile::NamedTempFile;
+
+use super::{DiskError, whole_file};
+use crate::InputError;
+
+/// Rows that are encoded or decoded together: 453 taxels make about 15 MB of dense columns of them.
+pub(super) const ROWS_PER_BATCH: usize = 1024;
+
+/// A Parquet file (zstd) in the making; it appears under its name when closed.
+pub(super) struct ParquetFile {
+    path: PathBuf,
+    writer: ArrowWriter<NamedTempFile>,
+}
+
+impl ParquetFile {
+    /// Opens it with key-value metadata.
+    pub(super) fn create(
+        path: &Path,
+        schema: SchemaRef,
+        key_values: impl IntoIterator<Item = (&'static str, String)>,
+    ) -> Result<Self, DiskError> {
+        let key_values: Vec<_> = key_values
+            .into_iter()
+            .map(|(key, value)| KeyValue::new(key.to_string(), value))
+            .collect();
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            // Statistics of pages would double the footer of a file with hundreds of row groups.
+            .set_statistics_enabled(EnabledStatistics::Chunk)
+            // Row groups end where the caller ends them, so that one holds one episode however long.
+            .set_max_row_group_row_count(None)
+            .set_key_value_metadata(Some(key_values))
+            .build();
+        let writer = ArrowWriter::try_new(whole_file::begin(path)?, schema, Some(properties))
+            .map_err(DiskError::encode(path))?;
+        Ok(ParquetFile {
+            path: path.to_path_buf(),
+            writer,
+        })
+    }
+
+    /// Appends rows.
+    pub(super) fn write(&mut self, batch: &RecordBatch) -> Result<(), DiskError> {
+        self.writer.write(batch).map_err(DiskError::encode(&self.path))
+    }
+
+    /// Ends the row group.
+    pub(super) fn end_row_group(&mut self) -> Result<(), DiskError> {
+        self.writer.flush().map_err(DiskError::encode(&self.path))
+    }
+
+    /// Writes the footer and gives the file its name.
+    pub(super) fn close(self) -> Result<(), DiskError> {
+        let temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
+        whole_file::commit(temporary, &self.path)
+    }
+}
+
+/// Writes a table of one batch.
+pub(super) fn write_table(
+    path: &Path,
+    batch: &RecordBatch,
+    key_values: impl IntoIterator<Item = (&'static str, String)>,
+) -> Result<(), DiskError> {
+    let mut file = ParquetFile::create(path, batch.schema(), key_values)?;
+    file.write(batch)?;
+    file.close()
+}
+
+/// The error for bytes that are no whole Parquet file.
+pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
+    InputError::new(
+        path,
+        "Parquet",
+        cause.to_string(),
+        "a whole Parquet file, uncompressed or compressed with zstd or snappy",
+        "write or copy the file again",
+    )
+    .into()
+}
+
+/// Runs a step of the Parquet decoder. Some damaged files (a negative offset in the footer) make it panic instead of
+/// returning an error, and input must never end the program.
+fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
+    match catch_unwind(AssertUnwindSafe(step)) {
+        Ok(result) => result.map_err(|error| broken(path, error)),
+        Err(_) => Err(broken(path, "damaged bytes that cannot be decoded")),
+    }
+}
+
+/// Opens a Parquet file for reading.
+pub(super) fn open(
+    path: &Path,
+    options: ArrowReaderOptions,
+) -> Result<ParquetRecordBatchReaderBuilder<File>, DiskError> {
+    let file = File::open(path).map_err(DiskError::io(path, "read"))?;
+    if file.metadata().map_err(DiskError::io(path, "read"))?.is_dir() {
+        return Err(broken(path, "a folder"));
+    }
+    decode(path, || {
+        ParquetRecordBatchReaderBuilder::try_new_with_options(file, options)
+    })
+}
+
+/// The rows of an opened file, batch by batch, up to the first error.
+pub(super) struct Batches {
+    path: PathBuf,
+    reader: Option<ParquetRecordBatchReader>,
+}
+
+impl Batches {
+    /// Begins to read.
+    pub(super) fn new(path: &Path, builder: ParquetRecordBatchReaderBuilder<File>) -> Result<Self, DiskError> {
+        let reader = decode(path, || builder.with_batch_size(ROWS_PER_BATCH).build())?;
+        Ok(Batches {
+            path: path.to_path_buf(),
+            reader: Some(reader),
+        })
+    }
+}
+
+impl Iterator for Batches {
+    type Item = Result<RecordBatch, DiskError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut reader = self.reader.take()?;
+        let batch = decode(&self.path, || reader.next().transpose());
+        if matches!(batch, Ok(Some(_))) {
+            self.reader = Some(reader);
+        }
+        batch.transpose()
+    }
+}
+
+/// The batches of the rows `first..first + count` of a table.
+pub(super) fn read_rows(path: &Path, first: usize, count: usize) -> Result<Vec<RecordBatch>, DiskError> {
+    let builder = open(path, ArrowReaderOptions::default())?
+        .with_offset(first)
+        .with_limit(count);
+    let batches = Batches::new(path, builder)?.collect::<Result<Vec<_>, _>>()?;
+    let found: usize = batches.iter().map(RecordBatch::num_rows).sum();
+    if found != count {
+        return Err(broken(
+            path,
+            format!("{found} rows from row {first} on where {count} are expected"),
+        ));
+    }
+    Ok(batches)
+}
+
+/// The value of a metadata key of a Parquet file.
+pub(super) fn key_value(
+    path: &Path,
+    builder: &ParquetRecordBatchReaderBuilder<File>,
+    key: &'static str,
+) -> Result<String, DiskError> {
+    let pairs = builder.metadata().file_metadata().key_value_metadata();
+    pairs
+        .into_iter()
+        .flatten()
+        .find(|pair| pair.key == key)
+        .and_then(|pair| pair.value.clone())
+        .ok_or_else(|| {
+            let remedy = "give a file written by underbrush; other programs drop the metadata when they rewrite it";
+            InputError::new(
+                path,
+                key,
+                "no such key in the Parquet metadata",
+                "a file that has it",
+                remedy,
+            )
+            .into()
+        })
+}

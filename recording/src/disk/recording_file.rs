@@ -1,0 +1,101 @@
+//! One recording in one Parquet file: one row a frame; what is not per frame as JSON in the metadata.
+
+use std::path::Path;
+
+use parquet::arrow::arrow_reader::ArrowReaderOptions;
+
+use super::DiskError;
+use super::check::{check_layout, check_recording};
+use super::features::{features, schema};
+use super::frames::{append_frames, frame_rows};
+use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open};
+use super::table::Columns;
+use crate::{InputError, Recording};
+
+/// Metadata key of the format's version.
+const FORMAT_KEY: &str = "underbrush.format";
+/// The version that this program writes and reads.
+const FORMAT: &str = "underbrush-recording/1";
+/// Metadata key of everything that is not per frame: a [`Recording`] without frames, as JSON.
+const RECORDING_KEY: &str = "underbrush.recording";
+
+/// Everything in a recording but its frames.
+fn without_frames(recording: &Recording) -> Recording {
+    Recording {
+        scene: recording.scene.clone(),
+        controller: recording.controller.clone(),
+        seed: recording.seed,
+        reach_index: recording.reach_index,
+        rate_hz: recording.rate_hz,
+        joint_names: recording.joint_names.clone(),
+        layout: recording.layout.clone(),
+        objects: recording.objects.clone(),
+        goals: recording.goals.clone(),
+        contacts: recording.contacts.clone(),
+        frames: Vec::new(),
+        largest_force_residual: recording.largest_force_residual,
+    }
+}
+
+/// Writes one reach to a Parquet file (zstd), exact to the last bit of every force and angle.
+///
+/// The file appears under its name only when it is whole. Columns are those of a data set (LeRobotDataset v3.0), with
+/// episode 0 and task 0; `timestamp` is frame index / rate in single precision, `time_s` the exact time.
+///
+/// # Errors
+/// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
+/// order); [`DiskError::Io`] and [`DiskError::Encode`] when the disk refuses.
+pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<(), DiskError> {
+    let path = path.as_ref();
+    check_recording(recording).map_err(|violation| violation.unwritable(path))?;
+    let header = serde_json::to_string(&without_frames(recording))
+        .map_err(|error| DiskError::io(path, "write")(error.into()))?;
+    let schema = schema(&features(&recording.joint_names, &recording.layout));
+    let mut file = ParquetFile::create(
+        path,
+        schema,
+        [(FORMAT_KEY, FORMAT.to_string()), (RECORDING_KEY, header)],
+    )?;
+    for first in (0..recording.frames.len()).step_by(ROWS_PER_BATCH) {
+        let count = ROWS_PER_BATCH.min(recording.frames.len() - first);
+        file.write(&frame_rows(recording, first, count).map_err(DiskError::encode(path))?)?;
+    }
+    file.close()
+}
+
+/// Opens a recording: everything but its frames, and the batches that hold them.
+pub(super) fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
+    let builder = open(path, ArrowReaderOptions::default())?;
+    let format = key_value(path, &builder, FORMAT_KEY)?;
+    if format != FORMAT {
+        let remedy = "read it with the version of underbrush that wrote it";
+        return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
+    }
+    let header = serde_json::from_str(&key_value(path, &builder, RECORDING_KEY)?).map_err(|error| {
+        let remedy = "write the recording again with the program that made it";
+        InputError::new(
+            path,
+            RECORDING_KEY,
+            error.to_string(),
+            "a recording's fields as JSON",
+            remedy,
+        )
+    })?;
+    Ok((header, Batches::new(path, builder)?))
+}
+
+/// Reads one reach back, equal to what [`write_recording`] was given.
+///
+/// # Errors
+/// [`DiskError::Input`] for a file that is torn, of another format or version, or whose content breaks a rule of
+/// [`Recording`]; [`DiskError::Io`] where it cannot be opened.
+pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
+    let path = path.as_ref();
+    let (mut recording, batches) = open_recording(path)?;
+    check_layout(&recording.layout).map_err(|violation| violation.misread(path))?;
+    for batch in batches {
+        append_frames(&Columns { path, batch: &batch? }, &mut recording)?;
+    }
+    check_recording(&recording).map_err(|violation| violation.misread(path))?;
+    Ok(recording)
+}

@@ -1,0 +1,133 @@
+//! Tables of named, typed columns: built for writing, looked into after reading.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use arrow_array::{
+    Array, ArrayRef, ArrowPrimitiveType, BooleanArray, FixedSizeListArray, Float64Array, PrimitiveArray, RecordBatch,
+    StringArray,
+};
+use glam::DVec3;
+
+use super::DiskError;
+use crate::InputError;
+
+/// Columns for a table; all are nullable, so that the schema does not depend on the rows.
+#[derive(Default)]
+pub(super) struct TableBuilder {
+    columns: Vec<(String, ArrayRef)>,
+}
+
+impl TableBuilder {
+    /// Adds a column.
+    pub(super) fn column(mut self, name: impl Into<String>, array: impl Array + 'static) -> Self {
+        self.columns.push((name.into(), Arc::new(array)));
+        self
+    }
+
+    /// Adds three columns `<name>_x<unit>`, `_y`, `_z`.
+    pub(super) fn vectors(self, name: &str, unit: &str, vectors: impl Iterator<Item = DVec3> + Clone) -> Self {
+        ["x", "y", "z"]
+            .into_iter()
+            .enumerate()
+            .fold(self, |table, (axis, letter)| {
+                let numbers = Float64Array::from_iter_values(vectors.clone().map(|vector| vector[axis]));
+                table.column(format!("{name}_{letter}{unit}"), numbers)
+            })
+    }
+
+    /// The table, to be written to `path`.
+    pub(super) fn build(self, path: &Path) -> Result<RecordBatch, DiskError> {
+        RecordBatch::try_from_iter_with_nullable(self.columns.into_iter().map(|(name, array)| (name, array, true)))
+            .map_err(|error| DiskError::encode(path)(error.into()))
+    }
+}
+
+/// Typed columns of one batch of a file that this crate wrote.
+pub(super) struct Columns<'a> {
+    /// The file, for errors.
+    pub(super) path: &'a Path,
+    /// The rows.
+    pub(super) batch: &'a RecordBatch,
+}
+
+impl<'a> Columns<'a> {
+    /// An error about a column.
+    pub(super) fn error(&self, name: &str, found: impl Into<String>, allowed: impl Into<String>) -> DiskError {
+        InputError::new(self.path, name, found, allowed, "write or copy the file again").into()
+    }
+
+    fn typed<A: Array + 'static>(&self, name: &str, expected: &str) -> Result<&'a A, DiskError> {
+        let array = self
+            .batch
+            .column_by_name(name)
+            .ok_or_else(|| self.error(name, "no such column", "a column of this name"))?;
+        array
+            .as_any()
+            .downcast_ref()
+            .ok_or_else(|| self.error(name, format!("a column of {}", array.data_type()), expected))
+    }
+
+    fn whole<A: Array + 'static>(&self, name: &str, expected: &str) -> Result<&'a A, DiskError> {
+        let array: &A = self.typed(name, expected)?;
+        if array.null_count() > 0 {
+            return Err(self.error(name, format!("{} nulls", array.null_count()), "no nulls"));
+        }
+        Ok(array)
+    }
+
+    /// A column of numbers without nulls, one a row.
+    pub(super) fn numbers<T: ArrowPrimitiveType>(&self, name: &str) -> Result<&'a [T::Native], DiskError> {
+        Ok(self
+            .whole::<PrimitiveArray<T>>(name, &T::DATA_TYPE.to_string())?
+            .values())
+    }
+
+    /// A column of `width` numbers a row, one row after the other; width 1 is a plain column.
+    pub(super) fn rows<T: ArrowPrimitiveType>(&self, name: &str, width: usize) -> Result<&'a [T::Native], DiskError> {
+        if width == 1 {
+            return self.numbers::<T>(name);
+        }
+        let allowed = format!("lists of {width} {} without nulls", T::DATA_TYPE);
+        let lists: &FixedSizeListArray = self.whole(name, &allowed)?;
+        let values = lists
+            .values()
+            .as_primitive_opt::<T>()
+            .filter(|values| values.null_count() == 0);
+        let first = usize::try_from(lists.value_offset_at(0)).unwrap_or_default();
+        match values {
+            Some(values) if usize::try_from(lists.value_length()) == Ok(width) => {
+                Ok(&values.values()[first..first + lists.len() * width])
+            }
+            _ => Err(self.error(name, format!("a column of {}", lists.data_type()), allowed)),
+        }
+    }
+
+    /// A column of text without nulls.
+    pub(super) fn text(&self, name: &str) -> Result<&'a StringArray, DiskError> {
+        self.whole(name, "text")
+    }
+
+    /// A column of text, nulls allowed.
+    pub(super) fn text_or_null(&self, name: &str) -> Result<&'a StringArray, DiskError> {
+        self.typed(name, "text")
+    }
+
+    /// A column of truth values without nulls.
+    pub(super) fn flags(&self, name: &str) -> Result<&'a BooleanArray, DiskError> {
+        self.whole(name, "truth values")
+    }
+
+    /// The three columns of [`TableBuilder::vectors`], as vectors.
+    pub(super) fn vectors(&self, name: &str, unit: &str) -> Result<Vec<DVec3>, DiskError> {
+        let axis = |letter: &str| self.numbers::<Float64Type>(&format!("{name}_{letter}{unit}"));
+        let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
+        Ok(x.iter()
+            .zip(y)
+            .zip(z)
+            .map(|((&x, &y), &z)| DVec3::new(x, y, z))
+            .collect())
+    }
+}

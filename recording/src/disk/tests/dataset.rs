@@ -1,0 +1,281 @@
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::reach;
+use crate::disk::{
+    Dataset, DatasetPlan, DatasetWriter, DiskError, PlannedEpisode, Provenance, SceneText, write_recording,
+};
+use crate::{InputError, Outcome, Recording};
+
+/// Lengths of the reaches of the test set, frames; the third is longer than one batch.
+const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];
+/// Reach indices of the test set: a shard of a larger campaign.
+const REACHES: [u64; 5] = [4, 9, 14, 19, 24];
+
+pub(super) fn recordings() -> Vec<Recording> {
+    let mut recordings: Vec<_> = REACHES
+        .iter()
+        .zip(FRAMES)
+        .map(|(&index, frames)| reach(index, frames))
+        .collect();
+    // One reach that touches nothing: no objects, goals or contacts.
+    let quiet = &mut recordings[3];
+    quiet.frames.iter_mut().for_each(|frame| frame.taxels.clear());
+    quiet.objects.clear();
+    quiet.goals.clear();
+    quiet.contacts.clear();
+    recordings[1].scene = "trunks".into();
+    // One contact of a bare link.
+    let mut bare = recordings[1].contacts[0];
+    bare.patch = None;
+    recordings[1].contacts = vec![bare];
+    recordings
+}
+
+pub(super) fn plan() -> DatasetPlan {
+    let recordings = recordings();
+    let first = &recordings[0];
+    let episode = |recording: &Recording| PlannedEpisode {
+        scene: recording.scene.clone(),
+        task: format!("reach the goal through {}", recording.scene),
+        reach_index: recording.reach_index,
+    };
+    DatasetPlan {
+        provenance: Provenance {
+            program: "underbrush".into(),
+            program_version: "0.1.0".into(),
+            engine: "an engine 1.0".into(),
+            options: BTreeMap::from([("step_s".to_string(), 0.004.into())]),
+            scenes: vec![
+                SceneText::new("foliage", "[leaf]\n"),
+                SceneText::new("trunks", "[trunk]\n"),
+            ],
+            seed: 7,
+            controller: "cody-2013".into(),
+            controller_parameters: BTreeMap::new(),
+            reaches: 25,
+            shard: None,
+        },
+        robot: "cody".into(),
+        rate_hz: 100.0,
+        joint_names: first.joint_names.clone(),
+        layout: first.layout.clone(),
+        episodes: recordings.iter().map(episode).collect(),
+    }
+}
+
+pub(super) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
+    let mut writer = DatasetWriter::create(dir, plan(), resume).unwrap();
+    // Small enough that the reaches fill several data files.
+    writer.bytes_per_file = 60_000;
+    writer
+}
+
+/// A finished set of [`recordings`].
+pub(super) fn make(dir: &Path) -> Dataset {
+    let writer = begin(dir, false);
+    for (position, recording) in recordings().iter().enumerate() {
+        writer.stage(position, recording).unwrap();
+    }
+    writer.finish().unwrap()
+}
+
+/// Every file below a folder with its bytes.
+pub(super) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    fn gather(root: &Path, folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                gather(root, &path, files);
+            } else {
+                files.insert(path.strip_prefix(root).unwrap().to_path_buf(), fs::read(&path).unwrap());
+            }
+        }
+    }
+    let mut files = BTreeMap::new();
+    gather(dir, dir, &mut files);
+    files
+}
+
+fn input_error<T: std::fmt::Debug>(result: Result<T, DiskError>) -> InputError {
+    match result {
+        Err(DiskError::Input(error)) => error,
+        other => panic!("an InputError is expected, not {other:?}"),
+    }
+}
+
+#[test]
+fn every_reach_comes_back_as_it_was_staged() {
+    // Pins: frames, ground truth, layout and facts of the reach survive the way through the set.
+    let folder = tempfile::tempdir().unwrap();
+    let set = make(folder.path());
+    for (index, recording) in recordings().iter().enumerate() {
+        assert_eq!(&set.read_reach(index).unwrap(), recording, "reach {index}");
+    }
+    assert!(matches!(
+        set.read_reach(5),
+        Err(DiskError::NoSuchReach { index: 5, count: 5, .. })
+    ));
+    assert_eq!(set.layout(), &plan().layout);
+    assert_eq!(set.provenance(), &plan().provenance);
+    set.verify().unwrap();
+}
+
+#[test]
+fn episodes_say_where_their_frames_are_and_how_they_ended() {
+    // Pins: the columns that LeRobot reads and those that this program adds.
+    let folder = tempfile::tempdir().unwrap();
+    let set = make(folder.path());
+    let episodes = set.episodes();
+    let starts: Vec<_> = episodes.iter().map(|episode| episode.first_index).collect();
+    assert_eq!(starts, [0, 40, 65, 1565, 1575]);
+    assert_eq!(
+        episodes.iter().map(|episode| episode.frames).collect::<Vec<_>>(),
+        FRAMES
+    );
+    let files: Vec<_> = episodes.iter().map(|episode| episode.file_index).collect();
+    assert!(
+        files.is_sorted() && files[0] == 0 && files[4] > 0,
+        "several data files in order: {files:?}"
+    );
+    let outcomes: Vec<_> = episodes.iter().map(|episode| episode.outcome).collect();
+    let (reached, stuck) = (Outcome::Reached, Outcome::Stuck);
+    assert_eq!(outcomes, [reached, stuck, reached, reached, reached]);
+    assert_eq!(
+        episodes.iter().map(|episode| episode.goals_reached).collect::<Vec<_>>(),
+        [1, 0, 1, 0, 1]
+    );
+    // Episode 1 touches with a bare link only, episode 3 not at all.
+    assert_eq!(
+        episodes.iter().map(|episode| episode.touched).collect::<Vec<_>>(),
+        [true, false, true, false, true]
+    );
+    assert_eq!(
+        episodes.iter().map(|episode| episode.reach_index).collect::<Vec<_>>(),
+        REACHES
+    );
+    assert_eq!(episodes[1].task, "reach the goal through trunks");
+    let info = set.info();
+    assert_eq!(
+        (info.total_episodes, info.total_frames, info.total_tasks, info.fps),
+        (5, 1608, 2, 100.0)
+    );
+    assert_eq!(info.features["observation.tactile.forearm"].shape, [12]);
+    assert_eq!(info.features["truth.object.tip"].dtype, "int16");
+    assert!(
+        fs::read_to_string(folder.path().join("meta/info.json"))
+            .unwrap()
+            .contains("\"fps\": 100,")
+    );
+}
+
+#[test]
+fn statistics_cover_every_feature_number_by_number() {
+    // Pins: stats.json against sums over the recordings themselves.
+    let folder = tempfile::tempdir().unwrap();
+    let set = make(folder.path());
+    let text = fs::read_to_string(folder.path().join("meta/stats.json")).unwrap();
+    let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for (name, feature) in &set.info().features {
+        for figure in ["min", "max", "mean", "std", "q01", "q50", "q99"] {
+            assert_eq!(
+                stats[name][figure].as_array().unwrap().len(),
+                feature.shape[0],
+                "{name} {figure}"
+            );
+        }
+    }
+    let frames: Vec<_> = recordings()
+        .into_iter()
+        .flat_map(|recording| recording.frames)
+        .collect();
+    let sensed = |frame: &crate::Frame| {
+        let reading = frame
+            .taxels
+            .iter()
+            .find(|reading| (reading.patch, reading.taxel) == (0, 6));
+        reading.map_or(0.0, |reading| reading.sensed_force_n)
+    };
+    let forces: Vec<f64> = frames.iter().map(sensed).collect();
+    let mean = forces.iter().sum::<f64>() / forces.len() as f64;
+    let column = &stats["observation.tactile.forearm"];
+    assert!((column["mean"][6].as_f64().unwrap() - mean).abs() < 1e-12);
+    assert_eq!(column["max"][6].as_f64(), forces.iter().copied().reduce(f64::max));
+    assert_eq!(column["max"][7].as_f64(), Some(0.0));
+    assert_eq!(stats["index"]["max"][0].as_f64(), Some(1607.0));
+}
+
+#[test]
+fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
+    // Pins: each way in which a folder can fail to be a data set has its own text and remedy.
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("set");
+    assert_eq!(input_error(Dataset::open(&dir)).found, "no such folder");
+    fs::create_dir(&dir).unwrap();
+    assert_eq!(input_error(Dataset::open(&dir)).found, "no meta/info.json");
+    let file = folder.path().join("reach.parquet");
+    write_recording(&file, &reach(0, 5)).unwrap();
+    assert_eq!(input_error(Dataset::open(&file)).found, "a file");
+    let unfinished = folder.path().join("unfinished");
+    begin(&unfinished, false).stage(0, &recordings()[0]).unwrap();
+    let error = Dataset::open(&unfinished).unwrap_err();
+    assert!(
+        matches!(error, DiskError::Unfinished { .. }) && error.to_string().contains("--resume"),
+        "{error}"
+    );
+    make(&dir);
+    let (info, provenance) = (dir.join("meta/info.json"), dir.join("meta/provenance.json"));
+    for (path, from, to, field) in [
+        (&info, "v3.0", "v2.1", "codebase_version"),
+        (&provenance, "underbrush-dataset/1", "underbrush-dataset/9", "format"),
+        (&info, "\"total_frames\": 1608", "\"total_frames\": 1609", "checksum"),
+        (&info, "{", "", "JSON"),
+    ] {
+        let text = fs::read_to_string(path).unwrap();
+        fs::write(path, text.replacen(from, to, 1)).unwrap();
+        let error = input_error(Dataset::open(&dir));
+        assert_eq!((error.field.as_str(), &error.file), (field, path));
+        fs::write(path, text).unwrap();
+    }
+    Dataset::open(&dir).unwrap();
+    fs::rename(&provenance, folder.path().join("aside")).unwrap();
+    assert_eq!(
+        input_error(Dataset::open(&dir)).found,
+        "a LeRobot data set of another program"
+    );
+    fs::rename(folder.path().join("aside"), &provenance).unwrap();
+    fs::remove_file(&info).unwrap();
+    assert_eq!(
+        input_error(Dataset::open(&dir)).found,
+        "a data set without meta/info.json"
+    );
+}
+
+#[test]
+fn every_missing_torn_or_changed_file_is_named() {
+    // Pins: no file of a set can be lost, cut or altered in one bit without being named.
+    let folder = tempfile::tempdir().unwrap();
+    make(folder.path());
+    let files = contents(folder.path());
+    assert!(files.len() > 11, "{:?}", files.keys());
+    for (name, bytes) in &files {
+        // Without it nothing can be checked; its own absence is an Io error.
+        if name.ends_with("checksums.json") {
+            continue;
+        }
+        let path = folder.path().join(name);
+        let check = || Dataset::open(folder.path()).and_then(|set| set.verify());
+        let mut changed = bytes.clone();
+        changed[bytes.len() / 2] ^= 1;
+        for spoiled in [&bytes[..bytes.len() / 2], &changed] {
+            fs::write(&path, spoiled).unwrap();
+            assert_eq!(input_error(check()).file, path);
+        }
+        fs::remove_file(&path).unwrap();
+        let decisive = name.ends_with("info.json") || name.ends_with("provenance.json");
+        assert_eq!(input_error(check()).file, if decisive { folder.path() } else { &path });
+        fs::write(&path, bytes).unwrap();
+        check().unwrap();
+    }
+}

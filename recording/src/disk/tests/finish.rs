@@ -1,0 +1,224 @@
+use std::fs;
+use std::path::Path;
+use std::thread;
+
+use super::dataset::{begin, contents, make, plan, recordings};
+use crate::Recording;
+use crate::disk::{DatasetPlan, DatasetWriter, DiskError};
+
+/// Copies a folder with everything below it, as a crash at this moment would leave it.
+fn copy(from: &Path, to: &Path) {
+    for (name, bytes) in contents(from) {
+        let path = to.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+}
+
+#[test]
+fn order_and_threads_of_staging_leave_no_trace() {
+    // Pins: reaches staged backwards, or by three threads at once, give the same bytes.
+    let folder = tempfile::tempdir().unwrap();
+    let [forwards, backwards, threads] = ["a", "b", "c"].map(|name| folder.path().join(name));
+    make(&forwards);
+    let recordings = recordings();
+    let writer = begin(&backwards, false);
+    for (position, recording) in recordings.iter().enumerate().rev() {
+        writer.stage(position, recording).unwrap();
+    }
+    writer.finish().unwrap();
+    let writer = begin(&threads, false);
+    thread::scope(|scope| {
+        for part in 0..3 {
+            let (writer, recordings) = (&writer, &recordings);
+            scope.spawn(move || {
+                for position in (part..recordings.len()).step_by(3) {
+                    writer.stage(position, &recordings[position]).unwrap();
+                }
+            });
+        }
+    });
+    writer.finish().unwrap();
+    assert_eq!(contents(&forwards), contents(&backwards));
+    assert_eq!(contents(&forwards), contents(&threads));
+}
+
+#[test]
+fn a_crash_costs_only_the_reaches_in_progress() {
+    // Pins: after a crash, whole reaches are kept, torn ones run again, and the set ends in the same bytes.
+    let folder = tempfile::tempdir().unwrap();
+    let [unbroken, broken] = ["a", "b"].map(|name| folder.path().join(name));
+    make(&unbroken);
+    let recordings = recordings();
+    let writer = begin(&broken, false);
+    assert_eq!(writer.missing().unwrap(), [0, 1, 2, 3, 4]);
+    for position in [3, 1, 4] {
+        writer.stage(position, &recordings[position]).unwrap();
+    }
+    assert!(matches!(
+        DatasetWriter::create(&broken, plan(), true),
+        Err(DiskError::InUse { .. })
+    ));
+    drop(writer);
+    let staged = |name: &str| broken.join("incomplete").join(name);
+    // Reach 1 is cut, reach 2 has no sum yet, a temporary file of reach 0 is left.
+    let bytes = fs::read(staged("reach-000001.parquet")).unwrap();
+    fs::write(staged("reach-000001.parquet"), &bytes[..bytes.len() - 8]).unwrap();
+    fs::write(staged("reach-000002.parquet"), &bytes).unwrap();
+    fs::write(staged(".underbrush-unfinished-x"), b"PAR1").unwrap();
+    assert!(matches!(
+        DatasetWriter::create(&broken, plan(), false),
+        Err(DiskError::Unfinished { .. })
+    ));
+    let writer = begin(&broken, true);
+    assert_eq!(writer.missing().unwrap(), [0, 1, 2]);
+    let writer = match writer.finish() {
+        Err(DiskError::ReachesMissing { count: 3, first: 0, .. }) => begin(&broken, true),
+        other => panic!("{other:?}"),
+    };
+    for position in writer.missing().unwrap() {
+        writer.stage(position, &recordings[position]).unwrap();
+    }
+    writer.finish().unwrap();
+    assert_eq!(contents(&unbroken), contents(&broken));
+}
+
+#[test]
+fn a_finish_killed_at_any_file_is_taken_up_again() {
+    // Pins: whatever files a killed finish had written or removed, resuming ends in the same bytes.
+    let folder = tempfile::tempdir().unwrap();
+    let [unbroken, staged] = ["a", "b"].map(|name| folder.path().join(name));
+    make(&unbroken);
+    let whole = contents(&unbroken);
+    let writer = begin(&staged, false);
+    for (position, recording) in recordings().iter().enumerate() {
+        writer.stage(position, recording).unwrap();
+    }
+    drop(writer);
+    let resume_and_compare = |dir: &Path| {
+        begin(dir, true).finish().unwrap();
+        assert_eq!(contents(dir), whole);
+    };
+    // Killed while writing: any number of final files is there, the next one under a temporary name or torn.
+    let files: Vec<_> = whole.iter().filter(|(name, _)| !name.ends_with("info.json")).collect();
+    for written in 0..=files.len() {
+        let dir = folder.path().join(format!("writing-{written}"));
+        copy(&staged, &dir);
+        for (place, (name, bytes)) in files.iter().enumerate().take(written + 1) {
+            let path = dir.join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(
+                path,
+                if place < written {
+                    &bytes[..]
+                } else {
+                    &bytes[..bytes.len() / 2]
+                },
+            )
+            .unwrap();
+        }
+        resume_and_compare(&dir);
+    }
+    // Killed while removing: the set is whole, some of `incomplete/` is left.
+    let rest: Vec<_> = contents(&staged)
+        .into_keys()
+        .filter(|name| !name.ends_with("plan.json"))
+        .collect();
+    for removed in 0..=rest.len() {
+        let dir = folder.path().join(format!("removing-{removed}"));
+        copy(&staged, &dir);
+        copy(&unbroken, &dir);
+        for name in &rest[..removed] {
+            fs::remove_file(dir.join(name)).unwrap();
+        }
+        resume_and_compare(&dir);
+    }
+}
+
+#[test]
+fn a_folder_that_holds_something_else_is_left_alone() {
+    // Pins: neither a finished set nor a stranger's files can be overwritten, with or without resume.
+    let folder = tempfile::tempdir().unwrap();
+    let [finished, foreign, crashed] = ["a", "b", "c"].map(|name| folder.path().join(name));
+    make(&finished);
+    fs::create_dir_all(foreign.join("data")).unwrap();
+    fs::write(foreign.join("data/thesis.txt"), "precious").unwrap();
+    for resume in [false, true] {
+        let again = DatasetWriter::create(&finished, plan(), resume);
+        assert!(matches!(again, Err(DiskError::Finished { .. })));
+        let over = DatasetWriter::create(&foreign, plan(), resume);
+        assert!(matches!(over, Err(DiskError::FolderNotEmpty { .. })));
+    }
+    // A crash before the plan was stored leaves nothing to resume and nothing to lose.
+    fs::create_dir_all(crashed.join("incomplete")).unwrap();
+    fs::write(crashed.join("incomplete/lock"), "").unwrap();
+    fs::write(crashed.join("incomplete/.underbrush-unfinished-x"), "{").unwrap();
+    make(&crashed);
+    assert_eq!(contents(&crashed), contents(&finished));
+}
+
+#[test]
+fn another_plan_is_refused_by_its_first_differing_field() {
+    // Pins: resuming with other options cannot mix two campaigns, and the error says what differs.
+    let changes: [(&str, fn(&mut DatasetPlan)); 6] = [
+        ("provenance.seed", |plan| plan.provenance.seed = 8),
+        ("provenance.options.step_s", |plan| plan.provenance.options.clear()),
+        ("provenance.scenes[1].blake3", |plan| {
+            plan.provenance.scenes[1] = crate::disk::SceneText::new("trunks", "[trunk] # changed\n");
+        }),
+        ("episodes[4]", |plan| plan.episodes.truncate(4)),
+        ("layout.patches[0].grid.wraps", |plan| {
+            plan.layout.patches[0].grid.as_mut().unwrap().wraps = false;
+        }),
+        ("rate_hz", |plan| plan.rate_hz = 50.0),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    drop(begin(folder.path(), false));
+    for (expected, change) in changes {
+        let mut other = plan();
+        change(&mut other);
+        match DatasetWriter::create(folder.path(), other, true) {
+            Err(DiskError::PlanDiffers {
+                field, stored, given, ..
+            }) => {
+                assert_eq!(field, expected);
+                assert_ne!(stored, given);
+            }
+            other => panic!("{expected}: {other:?}"),
+        }
+    }
+    assert_eq!(begin(folder.path(), true).missing().unwrap().len(), 5);
+}
+
+#[test]
+fn only_the_planned_reach_can_be_staged() {
+    // Pins: a recording of another scene, seed, reach, controller or skin cannot slip into a set.
+    let changes: [(&str, fn(&mut Recording)); 8] = [
+        ("scene", |r| r.scene = "trunks".into()),
+        ("reach_index", |r| r.reach_index = 5),
+        ("seed", |r| r.seed = 8),
+        ("controller", |r| r.controller = "ijrr-foliage".into()),
+        ("rate_hz", |r| r.rate_hz = 50.0),
+        ("joint_names", |r| r.joint_names[0] = "hip".into()),
+        ("layout", |r| r.layout.patches[1].link = "hand".into()),
+        ("frames", |r| r.frames.clear()),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let writer = begin(folder.path(), false);
+    for (expected, change) in changes {
+        let mut other = recordings().swap_remove(0);
+        change(&mut other);
+        match writer.stage(0, &other) {
+            Err(DiskError::Unwritable { field, .. }) => assert_eq!(field, expected),
+            other => panic!("{expected}: {other:?}"),
+        }
+    }
+    assert!(matches!(
+        writer.stage(5, &recordings()[0]),
+        Err(DiskError::NoSuchReach { .. })
+    ));
+    let mut empty = plan();
+    empty.episodes.clear();
+    let refused = DatasetWriter::create(folder.path().join("none"), empty, false);
+    assert!(matches!(refused, Err(DiskError::Unwritable { field, .. }) if field == "episodes"));
+}

@@ -1,0 +1,325 @@
+//! Tests of the disk formats, and the recordings that they write.
+
+mod dataset;
+mod finish;
+mod recording;
+mod trials;
+
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+use crate::{
+    Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout, Taxel,
+    TaxelReading,
+};
+
+/// Any finite number, with the awkward ones (−0, subnormals, the largest) among them.
+pub(super) fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => any::<f64>().prop_filter("finite", |value| value.is_finite()),
+        2 => -20.0..20.0f64,
+        1 => prop::sample::select(vec![0.0, -0.0, f64::MIN_POSITIVE / 8.0, f64::MAX, -f64::MAX, 0.1]),
+    ]
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    [number(), number(), number()].prop_map(DVec3::from_array)
+}
+
+fn pose() -> impl Strategy<Value = Pose> {
+    (vector(), [number(), number(), number(), number()]).prop_map(|(position, [x, y, z, w])| Pose {
+        position,
+        orientation: DQuat::from_xyzw(x, y, z, w),
+    })
+}
+
+fn taxel() -> impl Strategy<Value = Taxel> {
+    (vector(), vector(), vector(), number()).prop_map(|(position_link, normal_link, tangent_link, area_m2)| Taxel {
+        position_link,
+        normal_link,
+        tangent_link,
+        area_m2,
+    })
+}
+
+fn patch() -> impl Strategy<Value = Patch> {
+    let parts = (1..4usize, 1..4usize, prop::option::of(prop::bool::ANY), "[ -.0-~]{0,6}");
+    parts.prop_flat_map(|(rows, columns, wraps, link)| {
+        let grid = wraps.map(|wraps| Grid { rows, columns, wraps });
+        prop::collection::vec(taxel(), rows * columns).prop_map(move |taxels| Patch {
+            name: String::new(),
+            link: link.clone(),
+            grid,
+            taxels,
+        })
+    })
+}
+
+fn object() -> impl Strategy<Value = ObjectRecord> {
+    let parameters = prop::collection::btree_map("[a-z_]{1,12}", number(), 0..4);
+    (
+        "[a-z_]{1,9}",
+        prop::sample::select(Category::ALL.to_vec()),
+        vector(),
+        parameters,
+    )
+        .prop_map(|(kind, category, position_world, parameters)| ObjectRecord {
+            kind,
+            category,
+            position_world,
+            parameters,
+        })
+}
+
+fn goal() -> impl Strategy<Value = GoalRecord> {
+    (
+        vector(),
+        number(),
+        number(),
+        prop::sample::select(Outcome::ALL.to_vec()),
+    )
+        .prop_map(|(position_world, start_time_s, end_time_s, outcome)| GoalRecord {
+            position_world,
+            start_time_s,
+            end_time_s,
+            outcome,
+        })
+}
+
+/// One taxel's forces, its object and whether it is listed at all.
+type RawReading = ([f64; 4], Option<Index>, bool);
+
+fn frame(joints: usize, layout: SkinLayout, objects: usize) -> impl Strategy<Value = Frame> {
+    let joint = || prop::collection::vec(number(), joints);
+    let patches = layout.patches.len();
+    let readings = layout.taxel_count();
+    let reading = (
+        [number(), number(), number(), number()],
+        prop::option::of(any::<Index>()),
+        any::<bool>(),
+    );
+    (
+        (number(), joint(), joint(), joint(), joint()),
+        (pose(), vector(), any::<u16>()),
+        prop::collection::vec(pose(), patches),
+        prop::collection::vec(vector(), patches),
+        prop::collection::vec(reading, readings),
+    )
+        .prop_map(
+            move |(state, (tip_pose_world, goal_position_world, goal_index), poses, forces, raw)| Frame {
+                time_s: state.0,
+                joint_angle_rad: state.1,
+                joint_velocity_rad_per_s: state.2,
+                equilibrium_angle_rad: state.3,
+                joint_torque_nm: state.4,
+                tip_pose_world,
+                goal_position_world,
+                goal_index,
+                patch_pose_world: poses,
+                contact_force_world: forces,
+                taxels: readings_of(&layout, &raw, objects),
+            },
+        )
+}
+
+fn readings_of(layout: &SkinLayout, raw: &[RawReading], objects: usize) -> Vec<TaxelReading> {
+    let places = layout.patches.iter().enumerate();
+    let places = places.flat_map(|(patch, part)| (0..part.taxels.len()).map(move |taxel| (patch, taxel)));
+    let readings = places
+        .zip(raw)
+        .filter(|(_, (.., listed))| *listed)
+        .map(|((patch, taxel), (forces, object, _))| {
+            let object = object
+                .filter(|_| objects > 0)
+                .map(|object| object.index(objects) as u16);
+            let [true_normal_force_n, first_shear, second_shear, sensed_force_n] = *forces;
+            TaxelReading {
+                patch: patch as u16,
+                taxel: taxel as u16,
+                true_normal_force_n,
+                true_shear_force_n: [first_shear, second_shear],
+                sensed_force_n,
+                object,
+            }
+        });
+    let speaks = |reading: &TaxelReading| {
+        let shear = reading.true_shear_force_n;
+        reading.object.is_some()
+            || [reading.true_normal_force_n, shear[0], shear[1], reading.sensed_force_n]
+                .iter()
+                .any(|&n| n != 0.0)
+    };
+    readings.filter(speaks).collect()
+}
+
+/// Any recording that keeps the rules of its types.
+pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
+    let parts = (
+        prop::collection::vec(patch(), 0..3),
+        1..4usize,
+        prop::collection::vec(object(), 0..4),
+        prop::collection::vec(goal(), 0..3),
+        0..6usize,
+    );
+    parts.prop_flat_map(|(patches, joints, objects, goals, frames)| {
+        let mut layout = SkinLayout { patches };
+        for (index, patch) in layout.patches.iter_mut().enumerate() {
+            patch.name = format!("patch.{index}");
+        }
+        let frames = prop::collection::vec(frame(joints, layout.clone(), objects.len()), frames);
+        let contact = (
+            prop::option::of(any::<Index>()),
+            any::<[Index; 3]>(),
+            number(),
+            number(),
+        );
+        let contacts = prop::collection::vec(contact, 0..4);
+        (
+            frames,
+            contacts,
+            any::<(u64, u64)>(),
+            1e-3..1e4f64,
+            number(),
+            "\\PC{0,8}",
+        )
+            .prop_map(
+                move |(frames, contacts, (seed, reach_index), rate_hz, largest_force_residual, scene)| {
+                    let places = layout.patches.len();
+                    let possible = !objects.is_empty() && !frames.is_empty();
+                    let contacts =
+                        contacts
+                            .into_iter()
+                            .filter(|_| possible)
+                            .map(|(patch, [object, a, b], peak, mean)| {
+                                let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
+                                Contact {
+                                    patch: patch.filter(|_| places > 0).map(|patch| patch.index(places) as u16),
+                                    object: object.index(objects.len()) as u16,
+                                    first_frame: a.min(b),
+                                    last_frame: a.max(b),
+                                    peak_force_n: peak,
+                                    mean_force_n: mean,
+                                }
+                            });
+                    Recording {
+                        scene,
+                        controller: "cody-2013".into(),
+                        seed,
+                        reach_index,
+                        rate_hz,
+                        joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
+                        contacts: contacts.collect(),
+                        layout: layout.clone(),
+                        objects: objects.clone(),
+                        goals: goals.clone(),
+                        frames,
+                        largest_force_residual,
+                    }
+                },
+            )
+    })
+}
+
+/// A small smooth reach: two joints, a sleeve of 3 × 4 taxels and a tip of one, `frames` samples at 100 Hz.
+pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
+    let taxel = |angle: f64| Taxel {
+        position_link: DVec3::new(0.046 * angle.cos(), 0.046 * angle.sin(), 0.01),
+        normal_link: DVec3::new(angle.cos(), angle.sin(), 0.0),
+        tangent_link: DVec3::Z,
+        area_m2: 8.1e-5,
+    };
+    let patch = |name: &str, taxels: usize, grid| Patch {
+        name: name.into(),
+        link: format!("{name}_link"),
+        grid,
+        taxels: (0..taxels).map(|index| taxel(index as f64 / 2.0)).collect(),
+    };
+    let sleeve = patch(
+        "forearm",
+        12,
+        Some(Grid {
+            rows: 3,
+            columns: 4,
+            wraps: true,
+        }),
+    );
+    let layout = SkinLayout {
+        patches: vec![sleeve, patch("tip", 1, None)],
+    };
+    let object = |kind: &str, category, x| ObjectRecord {
+        kind: kind.into(),
+        category,
+        position_world: DVec3::new(x, 0.1, -0.3),
+        parameters: BTreeMap::from([("height_m".to_string(), 0.3 + x)]),
+    };
+    let offset = reach_index as f64 * 0.01;
+    let frame = |index: usize| {
+        let time_s = index as f64 * 0.01;
+        let force = (3.0 * time_s).sin().max(0.0) * (1.0 + offset);
+        let reading = |patch, taxel, object| TaxelReading {
+            patch,
+            taxel,
+            true_normal_force_n: force,
+            true_shear_force_n: [0.1 * force, -0.2 * force],
+            sensed_force_n: (force * 100.0).round() / 100.0,
+            object: Some(object),
+        };
+        let pose = Pose {
+            position: DVec3::new(time_s, offset, 0.3),
+            orientation: DQuat::from_rotation_z(time_s),
+        };
+        Frame {
+            time_s,
+            joint_angle_rad: vec![time_s.sin() + offset, time_s.cos()],
+            joint_velocity_rad_per_s: vec![time_s.cos(), -time_s.sin()],
+            equilibrium_angle_rad: vec![time_s.sin() + offset + 0.1, time_s.cos()],
+            joint_torque_nm: vec![2.0, -0.5 * time_s],
+            tip_pose_world: pose,
+            goal_position_world: DVec3::new(0.5, 0.1, -0.1),
+            goal_index: 0,
+            patch_pose_world: vec![pose; 2],
+            contact_force_world: vec![DVec3::new(-force, 0.0, 0.0), DVec3::ZERO],
+            taxels: if force > 0.0 {
+                vec![reading(0, 5, 1), reading(0, 6, 1), reading(1, 0, 0)]
+            } else {
+                Vec::new()
+            },
+        }
+    };
+    Recording {
+        scene: "foliage".into(),
+        controller: "cody-2013".into(),
+        seed: 7,
+        reach_index,
+        rate_hz: 100.0,
+        joint_names: vec!["shoulder".into(), "elbow".into()],
+        layout,
+        objects: vec![
+            object("trunk", Category::Trunk, 0.2),
+            object("leaf", Category::Leaf, 0.3 + offset),
+        ],
+        goals: vec![GoalRecord {
+            position_world: DVec3::new(0.5, 0.1, -0.1),
+            start_time_s: 0.0,
+            end_time_s: frames as f64 * 0.01,
+            outcome: if reach_index.is_multiple_of(2) {
+                Outcome::Reached
+            } else {
+                Outcome::Stuck
+            },
+        }],
+        contacts: vec![Contact {
+            patch: Some(0),
+            object: 1,
+            first_frame: 1,
+            last_frame: frames as u32 - 1,
+            peak_force_n: 2.0 + offset,
+            mean_force_n: 1.25,
+        }],
+        frames: (0..frames).map(frame).collect(),
+        largest_force_residual: 1e-9,
+    }
+}

@@ -1,0 +1,143 @@
+use std::fs;
+
+use proptest::prelude::*;
+
+use super::{any_recording, reach};
+use crate::disk::{DiskError, read_recording, write_recording};
+use crate::{InputError, Recording};
+
+fn misread(result: Result<Recording, DiskError>) -> InputError {
+    match result {
+        Err(DiskError::Input(error)) => error,
+        other => panic!("an InputError is expected, not {other:?}"),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn any_recording_comes_back_bit_for_bit(recording in any_recording()) {
+        // Pins: what is read is what was written, down to the sign of a zero, whatever the layout.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("reach.parquet");
+        write_recording(&path, &recording).unwrap();
+        let back = read_recording(&path).unwrap();
+        // Text tells −0 from 0, which == does not.
+        prop_assert_eq!(format!("{back:?}"), format!("{recording:?}"));
+    }
+}
+
+#[test]
+fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
+    // Pins: more frames than one batch round-trip, and writing is deterministic.
+    let folder = tempfile::tempdir().unwrap();
+    let recording = reach(3, 2500);
+    let paths = ["a.parquet", "b.parquet"].map(|name| folder.path().join(name));
+    for path in &paths {
+        write_recording(path, &recording).unwrap();
+    }
+    assert_eq!(read_recording(&paths[0]).unwrap(), recording);
+    assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        2,
+        "no temporary file is left"
+    );
+}
+
+#[test]
+fn a_recording_that_breaks_a_rule_is_not_written() {
+    // Pins: every rule is enforced before a byte is written, and the error names the field.
+    let spoiled: [(&str, fn(&mut Recording)); 12] = [
+        ("rate_hz", |r| r.rate_hz = 0.0),
+        ("joint_names", |r| r.joint_names.clear()),
+        ("layout.patches[1].name", |r| {
+            r.layout.patches[1].name = "forearm".into()
+        }),
+        ("layout.patches[0].name", |r| {
+            r.layout.patches[0].name = "fore/arm".into()
+        }),
+        ("layout.patches[0].grid", |r| r.layout.patches[0].taxels.truncate(11)),
+        ("layout.patches[1].taxels", |r| r.layout.patches[1].taxels.clear()),
+        ("frames[4].joint_torque_nm", |r| {
+            r.frames[4].joint_torque_nm = vec![f64::NAN, 0.0]
+        }),
+        ("frames[4].joint_angle_rad", |r| r.frames[4].joint_angle_rad.push(0.0)),
+        ("frames[9].taxels", |r| r.frames[9].taxels.swap(0, 1)),
+        ("frames[9].taxels[2]", |r| r.frames[9].taxels[2].taxel = 1),
+        ("frames[9].taxels[0]", |r| r.frames[9].taxels[0].object = Some(2)),
+        ("contacts[0].last_frame", |r| r.contacts[0].last_frame = 20),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("reach.parquet");
+    for (expected, spoil) in spoiled {
+        let mut recording = reach(0, 20);
+        spoil(&mut recording);
+        match write_recording(&path, &recording) {
+            Err(DiskError::Unwritable { field, .. }) => assert_eq!(field, expected),
+            other => panic!("{expected}: {other:?}"),
+        }
+        assert!(!path.exists());
+    }
+}
+
+#[test]
+fn a_silent_taxel_is_not_written() {
+    // Pins: a reading of zeros without an object could not come back from dense columns, so it is refused.
+    let mut recording = reach(0, 20);
+    let reading = &mut recording.frames[9].taxels[1];
+    (
+        reading.true_normal_force_n,
+        reading.true_shear_force_n,
+        reading.sensed_force_n,
+    ) = (0.0, [0.0, -0.0], 0.0);
+    let folder = tempfile::tempdir().unwrap();
+    write_recording(folder.path().join("kept.parquet"), &recording).unwrap();
+    recording.frames[9].taxels[1].object = None;
+    let refused = write_recording(folder.path().join("refused.parquet"), &recording);
+    assert!(matches!(refused, Err(DiskError::Unwritable { field, .. }) if field == "frames[9].taxels[1]"));
+}
+
+#[test]
+fn a_torn_file_is_named_whatever_is_missing() {
+    // Pins: a recording cut at any length is an error that names the file, never a panic or a short recording.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("reach.parquet");
+    write_recording(&path, &reach(0, 20)).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    for length in (0..bytes.len()).step_by(97) {
+        fs::write(&path, &bytes[..length]).unwrap();
+        assert_eq!(misread(read_recording(&path)).file, path);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn a_damaged_file_never_panics(place in any::<prop::sample::Index>(), mask in 1..=255u8) {
+        // Pins: no single damaged byte, in data, metadata or footer, panics the reader.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("reach.parquet");
+        write_recording(&path, &reach(0, 5)).unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        let place = place.index(bytes.len());
+        bytes[place] ^= mask;
+        fs::write(&path, &bytes).unwrap();
+        let _either = read_recording(&path);
+    }
+}
+
+#[test]
+fn a_foreign_parquet_file_is_refused_with_a_remedy() {
+    // Pins: a Parquet file of another origin is told apart from a torn one.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    crate::disk::write_trials(&path, []).unwrap();
+    let error = misread(read_recording(&path));
+    assert_eq!(error.field, "underbrush.format");
+    assert!(error.remedy.contains("underbrush"));
+    let absent = read_recording(folder.path().join("absent.parquet"));
+    assert!(matches!(absent, Err(DiskError::Io { action: "read", .. })));
+}

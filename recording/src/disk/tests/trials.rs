@@ -1,0 +1,335 @@
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use arrow_array::types::Int8Type;
+use arrow_array::{
+    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int16Array, LargeStringArray, NullArray, RecordBatch,
+    StringArray, UInt8Array,
+};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+use proptest::prelude::*;
+
+use super::number;
+use crate::disk::{DiskError, read_trials, write_trials};
+use crate::{InputError, Sample, Trial};
+
+fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
+    let samples = prop::collection::btree_map(-1_000_000..1_000_000i32, (number(), prop::option::of(number())), 1..9);
+    let sample = |(time, (force_n, motion_m)): (i32, (f64, Option<f64>))| Sample {
+        time_s: f64::from(time) * 0.01,
+        force_n,
+        motion_m,
+    };
+    let name = || prop::option::of("\\PC{1,8}");
+    let facts = (
+        name(),
+        prop::option::of(any::<u64>()),
+        name(),
+        prop::option::of(any::<u32>()),
+    );
+    prop::collection::btree_map(any::<u64>(), (facts, samples), 1..9).prop_map(move |trials| {
+        let trial = move |(trial, ((category, reach, patch, taxel), samples))| {
+            let samples: std::collections::BTreeMap<_, _> = samples;
+            Trial {
+                trial,
+                category,
+                reach,
+                patch,
+                taxel,
+                samples: samples.into_iter().map(sample).collect(),
+            }
+        };
+        // Largest number first: the order of the rows decides, not that of the numbers.
+        trials.into_iter().rev().map(trial).collect()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn any_trials_come_back_from_both_formats(trials in any_trials()) {
+        // Pins: what is read is what was written, down to the sign of a zero, quotes and line breaks in names.
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["trials.csv", "trials.parquet", "TRIALS.CSV"] {
+            let path = folder.path().join(name);
+            write_trials(&path, trials.clone()).unwrap();
+            prop_assert_eq!(format!("{:?}", read_trials(&path).unwrap()), format!("{trials:?}"));
+        }
+    }
+
+    #[test]
+    fn no_text_panics_the_reader(text in "(trial,time_s,force_n\n)?([0-9.,\"\n\r-]|\\PC){0,60}") {
+        // Pins: any text is a table or an error.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trials.csv");
+        fs::write(&path, text).unwrap();
+        if let Ok(trials) = read_trials(&path) {
+            prop_assert!(trials.iter().all(|trial| !trial.samples.is_empty()));
+        }
+    }
+}
+
+fn read_text(text: &str) -> Result<Vec<Trial>, DiskError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.csv");
+    fs::write(&path, text).unwrap();
+    read_trials(&path)
+}
+
+fn refused(result: Result<Vec<Trial>, DiskError>) -> InputError {
+    match result {
+        Err(DiskError::Input(error)) => error,
+        other => panic!("an InputError is expected, not {other:?}"),
+    }
+}
+
+#[test]
+fn a_table_of_another_hand_is_understood() {
+    // Pins: columns in any order, unknown ones, rows of trials mixed, whole numbers as pandas writes them with gaps.
+    let text = "\u{feff}note,force_n,time_s,trial,taxel,motion_m\r\n\
+                x,0.5,0.00,7,3.0,\r\n\
+                y,1e-1, 0.50,2,,0.002\r\n\
+                \"z,z\",-0.7,0.01,7.0,3,\r\n";
+    let trial = |trial, taxel, samples| Trial {
+        trial,
+        category: None,
+        reach: None,
+        patch: None,
+        taxel,
+        samples,
+    };
+    let sample = |time_s, force_n, motion_m| Sample {
+        time_s,
+        force_n,
+        motion_m,
+    };
+    let expected = vec![
+        trial(7, Some(3), vec![sample(0.0, 0.5, None), sample(0.01, -0.7, None)]),
+        trial(2, None, vec![sample(0.5, 0.1, Some(0.002))]),
+    ];
+    assert_eq!(read_text(text).unwrap(), expected);
+}
+
+#[test]
+fn every_fault_of_a_csv_table_is_named_with_its_line() {
+    // Pins: line and column of each kind of fault.
+    let head = "trial,category,reach,taxel,time_s,force_n\n1,leaf,0,5,0.0,0.1\n";
+    for (rest, line, field) in [
+        ("1,leaf,0,5,0.01,NaN\n", 3, "force_n"),
+        ("1,leaf,0,5,inf,0.1\n", 3, "time_s"),
+        ("1,leaf,0,5,0.01,\n", 3, "force_n"),
+        ("1,leaf,0,5,0.01,strong\n", 3, "force_n"),
+        (",leaf,0,5,0.01,0.1\n", 3, "trial"),
+        ("1.5,leaf,0,5,0.01,0.1\n", 3, "trial"),
+        ("-1,leaf,0,5,0.01,0.1\n", 3, "trial"),
+        ("2,leaf,0,4294967296,0.0,0.1\n", 3, "taxel"),
+        ("2,leaf,0,5,0.0,0.1\n1,trunk,0,5,0.01,0.1\n", 4, "category"),
+        ("1,,0,5,0.01,0.1\n", 3, "category"),
+        ("1,leaf,1,5,0.01,0.1\n", 3, "reach"),
+        ("1,leaf,0,6,0.01,0.1\n", 3, "taxel"),
+        ("2,leaf,0,5,0.5,0.1\n1,leaf,0,5,0.0,0.1\n", 4, "time_s"),
+        ("1,leaf,0,5,0.01\n", 3, "row"),
+    ] {
+        let error = refused(read_text(&format!("{head}{rest}")));
+        assert_eq!(
+            (error.line, error.field.as_str()),
+            (Some(line), field),
+            "{rest}: {error}"
+        );
+    }
+    for (text, field) in [
+        ("", "trial"),
+        ("trial,time_s,force\n1,0,0\n", "force_n"),
+        ("trial,time_s,force_n,time_s\n1,0,0,0\n", "time_s"),
+        ("trial,time_s,force_n\n", "rows"),
+    ] {
+        let error = refused(read_text(text));
+        assert_eq!(error.field, field, "{text}: {error}");
+        assert!(!error.remedy.is_empty());
+    }
+}
+
+#[test]
+fn other_extensions_and_absent_files_are_refused() {
+    // Pins: the kind of file is decided by its name alone.
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(
+        refused(read_trials(folder.path().join("trials.xlsx"))).field,
+        "file name"
+    );
+    let written = write_trials(folder.path().join("trials"), []);
+    assert!(matches!(written, Err(DiskError::Input(error)) if error.field == "file name"));
+    for name in ["absent.csv", "absent.parquet"] {
+        assert!(matches!(
+            read_trials(folder.path().join(name)),
+            Err(DiskError::Io { .. })
+        ));
+    }
+}
+
+fn write_parquet(path: &Path, columns: Vec<(&str, ArrayRef)>, compression: Compression) {
+    let batch = RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(n, a)| (n, a, true))).unwrap();
+    let properties = WriterProperties::builder().set_compression(compression).build();
+    let file = fs::File::create(path).unwrap();
+    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).unwrap();
+    writer.write(&batch).unwrap();
+    writer.close().unwrap();
+}
+
+fn foreign_columns() -> Vec<(&'static str, ArrayRef)> {
+    let category: DictionaryArray<Int8Type> = vec!["leaf", "leaf", "trunk"].into_iter().collect();
+    vec![
+        ("noise", Arc::new(NullArray::new(3))),
+        ("category", Arc::new(category)),
+        ("trial", Arc::new(Int16Array::from(vec![1, 1, 2]))),
+        (
+            "patch",
+            Arc::new(LargeStringArray::from(vec![Some("forearm"), Some("forearm"), None])),
+        ),
+        ("taxel", Arc::new(Float64Array::from(vec![Some(5.0), Some(5.0), None]))),
+        ("reach", Arc::new(UInt8Array::from(vec![3, 3, 4]))),
+        ("time_s", Arc::new(Float32Array::from(vec![0.0, 0.5, 0.25]))),
+        ("force_n", Arc::new(Float64Array::from(vec![0.1, 0.2, 0.3]))),
+        ("motion_m", Arc::new(NullArray::new(3))),
+    ]
+}
+
+#[test]
+fn types_that_pandas_and_polars_write_are_accepted() {
+    // Pins: narrow integers, single precision, categories, large strings, gaps, all-null columns, snappy and zstd.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    for compression in [
+        Compression::SNAPPY,
+        Compression::ZSTD(Default::default()),
+        Compression::UNCOMPRESSED,
+    ] {
+        write_parquet(&path, foreign_columns(), compression);
+        let trials = read_trials(&path).unwrap();
+        let facts = |t: &Trial| {
+            (
+                t.trial,
+                t.category.clone(),
+                t.reach,
+                t.patch.clone(),
+                t.taxel,
+                t.samples.len(),
+            )
+        };
+        assert_eq!(
+            facts(&trials[0]),
+            (1, Some("leaf".into()), Some(3), Some("forearm".into()), Some(5), 2)
+        );
+        assert_eq!(facts(&trials[1]), (2, Some("trunk".into()), Some(4), None, None, 1));
+        assert_eq!(
+            trials[0].samples[1],
+            Sample {
+                time_s: 0.5,
+                force_n: 0.2,
+                motion_m: None
+            }
+        );
+    }
+}
+
+#[test]
+fn every_fault_of_a_parquet_table_is_named_with_its_row() {
+    // Pins: row and column of each kind of fault in Parquet.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    let faults: [(&str, ArrayRef, Option<usize>); 7] = [
+        (
+            "force_n",
+            Arc::new(Float64Array::from(vec![0.1, f64::NAN, 0.3])),
+            Some(2),
+        ),
+        (
+            "force_n",
+            Arc::new(Float64Array::from(vec![Some(0.1), Some(0.2), None])),
+            Some(3),
+        ),
+        ("time_s", Arc::new(Float64Array::from(vec![0.5, 0.5, 0.0])), Some(2)),
+        ("taxel", Arc::new(Float64Array::from(vec![5.5, 5.5, 1.0])), Some(1)),
+        ("trial", Arc::new(Int16Array::from(vec![1, -1, 2])), Some(2)),
+        ("reach", Arc::new(StringArray::from(vec!["3", "4", "5"])), Some(2)),
+        (
+            "motion_m",
+            Arc::new(arrow_array::BooleanArray::from(vec![true; 3])),
+            None,
+        ),
+    ];
+    for (field, array, row) in faults {
+        let mut columns = foreign_columns();
+        columns.iter_mut().find(|(name, _)| *name == field).unwrap().1 = array;
+        write_parquet(&path, columns, Compression::SNAPPY);
+        let error = refused(read_trials(&path));
+        assert_eq!((error.field.as_str(), error.line), (field, row), "{error}");
+    }
+    for gone in ["trial", "time_s", "force_n"] {
+        let columns = foreign_columns()
+            .into_iter()
+            .filter(|(name, _)| *name != gone)
+            .collect();
+        write_parquet(&path, columns, Compression::SNAPPY);
+        assert_eq!(refused(read_trials(&path)).field, gone);
+    }
+    write_trials(&path, []).unwrap();
+    assert_eq!(refused(read_trials(&path)).field, "rows");
+    write_parquet(&path, foreign_columns(), Compression::SNAPPY);
+    let bytes = fs::read(&path).unwrap();
+    for length in (0..bytes.len()).step_by(53) {
+        fs::write(&path, &bytes[..length]).unwrap();
+        assert_eq!(refused(read_trials(&path)).field, "Parquet");
+    }
+}
+
+#[test]
+fn trials_that_could_not_be_read_back_are_not_written() {
+    // Pins: each rule of a trials table is enforced before the file appears.
+    let sample = Sample {
+        time_s: 0.0,
+        force_n: 1.0,
+        motion_m: None,
+    };
+    let good = Trial {
+        trial: 1,
+        category: Some("leaf".into()),
+        reach: None,
+        patch: None,
+        taxel: None,
+        samples: vec![sample],
+    };
+    let changes: [(&str, fn(&mut Trial)); 5] = [
+        ("trial 1, trial", |trial| trial.trial = 1),
+        ("trial 2, category", |trial| trial.category = Some(String::new())),
+        ("trial 2, samples", |trial| trial.samples.clear()),
+        ("trial 2, samples", |trial| {
+            trial.samples[0].motion_m = Some(f64::INFINITY)
+        }),
+        ("trial 2, time_s", |trial| trial.samples.push(trial.samples[0])),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (expected, change) in changes {
+        let mut bad = Trial {
+            trial: 2,
+            ..good.clone()
+        };
+        change(&mut bad);
+        for name in ["trials.csv", "trials.parquet"] {
+            let path = folder.path().join(name);
+            match write_trials(&path, [good.clone(), bad.clone()]) {
+                Err(DiskError::Unwritable { field, .. }) => assert_eq!(field, expected),
+                other => panic!("{expected}: {other:?}"),
+            }
+            assert_eq!(
+                fs::read_dir(folder.path()).unwrap().count(),
+                0,
+                "nothing is left behind"
+            );
+        }
+    }
+}

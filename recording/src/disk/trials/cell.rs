@@ -1,0 +1,97 @@
+//! One cell of a trials table, whatever the file gave, and what it must be.
+
+use std::path::Path;
+
+use super::COLUMNS;
+use super::collect::Row;
+use crate::InputError;
+
+/// The largest whole number below which a double holds every whole number.
+const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// What a file holds in one cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Cell<'a> {
+    Missing,
+    Whole(i128),
+    Number(f64),
+    Text(&'a str),
+}
+
+/// The cells of one row, in the order of [`COLUMNS`], with their place.
+pub(super) struct Cells<'a> {
+    /// The file.
+    pub(super) path: &'a Path,
+    /// Line of a CSV file, row of a Parquet file, from 1.
+    pub(super) line: usize,
+    /// The cells.
+    pub(super) cells: [Cell<'a>; COLUMNS.len()],
+}
+
+impl<'a> Cells<'a> {
+    fn error(&self, column: usize, allowed: &str) -> InputError {
+        let found = match self.cells[column] {
+            Cell::Missing => "nothing".to_string(),
+            Cell::Whole(number) => number.to_string(),
+            Cell::Number(number) => number.to_string(),
+            Cell::Text(text) => format!("{text:?}"),
+        };
+        let remedy = "correct the cell, or delete the row";
+        InputError::new(self.path, COLUMNS[column], found, allowed, remedy).at_line(self.line)
+    }
+
+    fn number(&self, column: usize) -> Result<Option<f64>, InputError> {
+        let number = match self.cells[column] {
+            Cell::Missing => return Ok(None),
+            Cell::Whole(number) => Some(number as f64),
+            Cell::Number(number) => Some(number),
+            Cell::Text(text) => text.trim().parse().ok(),
+        };
+        match number.filter(|number| number.is_finite()) {
+            Some(number) => Ok(Some(number)),
+            None => Err(self.error(column, "a finite number")),
+        }
+    }
+
+    /// A whole number; `3.0` passes, because pandas turns whole numbers with gaps into floating point.
+    fn whole<T: TryFrom<i128>>(&self, column: usize) -> Result<Option<T>, InputError> {
+        let of_float = |number: f64| (number.abs() <= LARGEST_EXACT && number.fract() == 0.0).then_some(number as i128);
+        let number = match self.cells[column] {
+            Cell::Missing => return Ok(None),
+            Cell::Whole(number) => Some(number),
+            Cell::Number(number) => of_float(number),
+            Cell::Text(text) => {
+                let text = text.trim();
+                text.parse().ok().or_else(|| text.parse().ok().and_then(of_float))
+            }
+        };
+        match number.and_then(|number| T::try_from(number).ok()) {
+            Some(number) => Ok(Some(number)),
+            None => Err(self.error(column, "a whole number, 0 or more")),
+        }
+    }
+
+    fn text(&self, column: usize) -> Result<Option<String>, InputError> {
+        match self.cells[column] {
+            Cell::Missing => Ok(None),
+            Cell::Whole(number) => Ok(Some(number.to_string())),
+            Cell::Number(_) => Err(self.error(column, "a name")),
+            Cell::Text(text) => Ok(Some(text.to_string())),
+        }
+    }
+
+    /// The row with its types.
+    pub(super) fn row(&self) -> Result<Row, InputError> {
+        Ok(Row {
+            line: self.line,
+            trial: self.whole(0)?.ok_or_else(|| self.error(0, "the number of the trial"))?,
+            category: self.text(1)?,
+            reach: self.whole(2)?,
+            patch: self.text(3)?,
+            taxel: self.whole(4)?,
+            time_s: self.number(5)?.ok_or_else(|| self.error(5, "a time in seconds"))?,
+            force_n: self.number(6)?.ok_or_else(|| self.error(6, "a force in newtons"))?,
+            motion_m: self.number(7)?,
+        })
+    }
+}

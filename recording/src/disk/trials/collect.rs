@@ -1,0 +1,84 @@
+//! Rows to trials.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::{InputError, Sample, Trial};
+
+/// One sample with everything that its row says.
+pub(super) struct Row {
+    /// Line of a CSV file, row of a Parquet file, from 1.
+    pub(super) line: usize,
+    pub(super) trial: u64,
+    pub(super) category: Option<String>,
+    pub(super) reach: Option<u64>,
+    pub(super) patch: Option<String>,
+    pub(super) taxel: Option<u32>,
+    pub(super) time_s: f64,
+    pub(super) force_n: f64,
+    pub(super) motion_m: Option<f64>,
+}
+
+/// Trials in the order of their first rows.
+#[derive(Default)]
+pub(super) struct Collector {
+    trials: Vec<Trial>,
+    places: BTreeMap<u64, usize>,
+}
+
+impl Collector {
+    /// Adds a row to its trial.
+    pub(super) fn push(&mut self, path: &Path, row: Row) -> Result<(), InputError> {
+        let sample = Sample {
+            time_s: row.time_s,
+            force_n: row.force_n,
+            motion_m: row.motion_m,
+        };
+        let Some(&place) = self.places.get(&row.trial) else {
+            self.places.insert(row.trial, self.trials.len());
+            self.trials.push(Trial {
+                trial: row.trial,
+                category: row.category,
+                reach: row.reach,
+                patch: row.patch,
+                taxel: row.taxel,
+                samples: vec![sample],
+            });
+            return Ok(());
+        };
+        let trial = &mut self.trials[place];
+        let differs = |column: &str, found: String, before: String| {
+            let allowed = format!("{before}, as in the rows of trial {} before", row.trial);
+            let remedy = "give each trial one value, or each value a trial number of its own";
+            Err(InputError::new(path, column, found, allowed, remedy).at_line(row.line))
+        };
+        fn shown<T: ToString>(value: &Option<T>) -> String {
+            value.as_ref().map_or("nothing".to_string(), T::to_string)
+        }
+        if trial.category != row.category {
+            return differs("category", shown(&row.category), shown(&trial.category));
+        }
+        if trial.reach != row.reach {
+            return differs("reach", shown(&row.reach), shown(&trial.reach));
+        }
+        if trial.patch != row.patch {
+            return differs("patch", shown(&row.patch), shown(&trial.patch));
+        }
+        if trial.taxel != row.taxel {
+            return differs("taxel", shown(&row.taxel), shown(&trial.taxel));
+        }
+        let before = trial.samples.last().map_or(f64::NEG_INFINITY, |sample| sample.time_s);
+        if row.time_s <= before {
+            let allowed = format!("more than {before}, the time before in trial {}", row.trial);
+            let remedy = "sort the rows of each trial by time and delete repeated ones";
+            return Err(InputError::new(path, "time_s", row.time_s.to_string(), allowed, remedy).at_line(row.line));
+        }
+        trial.samples.push(sample);
+        Ok(())
+    }
+
+    /// The trials.
+    pub(super) fn finish(self) -> Vec<Trial> {
+        self.trials
+    }
+}

@@ -1,0 +1,88 @@
+//! Trials as CSV (RFC 4180, UTF-8, a header line).
+
+use std::fs::File;
+use std::path::Path;
+
+use super::cell::{Cell, Cells};
+use super::collect::Collector;
+use super::{COLUMNS, place_columns};
+use crate::disk::{DiskError, whole_file};
+use crate::{InputError, Trial};
+
+/// The error for what the CSV parser refuses.
+fn refused(path: &Path, error: csv::Error) -> DiskError {
+    let line = error.position().map(|position| position.line() as usize);
+    match error.into_kind() {
+        csv::ErrorKind::Io(source) => DiskError::Io {
+            path: path.to_path_buf(),
+            action: "read",
+            source,
+        },
+        kind => {
+            let (found, allowed) = match kind {
+                csv::ErrorKind::UnequalLengths { expected_len, len, .. } => (
+                    format!("{len} cells"),
+                    format!("{expected_len} cells, as in the header"),
+                ),
+                csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
+                other => (format!("{other:?}"), "CSV with a header line".to_string()),
+            };
+            let remedy = "correct the line, or save the table again as CSV in UTF-8";
+            let error = InputError::new(path, "row", found, allowed, remedy);
+            line.map_or(error.clone(), |line| error.at_line(line)).into()
+        }
+    }
+}
+
+/// Reads a table.
+pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
+    let file = File::open(path).map_err(DiskError::io(path, "read"))?;
+    let mut reader = csv::Reader::from_reader(file);
+    let header = reader.headers().map_err(|error| refused(path, error))?;
+    let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
+    let places = place_columns(path, &names)?;
+    let mut collector = Collector::default();
+    let mut record = csv::StringRecord::new();
+    while reader.read_record(&mut record).map_err(|error| refused(path, error))? {
+        let cell = |place: Option<usize>| match place.and_then(|place| record.get(place)) {
+            None | Some("") => Cell::Missing,
+            Some(text) => Cell::Text(text),
+        };
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        collector.push(
+            path,
+            Cells {
+                path,
+                line,
+                cells: places.map(cell),
+            }
+            .row()?,
+        )?;
+    }
+    Ok(collector.finish())
+}
+
+/// Writes a table. Numbers are the shortest text that reads back as the same double.
+pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
+    let failed = |error: csv::Error| DiskError::io(path, "write")(error.into());
+    let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
+    writer.write_record(COLUMNS).map_err(failed)?;
+    fn shown<T: ToString>(value: Option<T>) -> String {
+        value.map_or(String::new(), |value| value.to_string())
+    }
+    for trial in trials {
+        let trial = trial?;
+        let (number, reach, taxel) = (trial.trial.to_string(), shown(trial.reach), shown(trial.taxel));
+        let (category, patch) = (trial.category.unwrap_or_default(), trial.patch.unwrap_or_default());
+        for sample in &trial.samples {
+            let [time, force] = [sample.time_s, sample.force_n].map(|number| number.to_string());
+            let motion = shown(sample.motion_m);
+            let row = [&number, &category, &reach, &patch, &taxel, &time, &force, &motion];
+            writer.write_record(row).map_err(failed)?;
+        }
+    }
+    let temporary = writer
+        .into_inner()
+        .map_err(|error| DiskError::io(path, "write")(error.into_error()))?;
+    whole_file::commit(temporary, path)
+}

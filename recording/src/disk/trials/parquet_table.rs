@@ -1,0 +1,157 @@
+//! Trials as Parquet, as this program, pandas, Polars or DuckDB write it.
+
+use std::path::Path;
+
+use arrow_array::builder::{Float64Builder, StringBuilder, UInt32Builder, UInt64Builder};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{
+    ArrowPrimitiveType, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
+    UInt32Type, UInt64Type,
+};
+use arrow_array::{Array, ArrayRef, RecordBatch};
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ArrowReaderOptions;
+
+use super::cell::{Cell, Cells};
+use super::collect::Collector;
+use super::{COLUMNS, place_columns};
+use crate::disk::DiskError;
+use crate::disk::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, open};
+use crate::disk::table::TableBuilder;
+use crate::{InputError, Trial};
+
+/// Reads a table.
+pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
+    // Without the Arrow schema that writers leave beside the Parquet one, large strings, string views, categories and
+    // the like are all read as plain strings.
+    let builder = open(path, ArrowReaderOptions::default().with_skip_arrow_metadata(true))?;
+    let names: Vec<String> = builder
+        .schema()
+        .fields()
+        .iter()
+        .map(|field| field.name().clone())
+        .collect();
+    let known = place_columns(path, &names)?.into_iter().flatten();
+    let mask = ProjectionMask::roots(builder.parquet_schema(), known);
+    let mut collector = Collector::default();
+    let mut line = 0;
+    for batch in Batches::new(path, builder.with_projection(mask))? {
+        let batch = batch?;
+        let mut columns = Vec::with_capacity(COLUMNS.len());
+        for name in COLUMNS {
+            columns.push(match batch.column_by_name(name) {
+                Some(array) => cells(path, name, array)?,
+                None => vec![Cell::Missing; batch.num_rows()],
+            });
+        }
+        for row in 0..batch.num_rows() {
+            line += 1;
+            let cells = std::array::from_fn(|column| columns[column][row]);
+            collector.push(path, Cells { path, line, cells }.row()?)?;
+        }
+    }
+    Ok(collector.finish())
+}
+
+/// The cells of a column of any type that can hold what the table needs.
+fn cells<'a>(path: &Path, name: &str, array: &'a ArrayRef) -> Result<Vec<Cell<'a>>, DiskError> {
+    fn of<'a, T: ArrowPrimitiveType>(array: &ArrayRef, cell: fn(T::Native) -> Cell<'a>) -> Option<Vec<Cell<'a>>> {
+        Some(
+            array
+                .as_primitive_opt::<T>()?
+                .iter()
+                .map(|value| value.map_or(Cell::Missing, cell))
+                .collect(),
+        )
+    }
+    let text = |array: &'a ArrayRef| -> Option<Vec<Cell<'a>>> {
+        let cell = |text: Option<&'a str>| text.filter(|text| !text.is_empty()).map_or(Cell::Missing, Cell::Text);
+        Some(array.as_string_opt::<i32>()?.iter().map(cell).collect())
+    };
+    // pandas gives a column without any value the type "null".
+    let nothing = (array.logical_null_count() == array.len()).then(|| vec![Cell::Missing; array.len()]);
+    nothing
+        .or_else(|| of::<Float64Type>(array, Cell::Number))
+        .or_else(|| of::<Float32Type>(array, |number| Cell::Number(number.into())))
+        .or_else(|| of::<Int64Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<Int32Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<Int16Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<Int8Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<UInt64Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<UInt32Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<UInt16Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| of::<UInt8Type>(array, |number| Cell::Whole(number.into())))
+        .or_else(|| text(array))
+        .ok_or_else(|| {
+            let remedy = "cast the column before writing the table";
+            let found = format!("a column of {}", array.data_type());
+            InputError::new(
+                path,
+                name,
+                found,
+                "a column of integers, floating-point numbers or text",
+                remedy,
+            )
+            .into()
+        })
+}
+
+/// Columns in the making.
+#[derive(Default)]
+struct Columns {
+    trial: UInt64Builder,
+    category: StringBuilder,
+    reach: UInt64Builder,
+    patch: StringBuilder,
+    taxel: UInt32Builder,
+    time_s: Float64Builder,
+    force_n: Float64Builder,
+    motion_m: Float64Builder,
+    rows: usize,
+}
+
+impl Columns {
+    fn push(&mut self, trial: &Trial) {
+        for sample in &trial.samples {
+            self.trial.append_value(trial.trial);
+            self.category.append_option(trial.category.as_deref());
+            self.reach.append_option(trial.reach);
+            self.patch.append_option(trial.patch.as_deref());
+            self.taxel.append_option(trial.taxel);
+            self.time_s.append_value(sample.time_s);
+            self.force_n.append_value(sample.force_n);
+            self.motion_m.append_option(sample.motion_m);
+        }
+        self.rows += trial.samples.len();
+    }
+
+    /// The rows so far; what follows begins anew.
+    fn take(&mut self, path: &Path) -> Result<RecordBatch, DiskError> {
+        self.rows = 0;
+        let [trial, category, reach, patch, taxel, time_s, force_n, motion_m] = COLUMNS;
+        TableBuilder::default()
+            .column(trial, self.trial.finish())
+            .column(category, self.category.finish())
+            .column(reach, self.reach.finish())
+            .column(patch, self.patch.finish())
+            .column(taxel, self.taxel.finish())
+            .column(time_s, self.time_s.finish())
+            .column(force_n, self.force_n.finish())
+            .column(motion_m, self.motion_m.finish())
+            .build(path)
+    }
+}
+
+/// Writes a table.
+pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
+    let mut columns = Columns::default();
+    let mut file = ParquetFile::create(path, columns.take(path)?.schema(), [])?;
+    for trial in trials {
+        columns.push(&trial?);
+        if columns.rows >= ROWS_PER_BATCH {
+            file.write(&columns.take(path)?)?;
+        }
+    }
+    file.write(&columns.take(path)?)?;
+    file.close()
+}
