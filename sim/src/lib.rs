@@ -1,5 +1,6 @@
 //! A compliant arm with tactile skin reaches through simulated foliage: scene → clutter → world → reach → recording.
 
+pub mod arm;
 pub mod clutter;
 pub mod geometry;
 pub mod object;

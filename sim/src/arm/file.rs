@@ -1,0 +1,221 @@
+//! The arm's TOML file, and the arm put together from it, its URDF and its skin file.
+
+use std::path::Path;
+
+use glam::DVec3;
+use serde::Deserialize;
+use toml::Spanned;
+use underbrush_recording::InputError;
+
+use super::source::Source;
+use super::urdf::{Chain, ChainJoint, read_chain};
+use super::{Arm, Joint, LinkCollider, LinkShape, skin};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ArmFile {
+    name: String,
+    urdf: String,
+    skin: String,
+    base_link: String,
+    tip_link: String,
+    friction: f64,
+    joint: Vec<Spanned<JointTable>>,
+    #[serde(default)]
+    hull: Vec<Spanned<HullTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointTable {
+    name: String,
+    stiffness_nm_per_rad: f64,
+    damping_nm_s_per_rad: f64,
+    #[serde(default)]
+    armature_kg_m2: f64,
+    believed_stiffness_nm_per_rad: f64,
+    controller_limits_deg: [f64; 2],
+    start_deg: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HullTable {
+    link: String,
+    points_m: Vec<[f64; 3]>,
+}
+
+/// Reads a file by its path.
+pub(super) type Read<'a> = &'a dyn Fn(&Path) -> Result<String, InputError>;
+
+/// Puts an arm together from the TOML file at `path` and the files that it names, relative to itself.
+pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
+    let open = |path: &Path| {
+        Ok(Source {
+            path: path.to_path_buf(),
+            text: read(path)?,
+        })
+    };
+    let source = open(path)?;
+    let file: ArmFile = source.toml("compare with the arm file of `cody`, which ships with underbrush")?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut chain = read_chain(&open(&folder.join(&file.urdf))?, &file.base_link)?;
+    if !(file.friction.is_finite() && file.friction >= 0.0) {
+        return Err(source.fault_after(0, "friction", file.friction, "a finite number, not negative"));
+    }
+    for hull in &file.hull {
+        add_hull(&source, hull, &mut chain)?;
+    }
+    let (tip_link, tip_pose_link) = chain
+        .frames
+        .get(&file.tip_link)
+        .copied()
+        .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, known_links(&chain)))?;
+    let skin = skin::read_skin(&open(&folder.join(&file.skin))?, &chain)?;
+    Ok(Arm {
+        name: file.name,
+        joints: join_tables(&source, chain.joints, &file.joint)?,
+        links: chain.links,
+        tip_link,
+        tip_pose_link,
+        friction: file.friction,
+        skin,
+    })
+}
+
+/// The names that a file may give a link, for error texts.
+pub(super) fn known_links(chain: &Chain) -> String {
+    let names: Vec<&str> = chain.frames.keys().map(String::as_str).collect();
+    format!("a link of the chain: {}", names.join(", "))
+}
+
+/// Joins what the URDF says of each moving joint with its table in the TOML file.
+fn join_tables(
+    source: &Source,
+    chain: Vec<ChainJoint>,
+    tables: &[Spanned<JointTable>],
+) -> Result<Vec<Joint>, InputError> {
+    for (number, table) in tables.iter().enumerate() {
+        let name = &table.get_ref().name;
+        let start = table.span().start;
+        if !chain.iter().any(|joint| joint.name == *name) {
+            let names: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
+            let allowed = format!("a moving joint of the URDF: {}", names.join(", "));
+            return Err(source.fault_after(start, "joint.name", name, allowed));
+        }
+        if tables[..number].iter().any(|other| other.get_ref().name == *name) {
+            return Err(source.fault_after(
+                start,
+                "joint.name",
+                format!("a second {name}"),
+                "one table for each joint",
+            ));
+        }
+    }
+    chain
+        .into_iter()
+        .map(
+            |joint| match tables.iter().find(|table| table.get_ref().name == joint.name) {
+                Some(table) => join_table(source, joint, table),
+                None => {
+                    let remedy = format!("add a [[joint]] table with name = \"{}\"", joint.name);
+                    Err(source.fault(
+                        "joint",
+                        format!("none for {}", joint.name),
+                        "a table for each moving joint",
+                        remedy,
+                    ))
+                }
+            },
+        )
+        .collect()
+}
+
+fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -> Result<Joint, InputError> {
+    let start = table.span().start;
+    let table = table.get_ref();
+    let fault = |key: &str, found: String, allowed: &str| {
+        source.fault_after(start, &format!("joint {}.{key}", joint.name), found, allowed)
+    };
+    for (key, value, least) in [
+        ("stiffness_nm_per_rad", table.stiffness_nm_per_rad, f64::MIN_POSITIVE),
+        (
+            "believed_stiffness_nm_per_rad",
+            table.believed_stiffness_nm_per_rad,
+            f64::MIN_POSITIVE,
+        ),
+        ("damping_nm_s_per_rad", table.damping_nm_s_per_rad, 0.0),
+        ("armature_kg_m2", table.armature_kg_m2, 0.0),
+    ] {
+        if !(value.is_finite() && value >= least) {
+            let allowed = if least > 0.0 {
+                "a positive number"
+            } else {
+                "a finite number, not negative"
+            };
+            return Err(fault(key, value.to_string(), allowed));
+        }
+    }
+    let limits_rad = table.controller_limits_deg.map(f64::to_radians);
+    let [lower, upper] = limits_rad;
+    let mechanical = joint.limits_rad.map(f64::to_degrees);
+    if !(lower.is_finite() && upper.is_finite() && lower < upper) {
+        let found = format!("{:?}", table.controller_limits_deg);
+        return Err(fault(
+            "controller_limits_deg",
+            found,
+            "two finite angles, the smaller first",
+        ));
+    }
+    if lower < joint.limits_rad[0] || upper > joint.limits_rad[1] {
+        let found = format!("{:?}", table.controller_limits_deg);
+        let allowed = format!(
+            "within the URDF's limits, {:.4} to {:.4} deg",
+            mechanical[0], mechanical[1]
+        );
+        return Err(fault("controller_limits_deg", found, &allowed));
+    }
+    let start_rad = table.start_deg.to_radians();
+    if !(lower..=upper).contains(&start_rad) {
+        let allowed = format!("an angle within {:?} deg", table.controller_limits_deg);
+        return Err(fault("start_deg", table.start_deg.to_string(), &allowed));
+    }
+    Ok(Joint {
+        name: joint.name,
+        origin_parent: joint.origin_parent,
+        axis_child: joint.axis_child,
+        limits_rad: joint.limits_rad,
+        torque_limit_nm: joint.torque_limit_nm,
+        slew_limit_rad_per_s: joint.velocity_limit_rad_per_s,
+        stiffness_nm_per_rad: table.stiffness_nm_per_rad,
+        damping_nm_s_per_rad: table.damping_nm_s_per_rad,
+        armature_kg_m2: table.armature_kg_m2,
+        believed_stiffness_nm_per_rad: table.believed_stiffness_nm_per_rad,
+        controller_limits_rad: limits_rad,
+        start_rad,
+    })
+}
+
+fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> Result<(), InputError> {
+    let start = table.span().start;
+    let hull = table.get_ref();
+    let Some((link, pose)) = chain.frames.get(&hull.link).copied() else {
+        return Err(source.fault_after(start, "hull.link", &hull.link, known_links(chain)));
+    };
+    let points_m: Vec<DVec3> = hull.points_m.iter().copied().map(DVec3::from_array).collect();
+    let finite = points_m.iter().all(|point| point.is_finite());
+    let shape = LinkShape::Hull { points_m };
+    if !finite || shape.engine_shape().is_none() {
+        let found = format!("{} points without a convex hull", hull.points_m.len());
+        return Err(source.fault_after(
+            start,
+            "hull.points_m",
+            found,
+            "at least four finite points, not all in one plane",
+        ));
+    }
+    chain.links[link]
+        .colliders
+        .push(LinkCollider { shape, pose_link: pose });
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! The arm as data: a serial chain of links on compliant revolute joints, with tactile skin.
+//!
+//! An arm is three files. A URDF holds what URDF can say (links, inertia, joint axes, limits, collision shapes); a
+//! TOML file that names it holds the rest (springs, dampers, what the controller believes, start posture, convex
+//! hulls); a skin file names the links that carry patches of taxels. The robot Cody ships as such files.
+
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+use rapier3d::prelude::{Pose, SharedShape};
+use underbrush_recording::InputError;
+
+pub mod engine;
+mod file;
+pub mod kinematics;
+pub mod skin;
+mod source;
+mod urdf;
+
+pub use skin::Skin;
+
+/// A serial arm. Its base link is fixed, and the base link's frame is the world frame.
+#[derive(Clone, Debug)]
+pub struct Arm {
+    /// Name.
+    pub name: String,
+    /// The links from base to tip: link 0 is fixed, joint j carries link j + 1.
+    pub links: Vec<Link>,
+    /// The joints from base to tip.
+    pub joints: Vec<Joint>,
+    /// The link that carries the tip, index in [`Arm::links`].
+    pub tip_link: usize,
+    /// Pose of the tip frame in the tip link's frame.
+    pub tip_pose_link: Pose,
+    /// Coefficient of friction of its surface.
+    pub friction: f64,
+    /// The skin.
+    pub skin: Skin,
+}
+
+/// One rigid link. Its frame stands at the joint that carries it.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Name in the URDF; where links are joined rigidly, the name of the one nearest the base.
+    pub name: String,
+    /// Mass, kg; 0 for a base without inertia.
+    pub mass_kg: f64,
+    /// Centre of mass, m, link frame.
+    pub center_of_mass_link: DVec3,
+    /// Inertia about the centre of mass, kg m², axes of the link frame.
+    pub inertia_link: DMat3,
+    /// Collision shapes.
+    pub colliders: Vec<LinkCollider>,
+}
+
+/// One collision shape of a link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkCollider {
+    /// Shape.
+    pub shape: LinkShape,
+    /// Pose of the shape's frame in the link frame.
+    pub pose_link: Pose,
+}
+
+/// A convex collision shape, centred on its frame; cylinder and capsule lie along z.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LinkShape {
+    /// Sphere.
+    Sphere {
+        /// Radius, m.
+        radius_m: f64,
+    },
+    /// Cylinder.
+    Cylinder {
+        /// Radius, m.
+        radius_m: f64,
+        /// Length, m.
+        length_m: f64,
+    },
+    /// Capsule.
+    Capsule {
+        /// Radius, m.
+        radius_m: f64,
+        /// Length of the cylindrical part, m.
+        length_m: f64,
+    },
+    /// Box.
+    Box {
+        /// Full edge lengths, m.
+        size_m: DVec3,
+    },
+    /// Convex hull of points.
+    Hull {
+        /// The points, m.
+        points_m: Vec<DVec3>,
+    },
+}
+
+/// One compliant revolute joint: torque = K (φ − q) − D q̇ about its axis, with the equilibrium angle φ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// Pose of the child link's frame in the parent link's frame at q = 0.
+    pub origin_parent: Pose,
+    /// Axis, unit, child link frame; q turns right-handed about it.
+    pub axis_child: DVec3,
+    /// Mechanical limits of q, rad; infinite for a continuous joint.
+    pub limits_rad: [f64; 2],
+    /// Largest torque of the actuator, Nm.
+    pub torque_limit_nm: f64,
+    /// Largest rate of the equilibrium angle, rad/s.
+    pub slew_limit_rad_per_s: f64,
+    /// Stiffness K of the simulated spring, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// Damping D, Nm s/rad.
+    pub damping_nm_s_per_rad: f64,
+    /// Reflected inertia of the drive, kg m².
+    pub armature_kg_m2: f64,
+    /// Stiffness that the controller believes, Nm/rad.
+    pub believed_stiffness_nm_per_rad: f64,
+    /// Limits of q that the controller keeps, rad.
+    pub controller_limits_rad: [f64; 2],
+    /// Angle at the start of a reach, rad.
+    pub start_rad: f64,
+}
+
+impl Arm {
+    /// Reads an arm from its TOML file and the files that it names, relative to itself.
+    ///
+    /// # Errors
+    /// When a file cannot be read or parsed, has unknown keys, a value outside its physical limits, a link or joint
+    /// that the other files do not know, or the URDF is no serial chain of revolute joints with inertia.
+    pub fn load(path: impl AsRef<Path>) -> Result<Arm, InputError> {
+        file::assemble(path.as_ref(), &source::read_from_disk)
+    }
+
+    /// The right arm of the robot Cody, from the files of this crate.
+    ///
+    /// # Errors
+    /// Only when this crate's own files are broken.
+    pub fn cody() -> Result<Arm, InputError> {
+        file::assemble(Path::new("cody.toml"), &cody_file)
+    }
+
+    /// The angles at the start of a reach, rad.
+    pub fn start_posture_rad(&self) -> Vec<f64> {
+        self.joints.iter().map(|joint| joint.start_rad).collect()
+    }
+
+    /// Index of the link called `name`.
+    pub fn link_index(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link.name == name)
+    }
+}
+
+/// The files of Cody by the names that they give each other.
+fn cody_file(path: &Path) -> Result<String, InputError> {
+    match path.to_str() {
+        Some("cody.toml") => Ok(include_str!("../../arms/cody/cody.toml").into()),
+        Some("cody.urdf") => Ok(include_str!("../../arms/cody/cody.urdf").into()),
+        Some("cody.skin.toml") => Ok(include_str!("../../arms/cody/cody.skin.toml").into()),
+        _ => Err(InputError::new(
+            path,
+            "file",
+            "no such file",
+            "a file of the crate",
+            "add it to the crate",
+        )),
+    }
+}
+
+impl LinkShape {
+    /// The engine's shape and the turn from its frame to this one's; `None` for a hull without volume.
+    pub fn engine_shape(&self) -> Option<(SharedShape, Pose)> {
+        // The engine's cylinders and capsules lie along y.
+        let along_z = Pose::rotation(DVec3::X * std::f64::consts::FRAC_PI_2);
+        Some(match self {
+            LinkShape::Sphere { radius_m } => (SharedShape::ball(*radius_m), Pose::IDENTITY),
+            LinkShape::Cylinder { radius_m, length_m } => (SharedShape::cylinder(length_m / 2.0, *radius_m), along_z),
+            LinkShape::Capsule { radius_m, length_m } => (SharedShape::capsule_y(length_m / 2.0, *radius_m), along_z),
+            LinkShape::Box { size_m } => (
+                SharedShape::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0),
+                Pose::IDENTITY,
+            ),
+            LinkShape::Hull { points_m } => (SharedShape::convex_hull(points_m)?, Pose::IDENTITY),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
