@@ -2,6 +2,10 @@
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use underbrush_classifier::ModelError;
+use underbrush_classifier::decision::DecisionError;
+use underbrush_classifier::evaluate::EvaluateError;
+use underbrush_classifier::online::OnlineError;
+use underbrush_classifier::trial::TrialError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_sim::campaign::CampaignError;
@@ -102,3 +106,15 @@ impl From<CampaignError<DiskError>> for Failure {
         }
     }
 }
+
+/// Errors of the classifier's other parts: all of them are about what was given to a command.
+macro_rules! bad_usage {
+    ($($error:ty),*) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Failure::usage(error.to_string())
+            }
+        })*
+    };
+}
+bad_usage!(TrialError, EvaluateError, DecisionError, OnlineError);

@@ -82,7 +82,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
         }
         bar.finish_and_clear();
         Ok(trials)
-    } else if is_recording(path)? {
+    } else if is_recording(path) {
         arguments.cut(&read_recording(path)?, 0)
     } else {
         Ok(read_trials(path)?)

@@ -1,6 +1,7 @@
 //! Distances between segments, and ground areas that must not overlap.
 
 use glam::{DVec2, DVec3};
+use rapier3d::prelude::{Pose, Shape};
 
 use crate::object::Footprint;
 
@@ -16,6 +17,19 @@ pub struct Capsule {
 }
 
 impl Capsule {
+    /// The capsule along the longest side of a collision shape's bounding box; its rounded ends reach beyond the box.
+    pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
+        let bounds = shape.compute_local_aabb();
+        let half = bounds.half_extents();
+        let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
+        let reach = longest * half.dot(longest);
+        Capsule {
+            start: pose.transform_point(bounds.center() - reach),
+            end: pose.transform_point(bounds.center() + reach),
+            radius_m: (half - reach).max_element(),
+        }
+    }
+
     /// Distance between the surfaces of two capsules, m; negative where they overlap.
     pub fn distance(&self, other: &Capsule) -> f64 {
         segment_distance(self.start, self.end, other.start, other.end) - self.radius_m - other.radius_m

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::{Frame, GoalRecord, InputError, Outcome, Pose, Recording};
 
-use crate::arm::Arm;
+use crate::arm::{Arm, LinkCollider};
 use crate::clutter::{ArmAtStart, Clutter};
 use crate::contact_log::ContactLog;
 use crate::controller::{Controller, ControllerInput, Preset, TaxelContact};
@@ -91,7 +91,7 @@ impl<'a> Reach<'a> {
             reach_index,
             rate_hz: 1.0 / FRAME_PERIOD_S,
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
-            layout: plan.arm.skin.layout(),
+            layout: plan.arm.skin.layout.clone(),
             objects: clutter.objects.iter().map(|standing| standing.record()).collect(),
             goals: Vec::new(),
             contacts: Vec::new(),
@@ -132,7 +132,8 @@ impl<'a> Reach<'a> {
 
     /// Backs off, steps aside and tries the goal again.
     fn retry(&mut self, clutter: &Clutter, index: usize, goal: DVec3, observer: &mut Observer) -> Outcome {
-        let tip = self.world.tip_world(&self.plan.arm);
+        let arm = &self.plan.arm;
+        let tip = (self.world.link_pose(arm.tip_link) * arm.tip_pose_link).translation;
         let forward = (goal - tip).with_z(0.0).normalize_or(DVec3::X);
         let back = tip - forward * BACK_OFF_M;
         // To the left, where the other arm would be on the robot's right side there is nothing: a choice.
@@ -167,7 +168,7 @@ impl<'a> Reach<'a> {
             let ended = monitor.observe(frame.tip_pose_world.position, touch.largest_force_n());
             observer(&self.world, clutter, &frame);
             self.recording.frames.push(frame);
-            self.world.advance_frame(clutter);
+            self.world.advance_frame(&self.plan.arm, &self.equilibrium_rad, clutter);
             if let Some(outcome) = ended {
                 return outcome;
             }
@@ -177,7 +178,7 @@ impl<'a> Reach<'a> {
     /// Lets the controller move the equilibrium angles, from what the skin senses.
     fn control(&mut self, touch: &Touch, target: DVec3) {
         let arm = &self.plan.arm;
-        let joint_angle_rad = self.world.arm.joint_angles(&self.world.physics);
+        let joint_angle_rad = self.world.arm.joint_angle_rad(&self.world.physics);
         let poses = arm.forward_kinematics(&joint_angle_rad);
         let contacts: Vec<TaxelContact> = touch
             .taxels
@@ -205,7 +206,6 @@ impl<'a> Reach<'a> {
             contacts: &contacts,
         };
         self.equilibrium_rad = self.controller.step(&input).equilibrium_angle_rad;
-        self.world.arm.set_equilibrium_angles(&mut self.world.physics, &self.equilibrium_rad);
     }
 
     fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {
@@ -217,10 +217,10 @@ impl<'a> Reach<'a> {
         let physics = &self.world.physics;
         Frame {
             time_s: self.time_s(),
-            joint_angle_rad: arm.joint_angles(physics),
-            joint_velocity_rad_per_s: arm.joint_velocities(physics),
+            joint_angle_rad: arm.joint_angle_rad(physics),
+            joint_velocity_rad_per_s: arm.joint_velocity_rad_per_s(physics),
             equilibrium_angle_rad: self.equilibrium_rad.clone(),
-            joint_torque_nm: arm.joint_torques(physics),
+            joint_torque_nm: arm.joint_torque_nm(physics),
             tip_pose_world: pose(self.world.link_pose(self.plan.arm.tip_link) * self.plan.arm.tip_pose_link),
             goal_position_world: goal,
             goal_index: goal_index as u16,
@@ -235,6 +235,12 @@ impl<'a> Reach<'a> {
     }
 }
 
+/// The capsule around a link's collision shape.
+fn capsule(collider: &LinkCollider, link_pose: &rapier3d::prelude::Pose) -> Option<Capsule> {
+    let (shape, turn) = collider.shape.engine_shape()?;
+    Some(Capsule::around(shape.as_ref(), &(*link_pose * collider.pose_link * turn)))
+}
+
 /// Where an arm starts and how far it reaches.
 pub fn arm_at_start(arm: &Arm) -> ArmAtStart {
     let poses = arm.forward_kinematics(&arm.start_posture_rad());
@@ -242,7 +248,7 @@ pub fn arm_at_start(arm: &Arm) -> ArmAtStart {
         .links
         .iter()
         .zip(&poses)
-        .flat_map(|(link, pose)| link.colliders.iter().map(|collider| collider.capsule(pose)))
+        .flat_map(|(link, pose)| link.colliders.iter().filter_map(|collider| capsule(collider, pose)))
         .collect::<Vec<Capsule>>();
     // From the first joint whose offset from the next is a bone rather than an actuator's width.
     let tip_world = arm.tip_pose(&poses).translation;

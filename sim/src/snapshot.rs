@@ -1,6 +1,5 @@
 //! Where everything is at one moment, as plain capsules: for pictures.
 
-use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_recording::{Category, Frame};
 
@@ -54,20 +53,7 @@ impl Snapshot {
     }
 }
 
-/// The capsule around a collision shape: along its longest side.
 fn capsule(physics: &Physics, collider: ColliderHandle) -> Option<Capsule> {
     let collider = physics.colliders.get(collider)?;
-    let bounds = collider.shape().compute_local_aabb();
-    let half = bounds.half_extents();
-    let axis = DVec3::AXES
-        .into_iter()
-        .max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b)))?;
-    let radius_m = (half - axis * half.dot(axis)).max_element();
-    let reach = axis * half.dot(axis);
-    let pose = collider.position();
-    Some(Capsule {
-        start: pose.transform_point(bounds.center() - reach),
-        end: pose.transform_point(bounds.center() + reach),
-        radius_m,
-    })
+    Some(Capsule::around(collider.shape(), collider.position()))
 }

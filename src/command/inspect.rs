@@ -32,7 +32,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         _ if path.is_dir() => dataset(path)?,
         "toml" => scene(path, options.seed)?,
         "json" => model(path)?,
-        "parquet" if is_recording(path)? => recording(path)?,
+        "parquet" if is_recording(path) => recording(path)?,
         "parquet" | "csv" => trials(path)?,
         _ => {
             return Err(Failure::usage(format!(

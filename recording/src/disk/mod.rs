@@ -24,5 +24,5 @@ pub use dataset::{
     Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, Info, PlannedEpisode, Provenance, SceneText, Shard,
 };
 pub use error::DiskError;
-pub use recording_file::{read_recording, write_recording};
+pub use recording_file::{is_recording, read_recording, write_recording};
 pub use trials::{read_trials, write_trials};

@@ -63,6 +63,14 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     file.close()
 }
 
+/// Whether a file is a recording rather than some other Parquet or CSV table; `false` also where it cannot be told.
+pub fn is_recording(path: impl AsRef<Path>) -> bool {
+    let path = path.as_ref();
+    path.extension().is_some_and(|extension| extension == "parquet")
+        && open(path, ArrowReaderOptions::default())
+            .is_ok_and(|builder| key_value(path, &builder, FORMAT_KEY).is_ok())
+}
+
 /// Opens a recording: everything but its frames, and the batches that hold them.
 pub(super) fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
     let builder = open(path, ArrowReaderOptions::default())?;

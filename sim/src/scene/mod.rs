@@ -106,6 +106,8 @@ pub struct Placement {
 pub struct Goals {
     /// How many per reach ("multiple goal positions", paper, section IV-B).
     pub count: u32,
+    /// How often a goal is tried again, after backing off, where the arm got stuck (Jain et al. 2013).
+    pub retries: u32,
     /// Forward, m, world frame.
     pub x_m: Quantity,
     /// Left, m, world frame.
@@ -119,6 +121,7 @@ impl Default for Goals {
     fn default() -> Self {
         Goals {
             count: 4,
+            retries: 1,
             x_m: Quantity::uniform(0.50, 0.72),
             y_m: Quantity::uniform(-0.50, 0.10),
             z_m: Quantity::uniform(-0.36, -0.18),
@@ -262,6 +265,9 @@ impl Scene {
         })?;
         if file.goals.count == 0 || file.goals.count > 1000 {
             return Err(self.fault("goals.count", file.goals.count, "1 to 1000 goals"));
+        }
+        if file.goals.retries > 100 {
+            return Err(self.fault("goals.retries", file.goals.retries, "up to 100"));
         }
         let anywhere = (-5.0, 5.0);
         for (name, quantity) in [
