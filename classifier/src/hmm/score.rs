@@ -211,3 +211,6 @@ impl GaussianHmm {
         Ok(score.log_probability())
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;
