@@ -152,7 +152,7 @@ impl ModelSet {
     }
 }
 
-fn check_scaling(path: &Path, scaling: &Scaling, features: FeatureSet) -> Result<(), InputError> {
+fn check_scaling(path: &Path, scaling: &Scaling, features: FeatureSet) -> Result<(), ModelError> {
     for (key, numbers, least) in [
         ("mean", &scaling.mean, f64::MIN),
         ("standard_deviation", &scaling.standard_deviation, f64::MIN_POSITIVE),
@@ -161,13 +161,7 @@ fn check_scaling(path: &Path, scaling: &Scaling, features: FeatureSet) -> Result
         {
             let field = format!("scaling.{key}");
             let allowed = format!("{} finite numbers, deviations positive", features.dimension());
-            return Err(InputError::new(
-                path,
-                field,
-                format!("{numbers:?}"),
-                allowed,
-                "train the model again",
-            ));
+            return Err(InputError::new(path, field, format!("{numbers:?}"), allowed, "train the model again").into());
         }
     }
     Ok(())
@@ -189,6 +183,9 @@ fn json_error(path: &Path, text: &str, error: &serde_json::Error) -> InputError 
     .at_line(error.line())
 }
 
+/// Whether a value is what a field must hold.
+type Fits = fn(&Value) -> bool;
+
 /// Which field of a file that is JSON, but no model file, does not have its type: serde names only the line.
 fn field_at_fault(file: &Value) -> String {
     fn fits<T: serde::de::DeserializeOwned>(value: &Value) -> bool {
@@ -196,7 +193,7 @@ fn field_at_fault(file: &Value) -> String {
     }
     let nothing = Value::Null;
     let at = |key: &str| file.get(key).unwrap_or(&nothing);
-    let tests: [(&str, fn(&Value) -> bool); 6] = [
+    let tests: [(&str, Fits); 6] = [
         ("format", fits::<String>),
         ("features", fits::<Vec<String>>),
         ("scaling", fits::<Option<Scaling>>),
@@ -207,7 +204,7 @@ fn field_at_fault(file: &Value) -> String {
     if let Some((key, _)) = tests.iter().find(|(key, fits)| !fits(at(key))) {
         return (*key).to_owned();
     }
-    let tests: [(&str, fn(&Value) -> bool); 4] = [
+    let tests: [(&str, Fits); 4] = [
         ("initial", fits::<f64>),
         ("transition", fits::<Vec<f64>>),
         ("mean", fits::<Vec<f64>>),

@@ -19,7 +19,7 @@ use crate::recipe::{Recipe, ScalingKind};
 pub enum ModelError {
     /// A model file that cannot be read or is unsound.
     #[error(transparent)]
-    Input(#[from] InputError),
+    Input(Box<InputError>),
     /// A trial that does not give the features asked for.
     #[error(transparent)]
     Feature(#[from] FeatureError),
@@ -54,6 +54,12 @@ pub enum ModelError {
         /// What is allowed.
         allowed: String,
     },
+}
+
+impl From<InputError> for ModelError {
+    fn from(error: InputError) -> Self {
+        ModelError::Input(Box::new(error))
+    }
 }
 
 /// One hidden Markov model per category, over the same features (paper, section III).

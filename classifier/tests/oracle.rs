@@ -4,6 +4,8 @@
 //! Viterbi log-probability at the start and after exactly 20 Baum-Welch iterations without a variance floor. Every model
 //! is also scored on the other category's trials.
 
+#![allow(clippy::unwrap_used, reason = "a test ends where its data cannot be read")]
+
 use std::path::PathBuf;
 
 use underbrush_classifier::ModelSet;

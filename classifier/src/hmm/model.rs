@@ -51,6 +51,8 @@ pub struct GaussianHmm {
     pub(super) log_initial: Vec<f64>,
     /// N × N, −inf for zero.
     pub(super) log_transition: Vec<f64>,
+    /// Its transpose: row: to, column: from.
+    pub(super) log_transition_into: Vec<f64>,
     pub(super) emissions: Emissions,
 }
 
@@ -105,11 +107,14 @@ impl GaussianHmm {
             )
         })?;
         let transition = parameters.transition.concat();
+        let log_transition: Vec<f64> = transition.iter().map(|p| p.ln()).collect();
+        let into = |to: usize| log_transition[to..].iter().step_by(states).copied();
         Ok(GaussianHmm {
             states,
             dimension,
             log_initial: parameters.initial.iter().map(|p| p.ln()).collect(),
-            log_transition: transition.iter().map(|p| p.ln()).collect(),
+            log_transition_into: (0..states).flat_map(into).collect(),
+            log_transition,
             initial: parameters.initial,
             transition,
             mean,
@@ -223,7 +228,7 @@ fn check_covariance(field: &str, matrix: &[Vec<f64>], dimension: usize) -> Resul
 mod tests {
     use super::*;
 
-    pub(in super::super) fn sound() -> HmmParameters {
+    fn sound() -> HmmParameters {
         HmmParameters {
             initial: vec![0.5, 0.5],
             transition: vec![vec![0.9, 0.1], vec![0.0, 1.0]],
@@ -235,7 +240,8 @@ mod tests {
     #[test]
     fn each_fault_names_its_field() {
         // Pins that every way to break the parameters is refused and that the error names the place.
-        let faults: [(&str, fn(&mut HmmParameters)); 13] = [
+        type Break = fn(&mut HmmParameters);
+        let faults: [(&str, Break); 13] = [
             ("initial", |p| p.initial.clear()),
             ("initial", |p| p.initial[0] = f64::NAN),
             ("initial", |p| p.initial = vec![-0.5, 1.5]),

@@ -16,20 +16,44 @@ pub enum ScoreKind {
     Viterbi,
 }
 
-/// Weights under this fraction of the largest are left out of the fast sum: exp(−230) is 1e-100, and clamping it to
-/// zero keeps subnormal numbers, which cost ten times as much, out of the inner loop.
-const NEGLIGIBLE_EXPONENT: f64 = -230.0;
+/// Weights under exp(−667) = 1e-290 of the largest are left out of fast sums. Clamping them to zero, well before the end
+/// of the range of f64, keeps subnormal numbers, which cost ten times as much, out of the inner loops.
+const NEGLIGIBLE_EXPONENT: f64 = -667.0;
 
 /// A fast sum at or above this is exact to N·1e-20 whatever was left out; below, it is redone in log space.
-pub(super) const TRUSTED_SUM: f64 = 1e-80;
+pub(super) const TRUSTED_SUM: f64 = 1e-270;
+
+/// Terms under exp(−45) = 3e-20 of the largest do not change a sum in f64.
+const VANISHING_EXPONENT: f64 = -45.0;
+
+/// exp of a weight relative to the largest, zero where negligible.
+pub(super) fn relative_weight(exponent: f64) -> f64 {
+    if exponent < NEGLIGIBLE_EXPONENT {
+        0.0
+    } else {
+        exponent.exp()
+    }
+}
 
 /// ln Σ exp(terms), exact where all terms are −inf or far apart.
 pub(super) fn log_sum_exp(terms: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = terms.clone().fold(f64::NEG_INFINITY, f64::max);
+    let largest = largest(terms.clone());
     if largest == f64::NEG_INFINITY {
         return largest;
     }
-    largest + terms.map(|term| (term - largest).exp()).sum::<f64>().ln()
+    let relative = terms
+        .map(|term| term - largest)
+        .filter(|&exponent| exponent > VANISHING_EXPONENT);
+    largest + relative.map(f64::exp).sum::<f64>().ln()
+}
+
+/// The largest of numbers without NaN, −inf for none.
+pub(super) fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    // A comparison, unlike f64::max with its care for NaN, compiles to one instruction.
+    numbers.fold(
+        f64::NEG_INFINITY,
+        |best, number| if number > best { number } else { best },
+    )
 }
 
 /// `next[j] = ln Σ_i exp(log_weight[i]) a_ij`, with `linear` as scratch; all of length N.
@@ -39,18 +63,13 @@ pub(super) fn log_sum_exp(terms: impl Iterator<Item = f64> + Clone) -> f64 {
 /// redone in log space: fast on ordinary data and exact on all.
 pub(super) fn propagate(model: &GaussianHmm, log_weight: &[f64], linear: &mut [f64], next: &mut [f64]) {
     let states = model.states;
-    let largest = log_weight.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = largest(log_weight.iter().copied());
     if largest == f64::NEG_INFINITY {
         next.fill(f64::NEG_INFINITY);
         return;
     }
     for (out, weight) in linear.iter_mut().zip(log_weight) {
-        let exponent = weight - largest;
-        *out = if exponent < NEGLIGIBLE_EXPONENT {
-            0.0
-        } else {
-            exponent.exp()
-        };
+        *out = relative_weight(weight - largest);
     }
     next.fill(0.0);
     for (weight, row) in linear.iter().zip(model.transition.chunks_exact(states)) {
@@ -60,15 +79,14 @@ pub(super) fn propagate(model: &GaussianHmm, log_weight: &[f64], linear: &mut [f
             }
         }
     }
-    for (j, out) in next.iter_mut().enumerate() {
+    for (out, into) in next.iter_mut().zip(model.log_transition_into.chunks_exact(states)) {
         *out = if *out >= TRUSTED_SUM {
             largest + out.ln()
         } else {
-            let into_j = model.log_transition[j..].iter().step_by(states);
             log_sum_exp(
                 log_weight
                     .iter()
-                    .zip(into_j)
+                    .zip(into)
                     .map(|(weight, transition)| weight + transition),
             )
         };
@@ -81,9 +99,7 @@ fn propagate_best(model: &GaussianHmm, log_weight: &[f64], next: &mut [f64]) {
     for (weight, row) in log_weight.iter().zip(model.log_transition.chunks_exact(model.states)) {
         for (best, transition) in next.iter_mut().zip(row) {
             let candidate = weight + transition;
-            if candidate > *best {
-                *best = candidate;
-            }
+            *best = if candidate > *best { candidate } else { *best };
         }
     }
 }
@@ -172,7 +188,7 @@ impl RunningScore {
         }
         match self.kind {
             ScoreKind::Forward => log_sum_exp(self.log_weight.iter().copied()),
-            ScoreKind::Viterbi => self.log_weight.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            ScoreKind::Viterbi => largest(self.log_weight.iter().copied()),
         }
     }
 }
@@ -195,3 +211,6 @@ impl GaussianHmm {
         Ok(score.log_probability())
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

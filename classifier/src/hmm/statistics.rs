@@ -1,7 +1,7 @@
 //! The expectation step: expected counts of states and transitions over all sequences.
 
 use super::model::GaussianHmm;
-use super::score::{log_sum_exp, propagate};
+use super::score::{TRUSTED_SUM, largest, log_sum_exp, propagate, relative_weight};
 use crate::feature::Observations;
 
 /// Expected counts under one model, summed over sequences (Rabiner 1989, section III-C; the paper's reference [14]).
@@ -21,12 +21,8 @@ pub(super) struct Statistics {
     pub(super) second: Vec<f64>,
 }
 
-/// Factors under this are zero: what they would add is beyond the range of f64.
-const SMALLEST_FACTOR_EXPONENT: f64 = -690.0;
-
-/// Up to this exponent the product of scaled forward and backward weights loses nothing that matters (see
-/// [`Pass::count_transitions`]).
-const TRUSTED_SHIFT: f64 = 100.0;
+/// Probabilities under exp(−690), at the end of the range of f64, count as zero.
+const SMALLEST_EXPONENT: f64 = -690.0;
 
 impl Statistics {
     /// Expected counts of all sequences. The error is the index of a sequence that the model rules out.
@@ -80,10 +76,11 @@ struct Pass {
     log_alpha: Vec<f64>,
     /// N backward log-weights of the time at hand.
     log_beta: Vec<f64>,
-    /// N: backward log-weights with the density of the sample after; scaled by their largest in `ahead`.
+    /// N backward log-weights of the sample after, its density included.
     log_ahead: Vec<f64>,
+    /// N: the same, relative to their largest.
     ahead: Vec<f64>,
-    behind: Vec<f64>,
+    /// N: probability of each state at the time at hand, γ; scratch of the forward pass.
     probability: Vec<f64>,
 }
 
@@ -96,7 +93,6 @@ impl Pass {
             log_beta: zeros(),
             log_ahead: zeros(),
             ahead: zeros(),
-            behind: zeros(),
             probability: zeros(),
         }
     }
@@ -114,18 +110,15 @@ impl Pass {
             if t == 0 {
                 alpha.copy_from_slice(&model.log_initial);
             } else {
-                propagate(model, &past[(t - 1) * n..], &mut self.behind, alpha);
+                propagate(model, &past[(t - 1) * n..], &mut self.probability, alpha);
             }
             alpha
                 .iter_mut()
                 .zip(density)
                 .for_each(|(weight, density)| *weight += *density);
         }
-        log_sum_exp(
-            self.log_alpha[(sequence.sample_count() - 1) * n..sequence.sample_count() * n]
-                .iter()
-                .copied(),
-        )
+        let last = self.log_alpha.len() - n;
+        log_sum_exp(self.log_alpha[last..].iter().copied())
     }
 
     /// Walks back in time and adds the expected counts.
@@ -133,104 +126,78 @@ impl Pass {
         let n = model.states;
         self.log_beta.fill(0.0);
         for t in (0..sequence.sample_count()).rev() {
-            let alpha = &self.log_alpha[t * n..(t + 1) * n];
-            for ((out, alpha), beta) in self.probability.iter_mut().zip(alpha).zip(&self.log_beta) {
-                *out = small_exp(alpha + beta - log_likelihood);
+            if t + 1 < sequence.sample_count() {
+                self.step_back(model, t, log_likelihood, counts);
+            } else {
+                for (out, alpha) in self.probability.iter_mut().zip(&self.log_alpha[t * n..]) {
+                    *out = probability(alpha - log_likelihood);
+                }
             }
             counts.count_sample(model, sequence.sample(t), &self.probability);
-            if t == 0 {
-                counts
-                    .initial
-                    .iter_mut()
-                    .zip(&self.probability)
-                    .for_each(|(sum, gamma)| *sum += gamma);
-                return;
-            }
-            let density = &self.log_density[t * n..(t + 1) * n];
-            for ((out, density), beta) in self.log_ahead.iter_mut().zip(density).zip(&self.log_beta) {
-                *out = density + beta;
-            }
-            let largest_ahead = self.log_ahead.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            for (out, weight) in self.ahead.iter_mut().zip(&self.log_ahead) {
-                *out = small_exp(weight - largest_ahead);
-            }
-            self.count_transitions(model, t, largest_ahead, log_likelihood, counts);
-            self.step_back(model, largest_ahead);
         }
+        counts
+            .initial
+            .iter_mut()
+            .zip(&self.probability)
+            .for_each(|(sum, gamma)| *sum += gamma);
     }
 
-    /// Adds the expected transitions ξ from sample t − 1 to sample t.
+    /// From β of sample t + 1 to β and γ of sample t, adding the expected transitions ξ between the two.
     ///
-    /// ξ_ij = exp(α_i + ln a_ij + ω_j − L) is formed as a product of factors scaled by the largest α and ω, where the
-    /// common factor exp(max α + max ω − L) is at most e^100: then a product that underflows stands for less than
-    /// 1e-260. Where forward and backward weights point to different states the factor can be larger; those steps take
-    /// exponentials one by one. Tiny counts matter: they decide whether a path stays possible for another category.
-    fn count_transitions(
-        &mut self,
-        model: &GaussianHmm,
-        t: usize,
-        largest_ahead: f64,
-        log_l: f64,
-        counts: &mut Statistics,
-    ) {
+    /// With ω_j = ln b_j + β_j of sample t + 1: β_i = ln Σ_j a_ij exp(ω_j), and ξ_ij = γ_i a_ij exp(ω_j − β_i), the share
+    /// of j in that sum. As in [`propagate`], sums too small for the fast way are redone in log space.
+    fn step_back(&mut self, model: &GaussianHmm, t: usize, log_likelihood: f64, counts: &mut Statistics) {
         let n = model.states;
-        let alpha = &self.log_alpha[(t - 1) * n..t * n];
-        let largest_behind = alpha.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let shift = largest_behind + largest_ahead - log_l;
-        if shift > TRUSTED_SHIFT {
-            for (i, weight) in alpha.iter().enumerate() {
-                for (j, ahead) in self.log_ahead.iter().enumerate() {
-                    let exponent = weight + model.log_transition[i * n + j] + ahead - log_l;
-                    counts.transition[i * n + j] += small_exp(exponent);
-                }
-            }
-            return;
+        let density = &self.log_density[(t + 1) * n..(t + 2) * n];
+        for ((out, density), beta) in self.log_ahead.iter_mut().zip(density).zip(&self.log_beta) {
+            *out = density + beta;
         }
-        let factor = shift.exp();
-        let rows = model
-            .transition
-            .chunks_exact(n)
-            .zip(counts.transition.chunks_exact_mut(n));
-        for (weight, (row, sums)) in alpha.iter().zip(rows) {
-            let behind = factor * small_exp(weight - largest_behind);
-            if behind != 0.0 {
-                for ((sum, probability), ahead) in sums.iter_mut().zip(row).zip(&self.ahead) {
-                    *sum += behind * ahead * probability;
-                }
-            }
+        let largest_ahead = largest(self.log_ahead.iter().copied());
+        for (out, weight) in self.ahead.iter_mut().zip(&self.log_ahead) {
+            *out = relative_weight(weight - largest_ahead);
         }
-    }
-
-    /// β of the sample before: `log_beta[i] = ln Σ_j a_ij exp(log_ahead[j])`, redone in log space where too small.
-    fn step_back(&mut self, model: &GaussianHmm, largest_ahead: f64) {
-        let n = model.states;
-        let rows = model
-            .transition
-            .chunks_exact(n)
-            .zip(model.log_transition.chunks_exact(n));
-        for (out, (row, log_row)) in self.log_beta.iter_mut().zip(rows) {
+        for i in 0..n {
+            let row = &model.transition[i * n..(i + 1) * n];
+            let log_row = &model.log_transition[i * n..(i + 1) * n];
+            let transitions = &mut counts.transition[i * n..(i + 1) * n];
+            let log_terms = log_row
+                .iter()
+                .zip(&self.log_ahead)
+                .map(|(transition, ahead)| transition + ahead);
             let sum: f64 = row
                 .iter()
                 .zip(&self.ahead)
                 .map(|(probability, ahead)| probability * ahead)
                 .sum();
-            *out = if sum >= super::score::TRUSTED_SUM {
+            let trusted = sum >= TRUSTED_SUM;
+            let beta = if trusted {
                 largest_ahead + sum.ln()
             } else {
-                log_sum_exp(
-                    log_row
-                        .iter()
-                        .zip(&self.log_ahead)
-                        .map(|(transition, ahead)| transition + ahead),
-                )
+                log_sum_exp(log_terms.clone())
             };
+            let gamma = probability(self.log_alpha[t * n + i] + beta - log_likelihood);
+            self.log_beta[i] = beta;
+            self.probability[i] = gamma;
+            if gamma == 0.0 {
+                continue;
+            }
+            if trusted {
+                let share = gamma / sum;
+                for ((count, probability), ahead) in transitions.iter_mut().zip(row).zip(&self.ahead) {
+                    *count += share * (probability * ahead);
+                }
+            } else {
+                for (count, term) in transitions.iter_mut().zip(log_terms) {
+                    *count += gamma * probability(term - beta);
+                }
+            }
         }
     }
 }
 
-/// exp, with zero instead of subnormal numbers.
-fn small_exp(exponent: f64) -> f64 {
-    if exponent < SMALLEST_FACTOR_EXPONENT {
+/// exp of a log-probability, with zero instead of subnormal numbers.
+fn probability(exponent: f64) -> f64 {
+    if exponent < SMALLEST_EXPONENT {
         0.0
     } else {
         exponent.exp()

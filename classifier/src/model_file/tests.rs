@@ -16,7 +16,7 @@ const MINIMAL: &str = r#"{
 fn fault(from: &str, to: &str) -> InputError {
     assert!(MINIMAL.contains(from));
     match ModelSet::from_json("m.json", &MINIMAL.replacen(from, to, 1)) {
-        Err(ModelError::Input(error)) => error,
+        Err(ModelError::Input(error)) => *error,
         other => panic!("{from} -> {to}: {other:?}"),
     }
 }

@@ -1,0 +1,105 @@
+//! Which trial is tested in which fold.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Trial;
+
+use super::EvaluateError;
+
+/// What is kept together in a fold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FoldBy {
+    /// Trials by their position within their category: first half, second half, no shuffling (the authors' way).
+    /// Trials of one reach, even of one contact, can fall on both sides.
+    Position,
+    /// Whole reaches, so that a model is never tested on a reach that it was trained on. The reach's index must be
+    /// unique in the table.
+    Reach,
+}
+
+/// How trials are split for cross-validation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Folds {
+    /// Number of folds, at least 2.
+    pub count: usize,
+    /// What is kept together.
+    pub by: FoldBy,
+}
+
+impl Folds {
+    /// The paper's two folds, by position.
+    pub fn paper() -> Self {
+        Folds {
+            count: 2,
+            by: FoldBy::Position,
+        }
+    }
+
+    /// The fold of each trial, in the same order; every category is in every fold.
+    ///
+    /// The i-th of n units of a category (trials, or reaches in the order of their index) is in fold ⌊i·k/n⌋. A reach
+    /// belongs to the category of most of its trials (the first by name in a draw).
+    pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
+        if self.count < 2 {
+            return Err(EvaluateError::FoldCount { found: self.count });
+        }
+        match self.by {
+            FoldBy::Position => {
+                let units = trials.iter().map(|trial| category(trial)).collect::<Vec<_>>();
+                self.assign_units(&units, "trials")
+            }
+            FoldBy::Reach => {
+                let mut votes: BTreeMap<u64, BTreeMap<&str, usize>> = BTreeMap::new();
+                for trial in trials {
+                    let reach = trial.reach.ok_or(EvaluateError::NoReach { trial: trial.trial })?;
+                    *votes.entry(reach).or_default().entry(category(trial)).or_default() += 1;
+                }
+                let units: Vec<&str> = votes.values().filter_map(winner).collect();
+                let folds = self.assign_units(&units, "reaches")?;
+                let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
+                Ok(trials
+                    .iter()
+                    .filter_map(|trial| fold_of.get(&trial.reach?).copied())
+                    .collect())
+            }
+        }
+    }
+
+    /// The fold of each unit, given their categories.
+    fn assign_units(self, units: &[&str], unit: &'static str) -> Result<Vec<usize>, EvaluateError> {
+        let mut count: BTreeMap<&str, usize> = BTreeMap::new();
+        units
+            .iter()
+            .for_each(|category| *count.entry(category).or_default() += 1);
+        if let Some((category, &found)) = count.iter().find(|(_, count)| **count < self.count) {
+            return Err(EvaluateError::TooFew {
+                category: (*category).to_owned(),
+                found,
+                unit,
+                folds: self.count,
+            });
+        }
+        let mut position: BTreeMap<&str, usize> = BTreeMap::new();
+        let folds = units.iter().copied().map(|category| {
+            let next = position.entry(category).or_default();
+            *next += 1;
+            (*next - 1) * self.count / count[category]
+        });
+        Ok(folds.collect())
+    }
+}
+
+fn category(trial: &Trial) -> &str {
+    trial.category.as_deref().unwrap_or_default()
+}
+
+fn winner<'a>(votes: &BTreeMap<&'a str, usize>) -> Option<&'a str> {
+    let most = votes.values().max()?;
+    votes
+        .iter()
+        .find(|(_, count)| *count == most)
+        .map(|(category, _)| *category)
+}

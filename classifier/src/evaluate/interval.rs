@@ -1,0 +1,72 @@
+//! Confidence intervals of an accuracy.
+
+use std::collections::BTreeMap;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::Prediction;
+
+/// A 95 % confidence interval of a fraction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// Lower end, 0 … 1.
+    pub low: f64,
+    /// Upper end, 0 … 1.
+    pub high: f64,
+}
+
+/// The 97.5 % quantile of the standard normal distribution.
+const Z: f64 = 1.959_963_984_540_054;
+
+/// Wilson's score interval of `successes` in `trials` independent trials (Wilson 1927, JASA 22); 0 … 1 for no trials.
+pub fn wilson(successes: usize, trials: usize) -> Interval {
+    if trials == 0 {
+        return Interval { low: 0.0, high: 1.0 };
+    }
+    let n = trials as f64;
+    let p = successes as f64 / n;
+    let centre = p + Z * Z / (2.0 * n);
+    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + Z * Z / n;
+    Interval {
+        low: ((centre - half) / scale).max(0.0),
+        high: ((centre + half) / scale).min(1.0),
+    }
+}
+
+/// Percentile bootstrap of the accuracy over whole reaches (the clusters within which trials depend on each other):
+/// draws as many reaches as there are, with replacement, `resamples` times. `None` where a prediction names no reach or
+/// there is nothing to draw from.
+pub fn bootstrap_by_reach(predictions: &[Prediction], resamples: usize, seed: u64) -> Option<Interval> {
+    let mut reaches: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
+    for prediction in predictions {
+        let (correct, count) = reaches.entry(prediction.reach?).or_default();
+        *correct += usize::from(prediction.is_correct());
+        *count += 1;
+    }
+    if reaches.is_empty() || resamples == 0 {
+        return None;
+    }
+    let reaches: Vec<(usize, usize)> = reaches.into_values().collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut accuracies: Vec<f64> = (0..resamples)
+        .map(|_| {
+            let (mut correct, mut count) = (0, 0);
+            for _ in 0..reaches.len() {
+                // A 64-bit range draws the same on every platform; usize would not.
+                let drawn = reaches[rng.random_range(0..reaches.len() as u64) as usize];
+                correct += drawn.0;
+                count += drawn.1;
+            }
+            correct as f64 / count as f64
+        })
+        .collect();
+    accuracies.sort_by(f64::total_cmp);
+    let quantile = |q: f64| accuracies[(q * (resamples - 1) as f64).round() as usize];
+    Some(Interval {
+        low: quantile(0.025),
+        high: quantile(0.975),
+    })
+}

@@ -1,0 +1,217 @@
+//! Evaluation: folds, confusion matrices, figures per category with confidence intervals, and the paper's Table I.
+
+mod confusion;
+mod fold;
+mod interval;
+mod table_one;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+use underbrush_recording::Trial;
+
+pub use confusion::{CategoryFigures, ConfusionMatrix};
+pub use fold::{FoldBy, Folds};
+pub use interval::{Interval, bootstrap_by_reach, wilson};
+pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
+
+use crate::decision::{Decision, DecisionError, Verdict};
+use crate::hmm::ScoreKind;
+use crate::model_set::{ModelError, ModelSet, TrainingReport, is_trained};
+use crate::recipe::Recipe;
+
+/// Why an evaluation is impossible.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EvaluateError {
+    /// Models that cannot be trained or used.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Priors or thresholds that make no sense.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// Cross-validation needs two folds at least.
+    #[error("{found} folds; cross-validation needs at least 2")]
+    FoldCount {
+        /// The number asked for.
+        found: usize,
+    },
+    /// A category too small to be in every fold.
+    #[error("category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data")]
+    TooFew {
+        /// The category.
+        category: String,
+        /// How many there are.
+        found: usize,
+        /// Of what: trials or reaches.
+        unit: &'static str,
+        /// Folds asked for.
+        folds: usize,
+    },
+    /// Folds by reach need to know the reach.
+    #[error("trial {trial} names no reach; fill the column reach, or split by position")]
+    NoReach {
+        /// Number of the trial in its table.
+        trial: u64,
+    },
+    /// Nothing to evaluate on.
+    #[error("none of the trials has a category; use trials with ground truth")]
+    NoTruth,
+}
+
+/// The verdict on one trial.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Number of the trial in its table.
+    pub trial: u64,
+    /// The reach it comes from.
+    pub reach: Option<u64>,
+    /// Ground truth.
+    pub category: String,
+    /// The fold in which it was tested, from 0; 0 where there are no folds.
+    pub fold: usize,
+    /// The verdict.
+    pub verdict: Verdict,
+}
+
+impl Prediction {
+    /// Whether the verdict is the truth; for a foreign object that is [`Verdict::Outlier`].
+    pub fn is_correct(&self) -> bool {
+        self.verdict.name() == self.category && self.verdict != Verdict::Uncertain
+    }
+}
+
+/// Verdicts on trials with ground truth, and what they amount to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// One a trial, in the order of the table.
+    pub predictions: Vec<Prediction>,
+    /// Truth against verdict.
+    pub confusion: ConfusionMatrix,
+    /// Fraction of trials whose verdict is the truth; uncertain ones count as wrong.
+    pub accuracy: f64,
+    /// Wilson's 95 % interval of the accuracy, as if trials were independent. They are not: one contact lights several
+    /// taxels.
+    pub accuracy_interval_by_trial: Interval,
+    /// 95 % interval of the accuracy by resampling whole reaches; `None` where a trial names no reach.
+    pub accuracy_interval_by_reach: Option<Interval>,
+    /// Figures by true category.
+    pub categories: Vec<CategoryFigures>,
+    /// How the models of each fold were trained; empty where they were given.
+    pub training: Vec<TrainingReport>,
+}
+
+/// Resamples drawn for [`Evaluation::accuracy_interval_by_reach`].
+const BOOTSTRAP_RESAMPLES: usize = 2000;
+
+impl Evaluation {
+    fn of(
+        predictions: Vec<Prediction>,
+        models: &[String],
+        training: Vec<TrainingReport>,
+    ) -> Result<Self, EvaluateError> {
+        if predictions.is_empty() {
+            return Err(EvaluateError::NoTruth);
+        }
+        let confusion = ConfusionMatrix::of(&predictions, models);
+        let correct = predictions.iter().filter(|prediction| prediction.is_correct()).count();
+        Ok(Evaluation {
+            accuracy: correct as f64 / predictions.len() as f64,
+            accuracy_interval_by_trial: wilson(correct, predictions.len()),
+            accuracy_interval_by_reach: bootstrap_by_reach(&predictions, BOOTSTRAP_RESAMPLES, 0),
+            categories: confusion.figures(),
+            confusion,
+            predictions,
+            training,
+        })
+    }
+}
+
+/// Evaluates given models on trials; those without ground truth are passed over.
+///
+/// # Errors
+/// [`EvaluateError`] where no trial has ground truth, a trial lacks a feature, or the decision does not fit the models.
+pub fn evaluate(
+    models: &ModelSet,
+    trials: &[Trial],
+    kind: ScoreKind,
+    decision: &Decision,
+) -> Result<Evaluation, EvaluateError> {
+    let predictions = predict(models, trials.iter(), kind, decision, 0)?;
+    Evaluation::of(predictions, &models.categories(), Vec::new())
+}
+
+/// Cross-validation (paper, section V-A: two folds): each fold is tested on models trained on the others.
+///
+/// Trials without a category, blocks and outliers take no part. Folds run in parallel; the result does not depend on
+/// the number of threads.
+///
+/// # Errors
+/// [`EvaluateError`] where a category is too small for the folds, or training or scoring fails.
+pub fn cross_validate(
+    trials: &[Trial],
+    recipe: &Recipe,
+    folds: Folds,
+    decision: &Decision,
+) -> Result<Evaluation, EvaluateError> {
+    let used: Vec<&Trial> = trials
+        .iter()
+        .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
+        .collect();
+    if used.is_empty() {
+        return Err(EvaluateError::NoTruth);
+    }
+    let assignment = folds.assign(&used)?;
+    let of = |fold: usize, inside: bool| {
+        let pairs = used.iter().zip(&assignment);
+        pairs
+            .filter(move |(_, own)| (**own == fold) == inside)
+            .map(|(trial, _)| *trial)
+            .collect::<Vec<_>>()
+    };
+    let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
+        .into_par_iter()
+        .map(|fold| {
+            let (models, report) = ModelSet::train_on(of(fold, false), recipe)?;
+            let predictions = predict(&models, of(fold, true).into_iter(), recipe.score, decision, fold)?;
+            Ok((models.categories(), predictions, report))
+        })
+        .collect();
+    let mut by_fold = Vec::new();
+    let (mut categories, mut training) = (Vec::new(), Vec::new());
+    for outcome in outcomes {
+        let (names, predictions, report) = outcome?;
+        categories = names;
+        by_fold.push(predictions.into_iter());
+        training.push(report);
+    }
+    // Back into the order of the table: each fold's predictions are in that order already.
+    let predictions = assignment.iter().filter_map(|&fold| by_fold[fold].next()).collect();
+    Evaluation::of(predictions, &categories, training)
+}
+
+fn predict<'a>(
+    models: &ModelSet,
+    trials: impl Iterator<Item = &'a Trial>,
+    kind: ScoreKind,
+    decision: &Decision,
+    fold: usize,
+) -> Result<Vec<Prediction>, EvaluateError> {
+    let judge = decision.prepare(&models.categories())?;
+    trials
+        .filter_map(|trial| trial.category.clone().map(|category| (trial, category)))
+        .map(|(trial, category)| {
+            let choice = judge.choose(&models.log_probabilities(trial, kind)?);
+            let verdict = judge.verdict(choice);
+            Ok(Prediction {
+                trial: trial.trial,
+                reach: trial.reach,
+                category,
+                fold,
+                verdict,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

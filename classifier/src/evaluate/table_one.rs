@@ -1,0 +1,92 @@
+//! The twelve cells of the paper's Table I.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Trial;
+
+use super::{EvaluateError, Evaluation, Folds, cross_validate};
+use crate::decision::Decision;
+use crate::feature::FeatureSet;
+use crate::recipe::Recipe;
+
+/// What a trial is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TableOneUnit {
+    /// A connected component (section IV-C).
+    Component,
+    /// A taxel (section IV-D).
+    Taxel,
+}
+
+use FeatureSet::{Force, ForceAndMotion};
+use TableOneUnit::{Component, Taxel};
+
+/// Table I of Bhattacharjee, Kapusta, Rehg, Kemp 2013: two-fold cross-validation accuracy in per cent, by unit, features
+/// and number of hidden states, in the order in which it is printed.
+pub const TABLE_ONE_PAPER: [(TableOneUnit, FeatureSet, usize, f64); 12] = [
+    (Component, Force, 5, 61.76),
+    (Component, Force, 10, 72.22),
+    (Component, Force, 20, 70.75),
+    (Component, ForceAndMotion, 5, 54.41),
+    (Component, ForceAndMotion, 10, 55.55),
+    (Component, ForceAndMotion, 20, 58.50),
+    (Taxel, Force, 5, 72.91),
+    (Taxel, Force, 10, 80.24),
+    (Taxel, Force, 20, 81.40),
+    (Taxel, ForceAndMotion, 5, 70.22),
+    (Taxel, ForceAndMotion, 10, 71.98),
+    (Taxel, ForceAndMotion, 20, 73.47),
+];
+
+/// One cell of the table, theirs and ours.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TableOneCell {
+    /// What a trial is made of.
+    pub unit: TableOneUnit,
+    /// The features.
+    pub features: FeatureSet,
+    /// Hidden states.
+    pub states: usize,
+    /// The paper's accuracy, per cent.
+    pub paper_accuracy_percent: f64,
+    /// Ours, with all that belongs to it.
+    pub evaluation: Evaluation,
+}
+
+/// Evaluates all twelve cells by cross-validation, argmax and equal priors, cells in parallel; `recipe` gives everything
+/// but states and features. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`EvaluateError`] of the first cell, in the order of the table, that fails.
+pub fn table_one(
+    component_trials: &[Trial],
+    taxel_trials: &[Trial],
+    recipe: &Recipe,
+    folds: Folds,
+) -> Result<Vec<TableOneCell>, EvaluateError> {
+    let cells: Vec<Result<TableOneCell, EvaluateError>> = TABLE_ONE_PAPER
+        .into_par_iter()
+        .map(|(unit, features, states, paper_accuracy_percent)| {
+            let trials = if unit == Component {
+                component_trials
+            } else {
+                taxel_trials
+            };
+            let recipe = Recipe {
+                states,
+                features,
+                ..recipe.clone()
+            };
+            let evaluation = cross_validate(trials, &recipe, folds, &Decision::argmax())?;
+            Ok(TableOneCell {
+                unit,
+                features,
+                states,
+                paper_accuracy_percent,
+                evaluation,
+            })
+        })
+        .collect();
+    cells.into_iter().collect()
+}

@@ -1,0 +1,280 @@
+use underbrush_recording::Sample;
+
+use super::*;
+use crate::feature::FeatureSet;
+
+/// Trials of 12 samples: leaves rise to about 0.4 N and move far, trunks rise to about 2 N and move little.
+fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
+    let trial = |number: u64, category: &str, reach: u64, top_n: f64, speed: f64| {
+        let wobble = |k: f64| 1.0 + 0.2 * (1.7 * k + number as f64).sin();
+        let samples = (0..12)
+            .map(|k| {
+                let k = f64::from(k);
+                let force_n = top_n * (1.0 - (-k / 3.0).exp()) * wobble(k) + 0.05;
+                Sample {
+                    time_s: 0.01 * k,
+                    force_n,
+                    motion_m: Some(speed * 0.01 * k * wobble(k + 0.5)),
+                }
+            })
+            .collect();
+        Trial {
+            trial: number,
+            category: Some(category.into()),
+            reach: Some(reach),
+            patch: None,
+            taxel: None,
+            samples,
+        }
+    };
+    let leaves = (0..leaves).map(|n| trial(n, "leaf", n / 3, 0.4, 0.2));
+    let trunks = (0..trunks).map(|n| trial(100 + n, "trunk", 50 + n / 3, 2.0, 0.02));
+    leaves.chain(trunks).collect()
+}
+
+fn recipe() -> Recipe {
+    Recipe {
+        states: 3,
+        ..Recipe::authors()
+    }
+}
+
+#[test]
+fn positions_split_each_category_in_order() {
+    // Pins first half, second half of each category, also where they alternate in the table and are odd in number.
+    let mut table = trials(3, 5);
+    table.swap(1, 6);
+    let table: Vec<&Trial> = table.iter().collect();
+    let names: Vec<&str> = table.iter().map(|trial| trial.category.as_deref().unwrap()).collect();
+    assert_eq!(
+        names,
+        ["leaf", "trunk", "leaf", "trunk", "trunk", "trunk", "leaf", "trunk"]
+    );
+    assert_eq!(Folds::paper().assign(&table), Ok(vec![0, 0, 0, 0, 0, 1, 1, 1]));
+}
+
+#[test]
+fn reaches_stay_together() {
+    // Pins that folds by reach cut between reaches, in each category.
+    let table = trials(12, 9);
+    let table: Vec<&Trial> = table.iter().collect();
+    let folds = Folds {
+        count: 3,
+        by: FoldBy::Reach,
+    }
+    .assign(&table)
+    .unwrap();
+    let mut fold_of = std::collections::BTreeMap::new();
+    for (trial, fold) in table.iter().zip(&folds) {
+        assert_eq!(*fold_of.entry(trial.reach).or_insert(*fold), *fold);
+    }
+    assert_eq!(fold_of.into_values().collect::<Vec<_>>(), [0, 0, 1, 2, 0, 1, 2]);
+}
+
+#[test]
+fn impossible_splits_are_named() {
+    // Pins the errors for one fold, categories smaller than the folds, missing reaches and missing truth.
+    let error = |trials: &[Trial], count, by| {
+        cross_validate(trials, &recipe(), Folds { count, by }, &Decision::argmax()).unwrap_err()
+    };
+    assert_eq!(
+        error(&trials(4, 4), 1, FoldBy::Position),
+        EvaluateError::FoldCount { found: 1 }
+    );
+    let few = EvaluateError::TooFew {
+        category: "leaf".into(),
+        found: 1,
+        unit: "trials",
+        folds: 2,
+    };
+    assert_eq!(error(&trials(1, 4), 2, FoldBy::Position), few);
+    let few = EvaluateError::TooFew {
+        category: "leaf".into(),
+        found: 2,
+        unit: "reaches",
+        folds: 3,
+    };
+    assert_eq!(error(&trials(6, 9), 3, FoldBy::Reach), few);
+    let mut homeless = trials(4, 4);
+    homeless[2].reach = None;
+    assert_eq!(error(&homeless, 2, FoldBy::Reach), EvaluateError::NoReach { trial: 2 });
+    let mut blind = trials(2, 2);
+    blind.iter_mut().for_each(|trial| trial.category = None);
+    assert_eq!(error(&blind, 2, FoldBy::Position), EvaluateError::NoTruth);
+    assert_eq!(error(&[], 2, FoldBy::Position), EvaluateError::NoTruth);
+}
+
+#[test]
+fn cross_validation_tests_each_trial_once_on_the_other_fold() {
+    // Pins order, folds and figures against a cross-validation put together by hand from two trainings.
+    let mut table = trials(9, 8);
+    table[3].category = Some("block".into());
+    table[4].category = None;
+    let result = cross_validate(&table, &recipe(), Folds::paper(), &Decision::argmax()).unwrap();
+    table.drain(3..5);
+    let numbers: Vec<u64> = table.iter().map(|trial| trial.trial).collect();
+    assert_eq!(
+        result
+            .predictions
+            .iter()
+            .map(|prediction| prediction.trial)
+            .collect::<Vec<_>>(),
+        numbers
+    );
+    let folds: Vec<usize> = result.predictions.iter().map(|prediction| prediction.fold).collect();
+    assert_eq!(folds, [0, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1]);
+    for tested in 0..2 {
+        let part = |inside: bool| -> Vec<Trial> {
+            let pairs = table
+                .iter()
+                .zip(&folds)
+                .filter(|(_, fold)| (**fold == tested) == inside);
+            pairs.map(|(trial, _)| trial.clone()).collect()
+        };
+        let (models, report) = ModelSet::train(&part(false), &recipe()).unwrap();
+        assert_eq!(result.training[tested], report);
+        let direct = evaluate(&models, &part(true), recipe().score, &Decision::argmax()).unwrap();
+        let of_fold = result.predictions.iter().filter(|prediction| prediction.fold == tested);
+        assert!(
+            direct
+                .predictions
+                .iter()
+                .map(|p| &p.verdict)
+                .eq(of_fold.map(|p| &p.verdict))
+        );
+    }
+    let correct = result
+        .predictions
+        .iter()
+        .filter(|prediction| prediction.is_correct())
+        .count();
+    assert_eq!(result.accuracy, correct as f64 / 15.0);
+    assert!(
+        result.accuracy > 0.9,
+        "such different objects must be told apart: {}",
+        result.accuracy
+    );
+}
+
+fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> {
+    let verdict = |name: &str| match name {
+        "uncertain" => Verdict::Uncertain,
+        "outlier" => Verdict::Outlier,
+        name => Verdict::Category(name.into()),
+    };
+    rows.iter()
+        .flat_map(|&(category, name, reach, count)| {
+            let prediction = Prediction {
+                trial: 0,
+                reach: Some(reach),
+                category: category.into(),
+                fold: 0,
+                verdict: verdict(name),
+            };
+            std::iter::repeat_n(prediction, count)
+        })
+        .collect()
+}
+
+#[test]
+fn figures_follow_from_the_counts() {
+    // Pins rows, columns, recall, precision and F1 on counts made up by hand, an outlier among them.
+    let rows = [
+        ("leaf", "leaf", 1, 6),
+        ("leaf", "trunk", 1, 2),
+        ("leaf", "uncertain", 1, 2),
+        ("trunk", "trunk", 2, 7),
+        ("trunk", "leaf", 2, 2),
+        ("trunk", "outlier", 2, 1),
+        ("outlier", "outlier", 3, 3),
+        ("outlier", "trunk", 3, 1),
+        ("block", "trunk", 3, 1),
+    ];
+    let result = Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap();
+    assert_eq!(result.confusion.truth, ["block", "leaf", "outlier", "trunk"]);
+    assert_eq!(result.confusion.verdict, ["leaf", "trunk", "uncertain", "outlier"]);
+    assert_eq!(
+        result.confusion.count,
+        [[0, 1, 0, 0], [6, 2, 2, 0], [0, 1, 0, 3], [2, 7, 0, 1]]
+    );
+    assert_eq!(result.accuracy, 16.0 / 25.0);
+    let [block, leaf, outlier, trunk] = result.categories.as_slice() else {
+        panic!("four rows")
+    };
+    assert_eq!((leaf.recall, leaf.precision, leaf.uncertain), (0.6, Some(0.75), 2));
+    assert!((leaf.f1 - 2.0 * 0.6 * 0.75 / (0.6 + 0.75)).abs() < 1e-15);
+    assert_eq!(
+        (trunk.recall, trunk.precision, trunk.outlier),
+        (0.7, Some(7.0 / 11.0), 1)
+    );
+    assert_eq!((outlier.recall, outlier.precision), (0.75, Some(0.75)));
+    assert_eq!((block.recall, block.precision, block.f1), (0.0, None, 0.0));
+}
+
+#[test]
+fn wilson_intervals_match_published_figures() {
+    // Pins the interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
+    let interval = wilson(81, 263);
+    assert!(
+        (interval.low - 0.2553).abs() < 5e-5 && (interval.high - 0.3662).abs() < 5e-5,
+        "{interval:?}"
+    );
+    let none = wilson(0, 20);
+    assert!(none.low == 0.0 && (none.high - 0.1611).abs() < 5e-5, "{none:?}");
+    assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
+}
+
+#[test]
+fn clusters_widen_the_interval() {
+    // Pins that resampling reaches sees their dependence: 20 reaches, all right or all wrong, 50 trials each. The
+    // accuracy then has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
+    let rows: Vec<_> = (0..20)
+        .map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50))
+        .collect();
+    let clustered = predictions(&rows);
+    let interval = bootstrap_by_reach(&clustered, 2000, 7).unwrap();
+    let half = (interval.high - interval.low) / 2.0;
+    assert!((half / (1.96 * 0.1118) - 1.0).abs() < 0.15, "{interval:?}");
+    let naive = wilson(500, 1000);
+    assert!(half > 3.0 * (naive.high - naive.low) / 2.0);
+    assert_eq!(bootstrap_by_reach(&clustered, 2000, 7), Some(interval));
+    let mut homeless = clustered;
+    homeless[0].reach = None;
+    assert_eq!(bootstrap_by_reach(&homeless, 2000, 7), None);
+}
+
+#[test]
+fn the_table_has_twelve_cells_in_print_order_whatever_the_threads() {
+    // Pins the cells' order and recipe, and equal results with one and with three threads.
+    let (components, taxels) = (trials(8, 8), trials(10, 12));
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| table_one(&components, &taxels, &Recipe::authors(), Folds::paper()).unwrap())
+    };
+    let table = run(3);
+    assert_eq!(table, run(1));
+    let keys: Vec<_> = table
+        .iter()
+        .map(|c| (c.unit, c.features, c.states, c.paper_accuracy_percent))
+        .collect();
+    assert_eq!(keys, TABLE_ONE_PAPER);
+    for cell in &table {
+        let expected = if cell.unit == TableOneUnit::Component { 16 } else { 22 };
+        assert_eq!(cell.evaluation.predictions.len(), expected);
+        let recipe = Recipe {
+            states: cell.states,
+            features: cell.features,
+            ..Recipe::authors()
+        };
+        let trials = if cell.unit == TableOneUnit::Component {
+            &components
+        } else {
+            &taxels
+        };
+        assert_eq!(
+            cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax()).unwrap(),
+            cell.evaluation
+        );
+    }
+    assert!(keys.iter().any(|key| key.1 == FeatureSet::ForceAndMotion));
+}
