@@ -78,10 +78,10 @@ impl Campaign {
         let mut options = BTreeMap::new();
         for plan in plans {
             let file = &plan.scene.file;
-            let own = json!({ "physics": file.physics, "sensor": file.sensor, "controller": plan.preset });
+            let own = json!({ "physics": file.physics, "sensor": file.sensor, "controller": plan.preset() });
             options.insert(plan.scene.name.clone(), own);
         }
-        let mut controllers: Vec<&str> = plans.iter().map(|plan| plan.preset.name).collect();
+        let mut controllers: Vec<&str> = plans.iter().map(|plan| plan.controller.as_str()).collect();
         controllers.dedup();
         Ok(DatasetPlan {
             provenance: Provenance {

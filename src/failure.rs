@@ -90,7 +90,7 @@ impl From<DiskError> for Failure {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         match error {
-            ModelError::Input(input) => input.into(),
+            ModelError::Input(input) => (*input).into(),
             ModelError::Training { .. } => Failure::run(error.to_string()),
             other => Failure::usage(other.to_string()),
         }

@@ -5,12 +5,12 @@ use std::collections::VecDeque;
 use glam::DVec3;
 use underbrush_recording::Outcome;
 
-use crate::controller::ReachRules;
+use crate::controller::Preset;
 use crate::world::FRAME_PERIOD_S;
 
 /// Watches the way to one goal.
 pub struct Monitor {
-    rules: ReachRules,
+    rules: Preset,
     goal: DVec3,
     tips: VecDeque<DVec3>,
     frames: usize,
@@ -18,7 +18,7 @@ pub struct Monitor {
 
 impl Monitor {
     /// Watches the way to `goal` (m, world frame) by a controller's rules.
-    pub fn new(rules: ReachRules, goal: DVec3) -> Self {
+    pub fn new(rules: Preset, goal: DVec3) -> Self {
         Monitor { rules, goal, tips: VecDeque::new(), frames: 0 }
     }
 

@@ -6,7 +6,7 @@ use underbrush_recording::{Frame, GoalRecord, InputError, Outcome, Pose, Recordi
 use crate::arm::{Arm, LinkCollider};
 use crate::clutter::{ArmAtStart, Clutter};
 use crate::contact_log::ContactLog;
-use crate::controller::{Controller, ControllerInput, Preset, TaxelContact};
+use crate::controller::{self, Controller, ControllerInput, Goal, ModelPredictive, Preset, TaxelContact};
 use crate::geometry::Capsule;
 use crate::monitor::Monitor;
 use crate::scene::Scene;
@@ -23,8 +23,8 @@ pub struct ReachPlan {
     pub scene: Scene,
     /// The arm.
     pub arm: Arm,
-    /// The controller.
-    pub preset: Preset,
+    /// Name of the controller, one of [`controller::NAMES`].
+    pub controller: String,
     /// The campaign's seed.
     pub seed: u64,
 }
@@ -42,11 +42,23 @@ impl ReachPlan {
             "cody" => Arm::cody()?,
             path => Arm::load(scene.path.parent().unwrap_or(std::path::Path::new(".")).join(path))?,
         };
-        let name = controller.unwrap_or(&scene.file.controller);
-        let preset = Preset::by_name(name).ok_or_else(|| {
-            scene.fault("controller", format!("`{name}`"), format!("one of {}", Preset::NAMES.join(", ")))
-        })?;
-        Ok(ReachPlan { scene, arm, preset, seed })
+        let name = controller.unwrap_or(&scene.file.controller).to_string();
+        if !controller::NAMES.contains(&name.as_str()) {
+            let allowed = format!("one of {}", controller::NAMES.join(", "));
+            return Err(scene.fault("controller", format!("`{name}`"), allowed));
+        }
+        Ok(ReachPlan { scene, arm, controller: name, seed })
+    }
+
+    /// The controller's parameters.
+    pub fn preset(&self) -> Preset {
+        self.make_controller().preset().clone()
+    }
+
+    fn make_controller(&self) -> Box<dyn Controller> {
+        // The name was checked when the plan was made; the default stands for a plan put together by hand.
+        controller::by_name(&self.controller, &self.arm)
+            .unwrap_or_else(|| Box::new(ModelPredictive::new(Preset::cody_2013(), &self.arm)))
     }
 
     /// Runs reach number `reach_index`.
@@ -82,11 +94,12 @@ const BACK_OFF_TIME_S: f64 = 2.0;
 impl<'a> Reach<'a> {
     fn new(plan: &'a ReachPlan, clutter: &Clutter, reach_index: u64) -> Self {
         let scene = &plan.scene;
+        let controller = plan.make_controller();
         let posture = plan.arm.start_posture_rad();
         let physics = &scene.file.physics;
         let recording = Recording {
             scene: scene.name.clone(),
-            controller: plan.preset.name.into(),
+            controller: plan.controller.clone(),
             seed: plan.seed,
             reach_index,
             rate_hz: 1.0 / FRAME_PERIOD_S,
@@ -102,11 +115,11 @@ impl<'a> Reach<'a> {
             plan,
             patches: SkinPatch::of_arm(&plan.arm),
             world: World::new(&plan.arm, &posture, clutter, physics.options(), physics.dormancy),
-            controller: plan.preset.controller(&plan.arm),
+            control_period: (1.0 / FRAME_PERIOD_S / controller.preset().rate_hz).round().max(1.0) as usize,
+            controller,
             sensor: Sensor::new(scene.file.sensor, stream(plan.seed, &scene.name, reach_index, "sensor")),
             contacts: ContactLog::default(),
             recording,
-            control_period: (1.0 / FRAME_PERIOD_S / plan.preset.rate_hz).round().max(1.0) as usize,
             equilibrium_rad: posture,
         }
     }
@@ -156,9 +169,9 @@ impl<'a> Reach<'a> {
         time_out_s: Option<f64>,
         observer: &mut Observer,
     ) -> Outcome {
-        let mut rules = self.plan.preset.rules;
-        rules.time_out_s = time_out_s.unwrap_or(rules.time_out_s);
-        let mut monitor = Monitor::new(rules, target);
+        let preset = self.controller.preset();
+        let time_out_s = time_out_s.unwrap_or(preset.time_out_s);
+        let mut monitor = Monitor::new(Preset { time_out_s, ..preset.clone() }, target);
         loop {
             let touch = feel(&self.world, &self.recording.layout, &self.patches, &mut self.sensor);
             if self.recording.frames.len() % self.control_period == 0 {
@@ -190,22 +203,24 @@ impl<'a> Reach<'a> {
                 let link = self.patches[patch].link;
                 let position = poses[link].transform_point(place.position_link);
                 TaxelContact {
-                    jacobian: arm.position_jacobian(&poses, link, position),
-                    normal_world: -poses[link].transform_vector(place.normal_link),
+                    position_jacobian: arm.position_jacobian(&poses, link, position),
+                    inward_normal_world: -poses[link].transform_vector(place.normal_link),
                     force_n: reading.sensed_force_n,
                 }
             })
             .collect();
-        let tip = arm.tip_pose(&poses);
+        let tip_pose_world = arm.tip_pose(&poses);
         let input = ControllerInput {
             joint_angle_rad: &joint_angle_rad,
             equilibrium_angle_rad: &self.equilibrium_rad,
-            tip_position_world: tip.translation,
-            tip_jacobian: arm.position_jacobian(&poses, arm.tip_link, tip.translation),
-            goal_position_world: target,
+            tip_pose_world,
+            tip_position_jacobian: &arm.position_jacobian(&poses, arm.tip_link, tip_pose_world.translation),
+            tip_angular_jacobian: &arm.angular_jacobian(&poses, arm.tip_link),
+            // Goals are positions, as the operator's markers were used.
+            goal: Goal { position_world: target, orientation_world: None },
             contacts: &contacts,
         };
-        self.equilibrium_rad = self.controller.step(&input).equilibrium_angle_rad;
+        self.equilibrium_rad = self.controller.control(&input).equilibrium_angle_rad;
     }
 
     fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {

@@ -72,7 +72,7 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Failure> {
         "scene": plan.scene.name,
         "summary": file.summary,
         "arm": plan.arm.name,
-        "controller": plan.preset.name,
+        "controller": plan.controller,
         "objects": objects,
         "goals": clutter.goals.len(),
         "physics": file.physics,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::Recording;
 use underbrush_recording::disk::write_recording;
-use underbrush_sim::controller::Preset;
+use underbrush_sim::controller;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::snapshot::Snapshot;
@@ -29,7 +29,7 @@ pub struct Options {
     #[arg(long, default_value_t = 0, value_name = "N")]
     index: u64,
     /// Controller, instead of the scene's own
-    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Preset::NAMES))]
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(controller::NAMES))]
     controller: Option<String>,
     /// Recording to write (Parquet)
     #[arg(long, value_name = "FILE")]
@@ -78,7 +78,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             best = Some(Snapshot::take(world, clutter, frame));
         }
     })?;
-    let report = Report::of(&recording, plan.preset.f_max_n(), start.elapsed().as_secs_f64())?;
+    let report = Report::of(&recording, plan.preset().force_limit_n, start.elapsed().as_secs_f64())?;
     if let Some(path) = &options.out {
         write_recording(path, &recording)?;
     }

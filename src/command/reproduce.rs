@@ -180,7 +180,7 @@ fn trials_per_reach(component: &[Trial], taxel: &[Trial], reaches: [u64; 2]) -> 
 }
 
 fn mean_difference(cells: &[TableOneCell]) -> f64 {
-    let difference = |cell: &TableOneCell| (100.0 * cell.evaluation.accuracy - cell.paper_accuracy_percent).abs();
+    let difference = |cell: &TableOneCell| -> f64 { (100.0 * cell.evaluation.accuracy - cell.paper_accuracy_percent).abs() };
     cells.iter().map(difference).sum::<f64>() / cells.len() as f64
 }
 
