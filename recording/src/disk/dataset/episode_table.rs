@@ -12,10 +12,10 @@ use parquet::arrow::arrow_reader::ArrowReaderOptions;
 use serde_json::json;
 
 use super::truth_tables::read_outcome;
-use crate::Outcome;
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, open, write_table};
 use crate::disk::table::{Columns, TableBuilder};
+use crate::{Outcome, Recording};
 
 /// One reach of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +52,45 @@ pub struct Episode {
     pub touched: bool,
     /// Largest relative difference between the sum of the taxel forces and the solver's contact force.
     pub largest_force_residual: f64,
+}
+
+/// Where the frames of an episode are; the fields of the same names in [`Episode`].
+pub(super) struct Place {
+    pub(super) frames: usize,
+    pub(super) first_index: usize,
+    pub(super) chunk_index: usize,
+    pub(super) file_index: usize,
+}
+
+impl Episode {
+    /// The entry of a recording, which need not hold its frames.
+    pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
+        let Place {
+            frames,
+            first_index,
+            chunk_index,
+            file_index,
+        } = place;
+        let reached = recording.goals.iter().filter(|goal| goal.outcome == Outcome::Reached);
+        Episode {
+            task,
+            frames,
+            first_index,
+            chunk_index,
+            file_index,
+            outcome: recording.outcome(),
+            goals: recording.goals.len(),
+            goals_reached: reached.count(),
+            objects: recording.objects.len(),
+            contacts: recording.contacts.len(),
+            touched: recording.contacts.iter().any(|contact| contact.patch.is_some()),
+            scene: recording.scene,
+            seed: recording.seed,
+            reach_index: recording.reach_index,
+            controller: recording.controller,
+            largest_force_residual: recording.largest_force_residual,
+        }
+    }
 }
 
 /// Writes the episodes, in order.
@@ -201,7 +240,7 @@ pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<
             StringArray::from_iter_values(tasks.iter().map(|(_, task)| *task)),
         )
         .build(path)?;
-    let column = |name: &str, pandas_type: &str, numpy_type: &str| json!({"name": name, "field_name": name, "pandas_type": pandas_type, "numpy_type": numpy_type, "metadata": null});
+    let column = |name: &str, pandas: &str, numpy: &str| json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null});
     let pandas = json!({
         "index_columns": ["task"],
         "column_indexes": [],
