@@ -9,7 +9,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
 use arrow_array::{Array, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt64Array};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::truth_tables::read_outcome;
 use crate::disk::DiskError;
@@ -226,6 +226,11 @@ pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTre
     numbers
 }
 
+/// What the pandas metadata say of a column.
+fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
+    json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
+}
+
 /// Writes the tasks. LeRobot takes the sentence from the *pandas index*, so the Arrow schema says that `task` is one.
 pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
     let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
@@ -240,11 +245,10 @@ pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<
             StringArray::from_iter_values(tasks.iter().map(|(_, task)| *task)),
         )
         .build(path)?;
-    let column = |name: &str, pandas: &str, numpy: &str| json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null});
     let pandas = json!({
         "index_columns": ["task"],
         "column_indexes": [],
-        "columns": [column("task_index", "int64", "int64"), column("task", "unicode", "object")],
+        "columns": [pandas_column("task_index", "int64", "int64"), pandas_column("task", "unicode", "object")],
         "creator": {"library": "underbrush", "version": env!("CARGO_PKG_VERSION")},
         "pandas_version": "2.0.0",
     });
