@@ -50,13 +50,13 @@ pub enum DiskError {
         dir: PathBuf,
     },
     /// The folder for a new data set already holds a finished one.
-    #[error("{}: holds a finished data set; nothing is left to do there: read it, or choose another folder", .dir.display())]
+    #[error("{}: holds a finished data set; read it, or choose another folder", .dir.display())]
     Finished {
         /// The folder.
         dir: PathBuf,
     },
     /// The folder holds a data set whose making was interrupted.
-    #[error("{}: holds an unfinished data set; run the same command with --resume to finish it, or delete the folder", .dir.display())]
+    #[error("{}: holds an unfinished data set; run with --resume to finish it, or delete the folder", .dir.display())]
     Unfinished {
         /// The folder.
         dir: PathBuf,
@@ -77,7 +77,7 @@ pub enum DiskError {
         given: String,
     },
     /// Another process is writing this data set.
-    #[error("{}: another process is writing this data set; wait for it to end, or choose another folder", .dir.display())]
+    #[error("{}: another process is writing this data set; wait for its end, or choose another folder", .dir.display())]
     InUse {
         /// The folder.
         dir: PathBuf,
@@ -93,7 +93,7 @@ pub enum DiskError {
         first: usize,
     },
     /// A position or an index lies outside the data set.
-    #[error("{}: there is no reach {index}; allowed: 0 to {} (the set holds {count})", .dir.display(), .count.saturating_sub(1))]
+    #[error("{}: there is no reach {index}; give an index below {count}", .dir.display())]
     NoSuchReach {
         /// The folder.
         dir: PathBuf,

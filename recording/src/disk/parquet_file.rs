@@ -87,7 +87,7 @@ pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
         "Parquet",
         cause.to_string(),
         "a whole Parquet file, uncompressed or compressed with zstd or snappy",
-        "write or copy the file again",
+        "copy the file again, or write it again with zstd or snappy",
     )
     .into()
 }

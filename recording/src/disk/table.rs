@@ -96,7 +96,7 @@ impl<'a> Columns<'a> {
             .values()
             .as_primitive_opt::<T>()
             .filter(|values| values.null_count() == 0);
-        let first = usize::try_from(lists.value_offset_at(0)).unwrap_or_default();
+        let first = lists.value_offset_at(0);
         match values {
             Some(values) if usize::try_from(lists.value_length()) == Ok(width) => {
                 Ok(&values.values()[first..first + lists.len() * width])

@@ -9,13 +9,13 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
 use arrow_array::{Array, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt64Array};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::truth_tables::read_outcome;
-use crate::Outcome;
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, open, write_table};
 use crate::disk::table::{Columns, TableBuilder};
+use crate::{Outcome, Recording};
 
 /// One reach of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +52,45 @@ pub struct Episode {
     pub touched: bool,
     /// Largest relative difference between the sum of the taxel forces and the solver's contact force.
     pub largest_force_residual: f64,
+}
+
+/// Where the frames of an episode are; the fields of the same names in [`Episode`].
+pub(super) struct Place {
+    pub(super) frames: usize,
+    pub(super) first_index: usize,
+    pub(super) chunk_index: usize,
+    pub(super) file_index: usize,
+}
+
+impl Episode {
+    /// The entry of a recording, which need not hold its frames.
+    pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
+        let Place {
+            frames,
+            first_index,
+            chunk_index,
+            file_index,
+        } = place;
+        let reached = recording.goals.iter().filter(|goal| goal.outcome == Outcome::Reached);
+        Episode {
+            task,
+            frames,
+            first_index,
+            chunk_index,
+            file_index,
+            outcome: recording.outcome(),
+            goals: recording.goals.len(),
+            goals_reached: reached.count(),
+            objects: recording.objects.len(),
+            contacts: recording.contacts.len(),
+            touched: recording.contacts.iter().any(|contact| contact.patch.is_some()),
+            scene: recording.scene,
+            seed: recording.seed,
+            reach_index: recording.reach_index,
+            controller: recording.controller,
+            largest_force_residual: recording.largest_force_residual,
+        }
+    }
 }
 
 /// Writes the episodes, in order.
@@ -187,6 +226,11 @@ pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTre
     numbers
 }
 
+/// What the pandas metadata say of a column.
+fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
+    json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
+}
+
 /// Writes the tasks. LeRobot takes the sentence from the *pandas index*, so the Arrow schema says that `task` is one.
 pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
     let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
@@ -201,11 +245,10 @@ pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<
             StringArray::from_iter_values(tasks.iter().map(|(_, task)| *task)),
         )
         .build(path)?;
-    let column = |name: &str, pandas_type: &str, numpy_type: &str| json!({"name": name, "field_name": name, "pandas_type": pandas_type, "numpy_type": numpy_type, "metadata": null});
     let pandas = json!({
         "index_columns": ["task"],
         "column_indexes": [],
-        "columns": [column("task_index", "int64", "int64"), column("task", "unicode", "object")],
+        "columns": [pandas_column("task_index", "int64", "int64"), pandas_column("task", "unicode", "object")],
         "creator": {"library": "underbrush", "version": env!("CARGO_PKG_VERSION")},
         "pandas_version": "2.0.0",
     });

@@ -8,8 +8,8 @@ use arrow_array::{ArrayRef, Int64Array, RecordBatch};
 use arrow_schema::{ArrowError, FieldRef, SchemaRef};
 
 use super::checksums::{Checksums, FileSum};
-use super::episode_table::{Episode, number_tasks, write_episodes, write_tasks};
-use super::info::{CODEBASE_VERSION, FILES_PER_CHUNK, FORMAT, FeatureInfo, Info, ProvenanceFile};
+use super::episode_table::{Episode, Place, number_tasks, write_episodes, write_tasks};
+use super::info::{FILES_PER_CHUNK, FORMAT, Info, MEGABYTES_PER_FILE, ProvenanceFile};
 use super::names;
 use super::statistics::Statistics;
 use super::taxel_table::write_taxels;
@@ -20,10 +20,8 @@ use crate::disk::features::{features, schema};
 use crate::disk::parquet_file::{ParquetFile, broken};
 use crate::disk::recording_file::open_recording;
 use crate::disk::whole_file::{create_folder, json_bytes, write_bytes};
-use crate::{Outcome, Recording};
+use crate::{Recording, SkinLayout};
 
-/// Size of a data file, MB: LeRobot's default.
-const MEGABYTES_PER_FILE: u64 = 100;
 /// Staged bytes at which a new data file begins.
 pub(super) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
 
@@ -96,19 +94,27 @@ struct TruthTables {
 }
 
 impl TruthTables {
-    fn create(dir: &Path, empty: &Recording) -> Result<Self, DiskError> {
+    fn create(dir: &Path) -> Result<Self, DiskError> {
         let table = |name: &str, rows: RecordBatch| ParquetFile::create(&dir.join(name), rows.schema(), []);
         Ok(TruthTables {
-            objects: table(names::OBJECTS, object_rows(dir, 0, &empty.objects)?)?,
-            goals: table(names::GOALS, goal_rows(dir, 0, &empty.goals)?)?,
-            contacts: table(names::CONTACTS, contact_rows(dir, 0, empty)?)?,
+            objects: table(names::OBJECTS, object_rows(dir, 0, &[])?)?,
+            goals: table(names::GOALS, goal_rows(dir, 0, &[])?)?,
+            contacts: table(names::CONTACTS, contact_rows(dir, 0, &[], &[], &SkinLayout::default())?)?,
         })
     }
 
     fn write(&mut self, dir: &Path, episode: usize, recording: &Recording) -> Result<(), DiskError> {
-        self.objects.write(&object_rows(dir, episode, &recording.objects)?)?;
-        self.goals.write(&goal_rows(dir, episode, &recording.goals)?)?;
-        self.contacts.write(&contact_rows(dir, episode, recording)?)
+        let Recording {
+            objects,
+            goals,
+            contacts,
+            layout,
+            ..
+        } = recording;
+        self.objects.write(&object_rows(dir, episode, objects)?)?;
+        self.goals.write(&goal_rows(dir, episode, goals)?)?;
+        self.contacts
+            .write(&contact_rows(dir, episode, contacts, objects, layout)?)
     }
 
     fn close(self) -> Result<(), DiskError> {
@@ -138,18 +144,17 @@ pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
     write_tasks(&dir.join(names::TASKS), &tasks)?;
 
     let features = features(&plan.joint_names, &plan.layout);
-    let schema = schema(&features);
     let mut statistics = Statistics::new(&features);
     let mut data = DataFiles {
         dir,
-        schema: Arc::clone(&schema),
+        schema: schema(&features),
         bytes_per_file: set.bytes_per_file,
         file: None,
         staged_bytes: 0,
         files: 0,
     };
-    let mut truth: Option<TruthTables> = None;
-    let mut episodes: Vec<Episode> = Vec::with_capacity(plan.episodes.len());
+    let mut truth = TruthTables::create(dir)?;
+    let mut episodes = Vec::with_capacity(plan.episodes.len());
     let mut total_frames = 0;
     for (position, planned) in plan.episodes.iter().enumerate() {
         let path = set.staged(position);
@@ -165,58 +170,20 @@ pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
             total_frames += batch.num_rows();
         }
         file.end_row_group()?;
-        let tables = match truth.take() {
-            Some(tables) => tables,
-            None => TruthTables::create(dir, &recording)?,
-        };
-        truth.insert(tables).write(dir, position, &recording)?;
-        episodes.push(Episode {
-            task: planned.task.clone(),
+        truth.write(dir, position, &recording)?;
+        let place = Place {
             frames: total_frames - first_index,
             first_index,
             chunk_index,
             file_index,
-            goals: recording.goals.len(),
-            goals_reached: recording
-                .goals
-                .iter()
-                .filter(|goal| goal.outcome == Outcome::Reached)
-                .count(),
-            objects: recording.objects.len(),
-            contacts: recording.contacts.len(),
-            touched: recording.contacts.iter().any(|contact| contact.patch.is_some()),
-            outcome: recording.outcome(),
-            scene: recording.scene,
-            seed: recording.seed,
-            reach_index: recording.reach_index,
-            controller: recording.controller,
-            largest_force_residual: recording.largest_force_residual,
-        });
+        };
+        episodes.push(Episode::new(planned.task.clone(), place, recording));
     }
     data.close()?;
-    truth.map_or(Ok(()), TruthTables::close)?;
+    truth.close()?;
     write_episodes(&dir.join(names::EPISODES), &episodes)?;
     write_json(&dir.join(names::STATS), &statistics.summary())?;
-
-    let info = Info {
-        codebase_version: CODEBASE_VERSION.to_string(),
-        robot_type: plan.robot.clone(),
-        total_episodes: episodes.len(),
-        total_frames,
-        total_tasks: tasks.len(),
-        chunks_size: FILES_PER_CHUNK,
-        data_files_size_in_mb: MEGABYTES_PER_FILE,
-        video_files_size_in_mb: 200,
-        fps: plan.rate_hz,
-        splits: [("train".to_string(), format!("0:{}", episodes.len()))].into(),
-        data_path: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet".to_string(),
-        video_path: None,
-        features: features
-            .iter()
-            .map(|feature| (feature.name.clone(), FeatureInfo::of(feature)))
-            .collect(),
-    };
-    finish_with_info(dir, &info)
+    finish_with_info(dir, &Info::new(plan, total_frames, tasks.len(), &features))
 }
 
 /// Hashes everything, then writes the file that makes the set whole.

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::Provenance;
+use super::{DatasetPlan, Provenance};
 use crate::InputError;
 use crate::disk::DiskError;
 use crate::disk::features::Feature;
@@ -16,6 +16,8 @@ use crate::disk::features::Feature;
 pub(super) const CODEBASE_VERSION: &str = "v3.0";
 /// The version of what this program adds to that layout.
 pub(super) const FORMAT: &str = "underbrush-dataset/1";
+/// Size at which a new data file begins, MB: LeRobot's default.
+pub(super) const MEGABYTES_PER_FILE: u64 = 100;
 /// Data files to a folder.
 pub(super) const FILES_PER_CHUNK: usize = 1000;
 
@@ -51,6 +53,31 @@ pub struct Info {
     pub features: BTreeMap<String, FeatureInfo>,
 }
 
+impl Info {
+    /// What it says of a set made to a plan.
+    pub(super) fn new(plan: &DatasetPlan, total_frames: usize, total_tasks: usize, features: &[Feature]) -> Self {
+        let total_episodes = plan.episodes.len();
+        Info {
+            codebase_version: CODEBASE_VERSION.to_string(),
+            robot_type: plan.robot.clone(),
+            total_episodes,
+            total_frames,
+            total_tasks,
+            chunks_size: FILES_PER_CHUNK,
+            data_files_size_in_mb: MEGABYTES_PER_FILE,
+            video_files_size_in_mb: 200,
+            fps: plan.rate_hz,
+            splits: [("train".to_string(), format!("0:{total_episodes}"))].into(),
+            data_path: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet".to_string(),
+            video_path: None,
+            features: features
+                .iter()
+                .map(|feature| (feature.name.clone(), FeatureInfo::of(feature)))
+                .collect(),
+        }
+    }
+}
+
 /// One column.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FeatureInfo {
@@ -64,7 +91,7 @@ pub struct FeatureInfo {
 
 impl FeatureInfo {
     /// The entry of a column.
-    pub(super) fn of(feature: &Feature) -> Self {
+    fn of(feature: &Feature) -> Self {
         let dtype = feature.number.to_string().to_lowercase();
         FeatureInfo {
             dtype,

@@ -186,7 +186,10 @@ mod tests {
     proptest! {
         #[test]
         fn quantiles_are_nearest_rank_within_a_thousandth(
-            samples in prop::collection::vec(prop_oneof![Just(0.0), -1e3..1e3f64, (-50..50i32).prop_map(f64::from)], 1..300),
+            samples in prop::collection::vec(
+                prop_oneof![Just(0.0), -1e3..1e3f64, (-50..50i32).prop_map(f64::from)],
+                1..300,
+            ),
         ) {
             // Pins: against a full sort, every quantile is short by less than 2⁻¹⁰ and never long.
             let mut column = ColumnStatistics::new(1);

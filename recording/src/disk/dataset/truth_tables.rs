@@ -10,7 +10,7 @@ use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, Stri
 use crate::disk::DiskError;
 use crate::disk::parquet_file::read_rows;
 use crate::disk::table::{Columns, TableBuilder};
-use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SkinLayout};
+use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, SkinLayout};
 
 fn table(episode: usize, rows: usize) -> TableBuilder {
     TableBuilder::default().column("episode_index", Int64Array::from_value(episode as i64, rows))
@@ -106,19 +106,20 @@ pub(super) fn read_outcome(columns: &Columns, outcome: &StringArray, row: usize)
 }
 
 /// An episode's contacts, one row each; the patch is null for a part of the arm without skin.
-pub(super) fn contact_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
-    let contacts = &recording.contacts;
+pub(super) fn contact_rows(
+    path: &Path,
+    episode: usize,
+    contacts: &[Contact],
+    objects: &[ObjectRecord],
+    layout: &SkinLayout,
+) -> Result<RecordBatch, DiskError> {
     let patch = |contact: &Contact| {
-        contact
-            .patch
-            .and_then(|patch| recording.layout.patches.get(usize::from(patch)))
-            .map(|patch| patch.name.clone())
+        let patch = contact.patch.and_then(|patch| layout.patches.get(usize::from(patch)));
+        patch.map(|patch| patch.name.as_str())
     };
     let category = |contact: &Contact| {
-        recording
-            .objects
-            .get(usize::from(contact.object))
-            .map(|object| object.category.name())
+        let object = objects.get(usize::from(contact.object));
+        object.map(|object| object.category.name())
     };
     let frames = |frame: fn(&Contact) -> u32| Int64Array::from_iter_values(contacts.iter().map(frame).map(i64::from));
     table(episode, contacts.len())

@@ -2,6 +2,7 @@ use std::fs;
 use std::path::Path;
 use std::thread;
 
+use super::Change;
 use super::dataset::{begin, contents, make, plan, recordings};
 use crate::Recording;
 use crate::disk::{DatasetPlan, DatasetWriter, DiskError};
@@ -160,7 +161,7 @@ fn a_folder_that_holds_something_else_is_left_alone() {
 #[test]
 fn another_plan_is_refused_by_its_first_differing_field() {
     // Pins: resuming with other options cannot mix two campaigns, and the error says what differs.
-    let changes: [(&str, fn(&mut DatasetPlan)); 6] = [
+    let changes: [Change<DatasetPlan>; 6] = [
         ("provenance.seed", |plan| plan.provenance.seed = 8),
         ("provenance.options.step_s", |plan| plan.provenance.options.clear()),
         ("provenance.scenes[1].blake3", |plan| {
@@ -193,7 +194,7 @@ fn another_plan_is_refused_by_its_first_differing_field() {
 #[test]
 fn only_the_planned_reach_can_be_staged() {
     // Pins: a recording of another scene, seed, reach, controller or skin cannot slip into a set.
-    let changes: [(&str, fn(&mut Recording)); 8] = [
+    let changes: [Change<Recording>; 8] = [
         ("scene", |r| r.scene = "trunks".into()),
         ("reach_index", |r| r.reach_index = 5),
         ("seed", |r| r.seed = 8),

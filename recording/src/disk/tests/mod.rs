@@ -16,6 +16,9 @@ use crate::{
     TaxelReading,
 };
 
+/// A field's name in an error and a change that spoils it.
+type Change<T> = (&'static str, fn(&mut T));
+
 /// Any finite number, with the awkward ones (−0, subnormals, the largest) among them.
 pub(super) fn number() -> impl Strategy<Value = f64> {
     prop_oneof![

@@ -2,7 +2,7 @@ use std::fs;
 
 use proptest::prelude::*;
 
-use super::{any_recording, reach};
+use super::{Change, any_recording, reach};
 use crate::disk::{DiskError, read_recording, write_recording};
 use crate::{InputError, Recording};
 
@@ -49,7 +49,7 @@ fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
 #[test]
 fn a_recording_that_breaks_a_rule_is_not_written() {
     // Pins: every rule is enforced before a byte is written, and the error names the field.
-    let spoiled: [(&str, fn(&mut Recording)); 12] = [
+    let spoiled: [Change<Recording>; 12] = [
         ("rate_hz", |r| r.rate_hz = 0.0),
         ("joint_names", |r| r.joint_names.clear()),
         ("layout.patches[1].name", |r| {

@@ -12,7 +12,7 @@ use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 use proptest::prelude::*;
 
-use super::number;
+use super::{Change, number};
 use crate::disk::{DiskError, read_trials, write_trials};
 use crate::{InputError, Sample, Trial};
 
@@ -303,7 +303,7 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         taxel: None,
         samples: vec![sample],
     };
-    let changes: [(&str, fn(&mut Trial)); 5] = [
+    let changes: [Change<Trial>; 5] = [
         ("trial 1, trial", |trial| trial.trial = 1),
         ("trial 2, category", |trial| trial.category = Some(String::new())),
         ("trial 2, samples", |trial| trial.samples.clear()),

@@ -1,7 +1,7 @@
 //! Contact trials as a table, CSV or Parquet: one row a sample.
 //!
-//! Columns: `trial`, `time_s`, `force_n` are needed; `category`, `reach`, `patch`, `taxel`, `motion_m` are known; others
-//! are ignored. Rows of a trial need not be adjacent; trials come in the order of their first rows.
+//! Columns: `trial`, `time_s`, `force_n` are needed; `category`, `reach`, `patch`, `taxel`, `motion_m` are known;
+//! others are ignored. Rows of a trial need not be adjacent; trials come in the order of their first rows.
 
 mod cell;
 mod collect;

@@ -46,11 +46,15 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
         }
         for row in 0..batch.num_rows() {
             line += 1;
-            let cells = std::array::from_fn(|column| columns[column][row]);
+            let cells = row_of(&columns, row);
             collector.push(path, Cells { path, line, cells }.row()?)?;
         }
     }
     Ok(collector.finish())
+}
+
+fn row_of<'a>(columns: &[Vec<Cell<'a>>], row: usize) -> [Cell<'a>; COLUMNS.len()] {
+    std::array::from_fn(|column| columns[column][row])
 }
 
 /// The cells of a column of any type that can hold what the table needs.

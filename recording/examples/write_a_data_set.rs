@@ -1,0 +1,169 @@
+//! Writes a small data set as a real robot's driver could: `cargo run -p underbrush-recording --features disk --example
+//! write_a_data_set -- FOLDER`. A sleeve of 16 × 24 taxels is pressed by a passing bump; no physics is simulated.
+
+use std::collections::BTreeMap;
+use std::env;
+use std::error::Error;
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Provenance};
+use underbrush_recording::{
+    Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout, Taxel,
+    TaxelReading,
+};
+
+const ROWS: usize = 16;
+const COLUMNS: usize = 24;
+const RATE_HZ: f64 = 100.0;
+
+/// A sleeve of radius 46 mm on the forearm and a single taxel on the tip.
+fn layout() -> SkinLayout {
+    let taxel = |index: usize| {
+        let angle = TAU * (index % COLUMNS) as f64 / COLUMNS as f64;
+        let normal = DVec3::new(angle.cos(), angle.sin(), 0.0);
+        Taxel {
+            position_link: 0.046 * normal - DVec3::Z * (0.0942 + 0.0108 * (index / COLUMNS) as f64),
+            normal_link: normal,
+            tangent_link: DVec3::Z,
+            area_m2: 81e-6,
+        }
+    };
+    let grid = Grid {
+        rows: ROWS,
+        columns: COLUMNS,
+        wraps: true,
+    };
+    let patch = |name: &str, grid, taxels: usize| Patch {
+        name: name.into(),
+        link: name.into(),
+        grid,
+        taxels: (0..taxels).map(taxel).collect(),
+    };
+    SkinLayout {
+        patches: vec![patch("forearm", Some(grid), ROWS * COLUMNS), patch("tip", None, 1)],
+    }
+}
+
+/// One sample: a bump of up to 3 N travels along the sleeve.
+fn frame(reach: u64, index: usize) -> Frame {
+    let time_s = index as f64 / RATE_HZ;
+    let phase = 1.3 * time_s + reach as f64;
+    let centre_row = 8.0 + 6.0 * (0.5 * phase).sin();
+    let press_n = (3.0 * phase.sin()).max(0.0);
+    let taxels = (0..ROWS * COLUMNS).filter_map(|taxel| {
+        let (row, column) = ((taxel / COLUMNS) as f64, (taxel % COLUMNS) as f64);
+        let force = press_n * (-(row - centre_row).powi(2) - (column - 5.0).powi(2)).exp();
+        (force > 0.02).then(|| TaxelReading {
+            patch: 0,
+            taxel: taxel as u16,
+            true_normal_force_n: force,
+            true_shear_force_n: [0.2 * force, -0.1 * force],
+            sensed_force_n: (force * 1000.0).round() / 1000.0,
+            object: Some((reach % 2) as u16),
+        })
+    });
+    let joints = |shift: f64| {
+        (0..7)
+            .map(|joint| (phase + shift + joint as f64).sin())
+            .collect::<Vec<_>>()
+    };
+    let velocity = (0..7).map(|joint| 1.3 * (phase + joint as f64).cos()).collect();
+    let pose = Pose {
+        position: DVec3::new(0.3 + 0.05 * time_s, -0.2, 0.1),
+        orientation: DQuat::from_rotation_z(phase),
+    };
+    Frame {
+        time_s,
+        joint_angle_rad: joints(0.0),
+        joint_velocity_rad_per_s: velocity,
+        equilibrium_angle_rad: joints(0.1),
+        joint_torque_nm: joints(0.5),
+        tip_pose_world: pose,
+        goal_position_world: DVec3::new(0.5, -0.2, 0.1),
+        goal_index: 0,
+        patch_pose_world: vec![pose; 2],
+        contact_force_world: vec![DVec3::new(-press_n, 0.0, 0.0), DVec3::ZERO],
+        taxels: taxels.collect(),
+    }
+}
+
+fn recording(reach: u64) -> Recording {
+    let frames: Vec<Frame> = (0..400 + 20 * reach as usize)
+        .map(|index| frame(reach, index))
+        .collect();
+    let object = |kind: &str, category, x_m| ObjectRecord {
+        kind: kind.into(),
+        category,
+        position_world: DVec3::new(x_m, -0.2, -0.3),
+        parameters: BTreeMap::from([("height_m".to_string(), 0.4)]),
+    };
+    let end_time_s = frames.len() as f64 / RATE_HZ;
+    Recording {
+        scene: "bumps".into(),
+        controller: "none".into(),
+        seed: 1,
+        reach_index: reach,
+        rate_hz: RATE_HZ,
+        joint_names: (0..7).map(|joint| format!("joint_{joint}")).collect(),
+        layout: layout(),
+        objects: vec![
+            object("leaf", Category::Leaf, 0.4),
+            object("trunk", Category::Trunk, 0.5),
+        ],
+        goals: vec![GoalRecord {
+            position_world: DVec3::new(0.5, -0.2, 0.1),
+            start_time_s: 0.0,
+            end_time_s,
+            outcome: Outcome::Reached,
+        }],
+        contacts: vec![Contact {
+            patch: Some(0),
+            object: (reach % 2) as u16,
+            first_frame: 0,
+            last_frame: frames.len() as u32 - 1,
+            peak_force_n: 3.0,
+            mean_force_n: 1.0,
+        }],
+        frames,
+        largest_force_residual: 0.0,
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let dir = env::args().nth(1).ok_or("usage: write_a_data_set FOLDER")?;
+    let reaches = 12;
+    let plan = DatasetPlan {
+        provenance: Provenance {
+            program: "write_a_data_set".into(),
+            program_version: env!("CARGO_PKG_VERSION").into(),
+            engine: "none".into(),
+            options: BTreeMap::new(),
+            scenes: Vec::new(),
+            seed: 1,
+            controller: "none".into(),
+            controller_parameters: BTreeMap::new(),
+            reaches,
+            shard: None,
+        },
+        robot: "a sleeve".into(),
+        rate_hz: RATE_HZ,
+        joint_names: recording(0).joint_names,
+        layout: layout(),
+        episodes: (0..reaches)
+            .map(|reach_index| PlannedEpisode {
+                scene: "bumps".into(),
+                task: format!("pass the {}", if reach_index % 2 == 0 { "leaf" } else { "trunk" }),
+                reach_index,
+            })
+            .collect(),
+    };
+    let writer = DatasetWriter::create(&dir, plan, true)?;
+    // After a crash, only what is missing runs again.
+    for position in writer.missing()? {
+        writer.stage(position, &recording(position as u64))?;
+    }
+    let set: Dataset = writer.finish()?;
+    set.verify()?;
+    Ok(())
+}
