@@ -60,14 +60,24 @@ impl Campaign {
             .iter()
             .enumerate()
             .flat_map(|(plan, (_, reaches))| (0..*reaches).map(move |reach_index| Job { plan, reach_index }));
-        let mine = |position: usize| self.shard.is_none_or(|shard| position as u64 % shard.count == shard.index);
-        all.enumerate().filter(|(position, _)| mine(*position)).map(|(_, job)| job).collect()
+        let mine = |position: usize| {
+            self.shard
+                .is_none_or(|shard| position as u64 % shard.count == shard.index)
+        };
+        all.enumerate()
+            .filter(|(position, _)| mine(*position))
+            .map(|(_, job)| job)
+            .collect()
     }
 
     fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, Failure> {
-        let Some(first) = plans.first() else { return Err(Failure::usage("no scene given; name at least one")) };
+        let Some(first) = plans.first() else {
+            return Err(Failure::usage("no scene given; name at least one"));
+        };
         if jobs.is_empty() {
-            return Err(Failure::usage("no reach to run; ask for at least one reach in each shard"));
+            return Err(Failure::usage(
+                "no reach to run; ask for at least one reach in each shard",
+            ));
         }
         if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {
             return Err(Failure::usage(format!(
@@ -89,7 +99,11 @@ impl Campaign {
                 program_version: env!("CARGO_PKG_VERSION").into(),
                 engine: underbrush_sim::physics::ENGINE.into(),
                 options,
-                scenes: self.scenes.iter().map(|(scene, _)| SceneText::new(&scene.name, &scene.text)).collect(),
+                scenes: self
+                    .scenes
+                    .iter()
+                    .map(|(scene, _)| SceneText::new(&scene.name, &scene.text))
+                    .collect(),
                 seed: self.seed,
                 controller: controllers.join(", "),
                 controller_parameters: BTreeMap::new(),

@@ -22,18 +22,29 @@ pub struct Failure {
 impl Failure {
     /// Bad usage or input that no file holds.
     pub fn usage(text: impl Into<String>) -> Self {
-        Failure { text: text.into(), input: None, status: 2, closed_pipe: false }
+        Failure {
+            text: text.into(),
+            input: None,
+            status: 2,
+            closed_pipe: false,
+        }
     }
 
     /// A run that failed.
     pub fn run(text: impl Into<String>) -> Self {
-        Failure { status: 1, ..Failure::usage(text) }
+        Failure {
+            status: 1,
+            ..Failure::usage(text)
+        }
     }
 
     /// Standard output that could not be written.
     pub fn output(error: std::io::Error) -> Self {
         let closed_pipe = error.kind() == std::io::ErrorKind::BrokenPipe;
-        Failure { closed_pipe, ..Failure::run(format!("cannot write to standard output: {error}")) }
+        Failure {
+            closed_pipe,
+            ..Failure::run(format!("cannot write to standard output: {error}"))
+        }
     }
 
     /// Whether the reader of the output simply went away (`| head`), which is no failure.
@@ -72,7 +83,11 @@ impl Failure {
 
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
-        Failure { text: error.to_string(), input: Some(error), ..Failure::usage("") }
+        Failure {
+            text: error.to_string(),
+            input: Some(error),
+            ..Failure::usage("")
+        }
     }
 }
 
@@ -81,7 +96,9 @@ impl From<DiskError> for Failure {
         match error {
             DiskError::Input(input) => input.into(),
             // The operating system's refusal and a failure to encode are the run's; all else is a bad folder or file.
-            DiskError::Io { .. } | DiskError::Encode { .. } | DiskError::Unwritable { .. } => Failure::run(error.to_string()),
+            DiskError::Io { .. } | DiskError::Encode { .. } | DiskError::Unwritable { .. } => {
+                Failure::run(error.to_string())
+            }
             other => Failure::usage(other.to_string()),
         }
     }

@@ -63,7 +63,13 @@ pub fn cut(recording: &Recording, by: Unit, options: &TrialOptions, first: u64) 
         Unit::Taxel => taxel_trials(recording, options)?,
         Unit::Component => component_trials(recording, options)?,
     };
-    Ok(trials.into_iter().map(|found| Trial { trial: first + found.trial.trial, ..found.trial }).collect())
+    Ok(trials
+        .into_iter()
+        .map(|found| Trial {
+            trial: first + found.trial.trial,
+            ..found.trial
+        })
+        .collect())
 }
 
 /// Reads the trials of a data set, a recording or a table.

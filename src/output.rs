@@ -38,7 +38,10 @@ pub fn error(failure: &Failure) {
 
 /// Writes a file whole or not at all: a temporary name in the same folder, sync, rename.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     let write = || -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
         let mut file = tempfile::NamedTempFile::new_in(folder)?;
@@ -53,24 +56,41 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
         file.persist(path)?;
         Ok(())
     };
-    write().map_err(|error| Failure::run(format!("{}: cannot write: {error}; check the path and its permissions", path.display())))
+    write().map_err(|error| {
+        Failure::run(format!(
+            "{}: cannot write: {error}; check the path and its permissions",
+            path.display()
+        ))
+    })
 }
 
 /// A table of columns padded to their widest entry; the first column left, the others right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
-        let entries = rows.iter().filter_map(|row| row.get(column)).map(|entry| entry.chars().count());
+        let entries = rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|entry| entry.chars().count());
         entries.chain([header[column].chars().count()]).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
     let line = |row: Vec<&str>| {
         let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
-            if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            if column == 0 {
+                format!("{cell:<width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
         });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
     };
     let mut text = line(header.to_vec());
-    text += &(widths.iter().map(|width| "-".repeat(*width)).collect::<Vec<_>>().join("  ") + "\n");
+    text += &(widths
+        .iter()
+        .map(|width| "-".repeat(*width))
+        .collect::<Vec<_>>()
+        .join("  ")
+        + "\n");
     text.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
     text
 }

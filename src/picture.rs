@@ -67,14 +67,24 @@ pub fn draw(snapshot: &Snapshot, layout: &SkinLayout, objects: &[Category], capt
     );
     for (number, panel) in PANELS.iter().enumerate() {
         let left = MARGIN + number as f64 * (panel_px.x + MARGIN);
-        let _ = writeln!(svg, "<svg x=\"{left:.0}\" y=\"{MARGIN}\" width=\"{:.0}\" height=\"{:.0}\">", panel_px.x, panel_px.y);
-        let _ = writeln!(svg, "<rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\" stroke=\"#9aa3ad\"/>");
+        let _ = writeln!(
+            svg,
+            "<svg x=\"{left:.0}\" y=\"{MARGIN}\" width=\"{:.0}\" height=\"{:.0}\">",
+            panel_px.x, panel_px.y
+        );
+        let _ = writeln!(
+            svg,
+            "<rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\" stroke=\"#9aa3ad\"/>"
+        );
         panel.content(&mut svg, snapshot, layout, objects);
         svg.push_str("</svg>\n");
         panel.frame(&mut svg, left);
     }
     legend(&mut svg, height - 0.55 * MARGIN);
-    let _ = writeln!(svg, "<text x=\"{MARGIN}\" y=\"20\" font-size=\"14\">{caption}</text>\n</svg>");
+    let _ = writeln!(
+        svg,
+        "<text x=\"{MARGIN}\" y=\"20\" font-size=\"14\">{caption}</text>\n</svg>"
+    );
     svg
 }
 
@@ -93,7 +103,10 @@ impl Panel {
                 // Foam lies under everything.
                 let depth = if block { f64::NEG_INFINITY } else { depth(capsule) };
                 let least = if *category == Category::Leaf { 2.5 } else { 0.0 };
-                shapes.push((depth, self.line(capsule, colour(*category).0, least, if block { 0.45 } else { 0.9 })));
+                shapes.push((
+                    depth,
+                    self.line(capsule, colour(*category).0, least, if block { 0.45 } else { 0.9 }),
+                ));
             }
         }
         for capsule in &snapshot.arm {
@@ -103,7 +116,9 @@ impl Panel {
         svg.extend(shapes.into_iter().map(|(_, shape)| shape));
         for reading in &snapshot.frame.taxels {
             let (patch, taxel) = (usize::from(reading.patch), usize::from(reading.taxel));
-            let Some(place) = layout.patches.get(patch).and_then(|patch| patch.taxels.get(taxel)) else { continue };
+            let Some(place) = layout.patches.get(patch).and_then(|patch| patch.taxels.get(taxel)) else {
+                continue;
+            };
             if reading.sensed_force_n <= 0.0 {
                 continue;
             }
@@ -130,7 +145,10 @@ impl Panel {
         let thickness = (2.0 * capsule.radius_m * SCALE).max(least);
         if a.distance(b) < 1.0 {
             let radius = thickness / 2.0;
-            return format!("<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" fill=\"{colour}\" opacity=\"{opacity}\"/>\n", a.x, a.y);
+            return format!(
+                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" fill=\"{colour}\" opacity=\"{opacity}\"/>\n",
+                a.x, a.y
+            );
         }
         format!(
             "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{colour}\" stroke-width=\"{thickness:.1}\" opacity=\"{opacity}\"/>\n",
@@ -145,16 +163,31 @@ impl Panel {
         for tick in first(self.corner.x)..=((self.corner.x + PANEL_M.x) / 0.2).floor() as i32 {
             let x = left + (f64::from(tick) * 0.2 - self.corner.x) * SCALE;
             let y = MARGIN + size.y;
-            let _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}v5\" stroke=\"#555\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"11\">{:.1}</text>", y + 17.0, f64::from(tick) * 0.2);
+            let _ = writeln!(
+                svg,
+                "<path d=\"M{x:.1} {y:.1}v5\" stroke=\"#555\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"11\">{:.1}</text>",
+                y + 17.0,
+                f64::from(tick) * 0.2
+            );
         }
         for tick in first(self.corner.y)..=((self.corner.y + PANEL_M.y) / 0.2).floor() as i32 {
             let y = MARGIN + size.y - (f64::from(tick) * 0.2 - self.corner.y) * SCALE;
-            let _ = writeln!(svg, "<path d=\"M{left:.1} {y:.1}h-5\" stroke=\"#555\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-size=\"11\">{:.1}</text>", left - 7.0, y + 4.0, f64::from(tick) * 0.2);
+            let _ = writeln!(
+                svg,
+                "<path d=\"M{left:.1} {y:.1}h-5\" stroke=\"#555\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-size=\"11\">{:.1}</text>",
+                left - 7.0,
+                y + 4.0,
+                f64::from(tick) * 0.2
+            );
         }
         let _ = writeln!(
             svg,
             "<text x=\"{:.1}\" y=\"{:.1}\">{}; {} to the right, {} up</text>",
-            left, MARGIN - 8.0, self.title, self.axes[0], self.axes[1]
+            left,
+            MARGIN - 8.0,
+            self.title,
+            self.axes[0],
+            self.axes[1]
         );
     }
 }
@@ -162,17 +195,29 @@ impl Panel {
 fn legend(svg: &mut String, y: f64) {
     let mut x = MARGIN;
     let mut entry = |mark: String, text: &str| {
-        let _ = write!(svg, "<g transform=\"translate({x:.0} {y:.0})\">{mark}<text x=\"16\" y=\"4\">{text}</text></g>\n");
+        let _ = write!(
+            svg,
+            "<g transform=\"translate({x:.0} {y:.0})\">{mark}<text x=\"16\" y=\"4\">{text}</text></g>\n"
+        );
         x += 34.0 + 7.6 * text.len() as f64;
     };
     for category in Category::ALL {
         let (fill, name) = colour(category);
-        entry(format!("<rect x=\"-2\" y=\"-6\" width=\"12\" height=\"12\" fill=\"{fill}\"/>"), name);
+        entry(
+            format!("<rect x=\"-2\" y=\"-6\" width=\"12\" height=\"12\" fill=\"{fill}\"/>"),
+            name,
+        );
     }
-    entry("<rect x=\"-2\" y=\"-6\" width=\"12\" height=\"12\" fill=\"#5b6b7b\"/>".into(), "arm");
+    entry(
+        "<rect x=\"-2\" y=\"-6\" width=\"12\" height=\"12\" fill=\"#5b6b7b\"/>".into(),
+        "arm",
+    );
     entry(
         "<circle cx=\"4\" r=\"5\" fill=\"#ffffff\" stroke=\"#ffd23f\" stroke-width=\"1.5\"/>".into(),
         "taxel that reports a force: larger for more, filled as what it touches",
     );
-    entry("<path d=\"M-3 0h14m-7 -7v14\" stroke=\"#1f4fd1\" stroke-width=\"3\"/>".into(), "goal");
+    entry(
+        "<path d=\"M-3 0h14m-7 -7v14\" stroke=\"#1f4fd1\" stroke-width=\"3\"/>".into(),
+        "goal",
+    );
 }

@@ -18,14 +18,20 @@ impl CampaignBar {
         let bar = bar(reaches, "reaches");
         bar.set_position(done);
         bar.reset_eta();
-        CampaignBar { bar, outcomes: Mutex::default() }
+        CampaignBar {
+            bar,
+            outcomes: Mutex::default(),
+        }
     }
 
     /// Counts one reach.
     pub fn reach(&self, outcome: Outcome) {
         if let Ok(mut outcomes) = self.outcomes.lock() {
             *outcomes.entry(outcome).or_default() += 1;
-            let counts: Vec<String> = outcomes.iter().map(|(outcome, count)| format!("{count} {}", outcome.name())).collect();
+            let counts: Vec<String> = outcomes
+                .iter()
+                .map(|(outcome, count)| format!("{count} {}", outcome.name()))
+                .collect();
             self.bar.set_message(counts.join(", "));
         }
         self.bar.inc(1);

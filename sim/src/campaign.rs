@@ -26,8 +26,10 @@ pub enum CampaignError<E: std::error::Error + 'static> {
     #[error(transparent)]
     Receiver(E),
     /// The engine gave up.
-    #[error("reach {reach_index} of scene {scene} broke off inside the physics engine: {message}; the other reaches are \
-             kept: report the scene and the seed {seed}")]
+    #[error(
+        "reach {reach_index} of scene {scene} broke off inside the physics engine: {message}; the other reaches are \
+             kept: report the scene and the seed {seed}"
+    )]
     Engine {
         /// The scene.
         scene: String,
@@ -51,20 +53,25 @@ pub fn run<E: std::error::Error + Send + 'static>(
     receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
 ) -> Result<(), CampaignError<E>> {
     // One job at a time: reaches differ tenfold in length, and blocks of them would leave threads idle at the end.
-    jobs.par_iter().with_max_len(1).enumerate().try_for_each(|(position, job)| {
-        let plan = &plans[job.plan];
-        let outcome = catch_unwind(AssertUnwindSafe(|| plan.run(job.reach_index, &mut |_, _, _| {})));
-        let recording = outcome.map_err(|panic| CampaignError::Engine {
-            scene: plan.scene.name.clone(),
-            reach_index: job.reach_index,
-            seed: plan.seed,
-            message: panic_message(panic.as_ref()),
-        })??;
-        receive(position, recording).map_err(CampaignError::Receiver)
-    })
+    jobs.par_iter()
+        .with_max_len(1)
+        .enumerate()
+        .try_for_each(|(position, job)| {
+            let plan = &plans[job.plan];
+            let outcome = catch_unwind(AssertUnwindSafe(|| plan.run(job.reach_index, &mut |_, _, _| {})));
+            let recording = outcome.map_err(|panic| CampaignError::Engine {
+                scene: plan.scene.name.clone(),
+                reach_index: job.reach_index,
+                seed: plan.seed,
+                message: panic_message(panic.as_ref()),
+            })??;
+            receive(position, recording).map_err(CampaignError::Receiver)
+        })
 }
 
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message").to_string()
+    text.or(panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no message")
+        .to_string()
 }

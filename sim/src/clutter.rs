@@ -84,8 +84,10 @@ impl Standing {
 const START_CLEARANCE_M: f64 = 0.02;
 /// Room kept between a leaf's foot and the edge of its block, m.
 const BLOCK_MARGIN_M: f64 = 0.01;
-/// Places tried for one object before the scene is refused.
-const PLACES: usize = 5000;
+/// Places tried for one object before all start again.
+const PLACES: usize = 1000;
+/// Starts before the scene is refused.
+const ATTEMPTS: usize = 20;
 /// Goals tried before the scene is refused.
 const GOAL_TRIES: usize = 5000;
 /// A goal is clear of trunks and rolls by this much, m: the flipper's half thickness and a hand's breadth.
@@ -103,38 +105,15 @@ impl Clutter {
     /// the clutter within the arm's reach.
     pub fn draw(scene: &Scene, arm: &ArmAtStart, seed: u64, reach_index: u64) -> Result<Clutter, InputError> {
         let mut random = stream(seed, &scene.name, reach_index, "clutter");
-        let mut objects: Vec<Standing> = Vec::new();
-        for (kind, number, group) in scene.file.objects.groups() {
-            let field = format!("objects.{kind}[{number}]");
-            for placed in 0..group.count() {
-                let mut rejected = Rejections::default();
-                let mut found = None;
-                for _ in 0..PLACES {
-                    let Some((center, yaw_rad, footing)) =
-                        propose(scene, group.place(), group.stands_on(), &objects, &mut random)
-                    else {
-                        rejected.no_foam += 1;
-                        continue;
-                    };
-                    let object = group
-                        .draw(&mut random, &footing)
-                        .map_err(|error| scene.fault(&field, error, "a range with a fair share of physical values"))?;
-                    let standing = Standing {
-                        object,
-                        foot_world: center.extend(footing.height_m),
-                        yaw_rad,
-                    };
-                    if rejected.allows(&standing, &objects, arm) {
-                        found = Some(standing);
-                        break;
-                    }
-                }
-                objects.push(found.ok_or_else(|| {
-                    let allowed = format!("no more than there is room for; placed {placed}; {rejected}");
-                    scene.fault(&format!("{field}.count"), group.count(), allowed)
-                })?);
+        // Objects placed one by one can shut each other out where together they would fit: then all start again.
+        let mut objects = place_all(scene, arm, &mut random);
+        for _ in 1..ATTEMPTS {
+            if objects.is_ok() {
+                break;
             }
+            objects = place_all(scene, arm, &mut random);
         }
+        let objects = objects?;
         let goals = draw_goals(
             scene,
             arm,
@@ -143,6 +122,43 @@ impl Clutter {
         )?;
         Ok(Clutter { objects, goals })
     }
+}
+
+/// Places every object of a scene.
+fn place_all(scene: &Scene, arm: &ArmAtStart, random: &mut ChaCha8Rng) -> Result<Vec<Standing>, InputError> {
+    let mut objects: Vec<Standing> = Vec::new();
+    for (kind, number, group) in scene.file.objects.groups() {
+        let field = format!("objects.{kind}[{number}]");
+        for placed in 0..group.count() {
+            let mut rejected = Rejections::default();
+            let mut found = None;
+            for _ in 0..PLACES {
+                let Some((center, yaw_rad, footing)) =
+                    propose(scene, group.place(), group.stands_on(), &objects, random)
+                else {
+                    rejected.no_foam += 1;
+                    continue;
+                };
+                let object = group
+                    .draw(random, &footing)
+                    .map_err(|error| scene.fault(&field, error, "a range with a fair share of physical values"))?;
+                let standing = Standing {
+                    object,
+                    foot_world: center.extend(footing.height_m),
+                    yaw_rad,
+                };
+                if rejected.allows(&standing, &objects, arm) {
+                    found = Some(standing);
+                    break;
+                }
+            }
+            objects.push(found.ok_or_else(|| {
+                let allowed = format!("no more than there is room for; placed {placed}; {rejected}");
+                scene.fault(&format!("{field}.count"), group.count(), allowed)
+            })?);
+        }
+    }
+    Ok(objects)
 }
 
 /// Why proposed places were refused, for the error text.

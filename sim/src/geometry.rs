@@ -21,7 +21,10 @@ impl Capsule {
     pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
         let bounds = shape.compute_local_aabb();
         let half = bounds.half_extents();
-        let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
+        let longest = DVec3::AXES
+            .into_iter()
+            .max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b)))
+            .unwrap_or(DVec3::Z);
         let reach = longest * half.dot(longest);
         Capsule {
             start: pose.transform_point(bounds.center() - reach),

@@ -19,7 +19,12 @@ pub struct Monitor {
 impl Monitor {
     /// Watches the way to `goal` (m, world frame) by a controller's rules.
     pub fn new(rules: Preset, goal: DVec3) -> Self {
-        Monitor { rules, goal, tips: VecDeque::new(), frames: 0 }
+        Monitor {
+            rules,
+            goal,
+            tips: VecDeque::new(),
+            frames: 0,
+        }
     }
 
     /// Takes the tip's position (m, world frame) and the largest contact force on the skin (N) of one frame; says how

@@ -47,7 +47,12 @@ impl ReachPlan {
             let allowed = format!("one of {}", controller::NAMES.join(", "));
             return Err(scene.fault("controller", format!("`{name}`"), allowed));
         }
-        Ok(ReachPlan { scene, arm, controller: name, seed })
+        Ok(ReachPlan {
+            scene,
+            arm,
+            controller: name,
+            seed,
+        })
     }
 
     /// The controller's parameters.
@@ -134,7 +139,12 @@ impl<'a> Reach<'a> {
                 }
                 outcome = self.retry(clutter, index, *goal, observer);
             }
-            self.recording.goals.push(GoalRecord { position_world: *goal, start_time_s, end_time_s: self.time_s(), outcome });
+            self.recording.goals.push(GoalRecord {
+                position_world: *goal,
+                start_time_s,
+                end_time_s: self.time_s(),
+                outcome,
+            });
             if outcome == Outcome::Aborted {
                 break;
             }
@@ -171,7 +181,13 @@ impl<'a> Reach<'a> {
     ) -> Outcome {
         let preset = self.controller.preset();
         let time_out_s = time_out_s.unwrap_or(preset.time_out_s);
-        let mut monitor = Monitor::new(Preset { time_out_s, ..preset.clone() }, target);
+        let mut monitor = Monitor::new(
+            Preset {
+                time_out_s,
+                ..preset.clone()
+            },
+            target,
+        );
         loop {
             let touch = feel(&self.world, &self.recording.layout, &self.patches, &mut self.sensor);
             if self.recording.frames.len() % self.control_period == 0 {
@@ -217,7 +233,10 @@ impl<'a> Reach<'a> {
             tip_position_jacobian: &arm.position_jacobian(&poses, arm.tip_link, tip_pose_world.translation),
             tip_angular_jacobian: &arm.angular_jacobian(&poses, arm.tip_link),
             // Goals are positions, as the operator's markers were used.
-            goal: Goal { position_world: target, orientation_world: None },
+            goal: Goal {
+                position_world: target,
+                orientation_world: None,
+            },
             contacts: &contacts,
         };
         self.equilibrium_rad = self.controller.control(&input).equilibrium_angle_rad;
@@ -227,7 +246,10 @@ impl<'a> Reach<'a> {
         let number = self.recording.frames.len();
         self.contacts.observe(number as u32, &touch.pairs);
         self.recording.largest_force_residual = self.recording.largest_force_residual.max(touch.force_residual);
-        let pose = |pose: rapier3d::prelude::Pose| Pose { position: pose.translation, orientation: pose.rotation };
+        let pose = |pose: rapier3d::prelude::Pose| Pose {
+            position: pose.translation,
+            orientation: pose.rotation,
+        };
         let arm = &self.world.arm;
         let physics = &self.world.physics;
         Frame {
@@ -239,7 +261,11 @@ impl<'a> Reach<'a> {
             tip_pose_world: pose(self.world.link_pose(self.plan.arm.tip_link) * self.plan.arm.tip_pose_link),
             goal_position_world: goal,
             goal_index: goal_index as u16,
-            patch_pose_world: self.patches.iter().map(|patch| pose(self.world.link_pose(patch.link))).collect(),
+            patch_pose_world: self
+                .patches
+                .iter()
+                .map(|patch| pose(self.world.link_pose(patch.link)))
+                .collect(),
             contact_force_world: touch.contact_force_world.clone(),
             taxels: touch.taxels.clone(),
         }
@@ -253,7 +279,10 @@ impl<'a> Reach<'a> {
 /// The capsule around a link's collision shape.
 fn capsule(collider: &LinkCollider, link_pose: &rapier3d::prelude::Pose) -> Option<Capsule> {
     let (shape, turn) = collider.shape.engine_shape()?;
-    Some(Capsule::around(shape.as_ref(), &(*link_pose * collider.pose_link * turn)))
+    Some(Capsule::around(
+        shape.as_ref(),
+        &(*link_pose * collider.pose_link * turn),
+    ))
 }
 
 /// Where an arm starts and how far it reaches.
@@ -267,7 +296,16 @@ pub fn arm_at_start(arm: &Arm) -> ArmAtStart {
         .collect::<Vec<Capsule>>();
     // From the first joint whose offset from the next is a bone rather than an actuator's width.
     let tip_world = arm.tip_pose(&poses).translation;
-    let chain: Vec<DVec3> = poses[1..].iter().map(|pose| pose.translation).chain([tip_world]).collect();
+    let chain: Vec<DVec3> = poses[1..]
+        .iter()
+        .map(|pose| pose.translation)
+        .chain([tip_world])
+        .collect();
     let length_m = chain.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-    ArmAtStart { links, tip_world, shoulder_world: chain[0], length_m }
+    ArmAtStart {
+        links,
+        tip_world,
+        shoulder_world: chain[0],
+        length_m,
+    }
 }

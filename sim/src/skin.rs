@@ -107,12 +107,13 @@ impl SkinPatch {
             .collect()
     }
 
-    /// Whether a point (link frame) lies on this skin rather than on the bare shell beside it.
-    pub fn covers(&self, point_link: DVec3) -> bool {
+    /// Whether a contact presses on this skin rather than on the bare shell beside it.
+    pub fn covers(&self, contact: &ContactPoint) -> bool {
         let reach = self.reach_m * self.reach_m;
-        self.centers_link
-            .iter()
-            .any(|center| center.distance_squared(point_link) <= reach)
+        let mut taxels = self.centers_link.iter().zip(&self.normals_link);
+        taxels.any(|(center, normal)| {
+            center.distance_squared(contact.position_link) <= reach && faces(*normal, contact.inward_link)
+        })
     }
 
     /// Spreads the contacts between this patch and one collision shape over the taxels. `shape_pose` is the shape's
@@ -135,16 +136,14 @@ impl SkinPatch {
         let cells: Vec<Cell> = self
             .nearby(contacts)
             .filter_map(|point| {
-                let share = -point.normal_link.dot(inward);
-                // A place that faces away from the object cannot be pressed by it.
-                (share > 0.1).then(|| {
+                faces(point.normal_link, inward).then(|| {
                     let offset = point.position_link - center;
                     Cell {
                         taxel: point.taxel,
                         gap: signed_distance(shape, shape_pose, point.position_link),
                         place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
                         stiffness: self.stiffness_n_per_m3 * point.area_m2,
-                        share,
+                        share: -point.normal_link.dot(inward),
                     }
                 })
             })
@@ -160,7 +159,7 @@ impl SkinPatch {
         taxels.retain(|(_, force)| *force > 0.0);
         if taxels.is_empty() {
             // The layer found nothing to press (a shape too thin to sample): the nearest taxel takes it all.
-            taxels.extend(self.nearest_taxel(center).map(|taxel| (taxel, 1.0)));
+            taxels.extend(self.nearest_taxel(center, inward).map(|taxel| (taxel, 1.0)));
         }
         self.balance(&taxels, total)
     }
@@ -200,10 +199,18 @@ impl SkinPatch {
         })
     }
 
-    fn nearest_taxel(&self, point: DVec3) -> Option<usize> {
+    fn nearest_taxel(&self, point: DVec3, inward: DVec3) -> Option<usize> {
         let distance = |taxel: &usize| self.centers_link[*taxel].distance_squared(point);
-        (0..self.centers_link.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        (0..self.centers_link.len())
+            .filter(|taxel| faces(self.normals_link[*taxel], inward))
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
+}
+
+/// Whether a place with this outward normal can be pressed by a force in the direction `inward`: up to 75° between
+/// them, beyond which the layer would be sheared rather than pressed.
+fn faces(normal_link: DVec3, inward: DVec3) -> bool {
+    -normal_link.dot(inward) > 0.25
 }
 
 /// One sub-point under a contact.

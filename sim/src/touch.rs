@@ -55,10 +55,10 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
     for contact in world.contacts() {
         let object = contact.object as u16;
         let pose = world.link_pose(contact.link);
-        let point = pose.inverse_transform_point(contact.position_world);
+        let point = in_link_frame(contact, &pose);
         let patch = patches
             .iter()
-            .position(|patch| patch.link == contact.link && patch.covers(point));
+            .position(|patch| patch.link == contact.link && patch.covers(&point));
         *touch
             .pairs
             .entry((patch.map(|patch| patch as u16), object))
@@ -72,7 +72,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
                     collider: contact.collider,
                     points: Vec::new(),
                 });
-            group.points.push(in_link_frame(&contact, &pose, point));
+            group.points.push(point);
         }
     }
     let mut loads: BTreeMap<(usize, usize), Load> = BTreeMap::new();
@@ -115,9 +115,9 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
     touch
 }
 
-fn in_link_frame(contact: &SolverContact, pose: &Pose, position_link: DVec3) -> ContactPoint {
+fn in_link_frame(contact: &SolverContact, pose: &Pose) -> ContactPoint {
     ContactPoint {
-        position_link,
+        position_link: contact.position_link,
         inward_link: pose.inverse_transform_vector(contact.inward_world),
         force_link: pose.inverse_transform_vector(contact.force_world),
     }
@@ -208,7 +208,8 @@ mod tests {
             let mut contact = DVector::zeros(angle.len());
             for at in world.contacts() {
                 let force = nalgebra::Vector3::from(at.force_world.to_array());
-                contact += arm.position_jacobian(&poses, at.link, at.position_world).transpose() * force;
+                let position = poses[at.link].transform_point(at.position_link);
+                contact += arm.position_jacobian(&poses, at.link, position).transpose() * force;
             }
             assert!(contact.norm() > 0.1 * force, "no contact: {contact}");
             let residual = (&spring + &contact).norm() / spring.norm();

@@ -15,13 +15,13 @@ use crate::physics::{Physics, PhysicsOptions, groups};
 /// Period of the skin and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
 
-/// A resting object is put into the solver when something that moves comes this near to it, m: nine frames of the
-/// fastest preset's hand speed and twice what a leaf's tip flies back in one.
-const WAKE_DISTANCE_M: f64 = 0.09;
+/// A resting object is put into the solver when something that moves comes this near to it, m: ten frames of the
+/// fastest preset's hand speed, and more than what a leaf's tip flies back in one (4 m/s).
+const WAKE_DISTANCE_M: f64 = 0.05;
 /// An object at rest is taken out when everything that moves is farther than this, m.
-const SLEEP_DISTANCE_M: f64 = 0.20;
+const SLEEP_DISTANCE_M: f64 = 0.07;
 
-/// One contact point between arm and clutter in the last step, as the solver left it.
+/// One contact point between arm and clutter in one step of the last frame, as the solver left it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverContact {
     /// The link, index in the arm.
@@ -30,11 +30,11 @@ pub struct SolverContact {
     pub object: usize,
     /// The object's collision shape.
     pub collider: ColliderHandle,
-    /// Position on the link's surface, m, world frame.
-    pub position_world: DVec3,
+    /// Position on the link's surface, m, link frame.
+    pub position_link: DVec3,
     /// Direction of the normal force on the link, unit, world frame.
     pub inward_world: DVec3,
-    /// Force on the link, normal and friction, N, world frame.
+    /// Its share of the mean force on the link over the frame: impulse, normal and friction, over 10 ms; N, world frame.
     pub force_world: DVec3,
 }
 
@@ -44,6 +44,7 @@ pub struct World {
     pub physics: Physics,
     /// The arm's bodies.
     pub arm: ArmHandles,
+    contacts: Vec<SolverContact>,
     mechanisms: Vec<Option<Mechanism>>,
     hulls: Vec<Capsule>,
     dormancy: bool,
@@ -57,6 +58,7 @@ impl World {
         let mut world = World {
             physics,
             arm: handles,
+            contacts: Vec::new(),
             mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
             hulls: clutter.objects.iter().map(|standing| standing.hull()).collect(),
             dormancy,
@@ -75,6 +77,7 @@ impl World {
         if self.dormancy {
             self.wake(clutter);
         }
+        self.contacts.clear();
         let steps = (FRAME_PERIOD_S / self.physics.options.step_s).round() as usize;
         for _ in 0..steps {
             self.arm.set_equilibrium(arm, equilibrium_rad, &mut self.physics);
@@ -82,16 +85,23 @@ impl World {
                 mechanism.relax(&mut self.physics);
             }
             self.physics.step();
+            self.gather_contacts();
         }
         if self.dormancy {
             self.retire();
         }
     }
 
-    /// The contacts between arm and clutter in the last step, in a fixed order.
-    pub fn contacts(&self) -> Vec<SolverContact> {
-        let mut contacts = Vec::new();
-        let substep_s = self.physics.options.step_s / self.physics.options.substeps as f64;
+    /// The contacts between arm and clutter in the last frame, step by step; their forces add up to the mean force over
+    /// the frame.
+    ///
+    /// The mean, because a taxel's electronics integrate over their period: a link that meets a rigid trunk is stopped
+    /// within one substep, and a force sampled then would be a matter of luck.
+    pub fn contacts(&self) -> &[SolverContact] {
+        &self.contacts
+    }
+
+    fn gather_contacts(&mut self) {
         for (collider, link) in &self.arm.colliders {
             let mut pairs: Vec<&ContactPair> = self.physics.narrow_phase.contact_pairs_with(*collider).collect();
             pairs.sort_by_key(|pair| (pair.collider1.into_raw_parts(), pair.collider2.into_raw_parts()));
@@ -104,28 +114,27 @@ impl World {
                 for manifold in pair.manifolds() {
                     // The normal points from the first shape to the second; the first is pushed against it.
                     let sign = if arm_is_first { -1.0 } else { 1.0 };
-                    for point in &manifold.points {
-                        let data = &point.data;
-                        if data.warmstart_impulse <= 0.0 {
-                            continue;
-                        }
-                        let local = if arm_is_first { point.local_p1 } else { point.local_p2 };
-                        let inward = manifold.data.normal * sign;
-                        // Impulses of the last substep: the tangent part is known in the world frame for that one only.
-                        let tangent = data.warmstart_tangent_world * -sign;
-                        contacts.push(SolverContact {
+                    for point in manifold.points.iter().filter(|point| point.data.impulse > 0.0) {
+                        let on_shape = if arm_is_first { point.local_p1 } else { point.local_p2 };
+                        let shape = &self.physics.colliders[*collider];
+                        let on_link = shape
+                            .position_wrt_parent()
+                            .map_or(on_shape, |pose| pose.transform_point(on_shape));
+                        let inward_world = manifold.data.normal * sign;
+                        let impulse = inward_world * point.data.impulse
+                            - friction_impulse_on_first(&point.data, -manifold.data.normal) * sign;
+                        self.contacts.push(SolverContact {
                             link: *link,
                             object,
                             collider: other,
-                            position_world: self.physics.colliders[*collider].position().transform_point(local),
-                            inward_world: inward,
-                            force_world: (inward * data.warmstart_impulse + tangent) / substep_s,
+                            position_link: on_link,
+                            inward_world,
+                            force_world: impulse / FRAME_PERIOD_S,
                         });
                     }
                 }
             }
         }
-        contacts
     }
 
     /// Pose of a link in the world frame.
@@ -205,4 +214,21 @@ impl World {
 /// The object that a collision shape belongs to: its mark is the object's index plus one, the arm's shapes have none.
 fn object_of(collider: &Collider) -> Option<usize> {
     collider.user_data.checked_sub(1).map(|index| index as usize)
+}
+
+/// Friction impulse on the first body over a whole step, N s, world frame.
+///
+/// The engine gives it as two numbers along tangents t₁ and t₂ = d × t₁ that it does not tell (d is the direction in
+/// which the contact pushes the first body), but for the last substep both as two numbers (a, b) and as the vector
+/// w = a t₁ + b t₂. So t₁ = (a w − b d × w) / (a² + b²). Where the last substep had no friction the tangents are not to
+/// be had, and the friction of the earlier substeps, a contact just breaking, is left out.
+fn friction_impulse_on_first(data: &ContactData, direction: DVec3) -> DVec3 {
+    let [a, b] = [data.warmstart_tangent_impulse.x, data.warmstart_tangent_impulse.y];
+    let squared = a * a + b * b;
+    if squared == 0.0 {
+        return DVec3::ZERO;
+    }
+    let vector = data.warmstart_tangent_world;
+    let first = (vector * a - direction.cross(vector) * b) / squared;
+    first * data.tangent_impulse.x + direction.cross(first) * data.tangent_impulse.y
 }

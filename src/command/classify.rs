@@ -72,7 +72,10 @@ impl Options {
             DecisionName::Uncertain => Rule::UncertainBelow { lead: self.lead },
             DecisionName::Paper => Decision::paper().rule,
         };
-        Decision { prior: self.prior.iter().cloned().collect(), rule }
+        Decision {
+            prior: self.prior.iter().cloned().collect(),
+            rule,
+        }
     }
 }
 
@@ -96,16 +99,21 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let classify = |trial: &Trial| -> Result<TrialVerdict, Failure> {
         let scores = models.score(trial, kind)?;
         let verdict = judge.judge(&scores)?;
-        Ok(TrialVerdict { trial: trial.trial, verdict, truth: trial.category.clone(), scores: scores.into_iter().collect() })
+        Ok(TrialVerdict {
+            trial: trial.trial,
+            verdict,
+            truth: trial.category.clone(),
+            scores: scores.into_iter().collect(),
+        })
     };
     let verdicts: Vec<TrialVerdict> = trials.par_iter().map(classify).collect::<Result<_, _>>()?;
     if json {
         return output::result(true, &serde_json::json!({ "verdicts": verdicts }), String::new);
     }
     let header = std::iter::once("trial,verdict,truth".to_string());
-    let rows = verdicts.iter().map(|row| {
-        format!("{},{},{}", row.trial, row.verdict, row.truth.as_deref().unwrap_or(""))
-    });
+    let rows = verdicts
+        .iter()
+        .map(|row| format!("{},{},{}", row.trial, row.verdict, row.truth.as_deref().unwrap_or("")));
     output::lines(header.chain(rows))
 }
 
@@ -140,10 +148,17 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
                 taxel: taxel.taxel,
                 samples: taxel.samples,
                 verdict: taxel.verdict.name(),
-                scores: categories.iter().map(String::as_str).zip(taxel.log_likelihood.iter().copied()).collect(),
+                scores: categories
+                    .iter()
+                    .map(String::as_str)
+                    .zip(taxel.log_likelihood.iter().copied())
+                    .collect(),
             })
             .collect();
-        let line = serde_json::to_string(&FrameVerdicts { time_s: frame.time_s, taxels });
+        let line = serde_json::to_string(&FrameVerdicts {
+            time_s: frame.time_s,
+            taxels,
+        });
         output::lines([line.map_err(|error| Failure::run(error.to_string()))?])
     };
     if options.input == Path::new("-") {
@@ -161,12 +176,18 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
         for episode in 0..dataset.episodes().len() {
             let recording = dataset.read_reach(episode)?;
             let mut classifier = start(&recording.layout)?;
-            recording.frames.iter().try_for_each(|frame| answer(&mut classifier, frame))?;
+            recording
+                .frames
+                .iter()
+                .try_for_each(|frame| answer(&mut classifier, frame))?;
         }
     } else {
         let recording = read_recording(&options.input)?;
         let mut classifier = start(&recording.layout)?;
-        recording.frames.iter().try_for_each(|frame| answer(&mut classifier, frame))?;
+        recording
+            .frames
+            .iter()
+            .try_for_each(|frame| answer(&mut classifier, frame))?;
     }
     Ok(())
 }

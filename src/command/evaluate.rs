@@ -60,7 +60,11 @@ pub fn text(evaluation: &Evaluation) -> String {
         .truth
         .iter()
         .zip(&matrix.count)
-        .map(|(truth, counts)| std::iter::once(truth.clone()).chain(counts.iter().map(usize::to_string)).collect())
+        .map(|(truth, counts)| {
+            std::iter::once(truth.clone())
+                .chain(counts.iter().map(usize::to_string))
+                .collect()
+        })
         .collect();
     let mut text = output::table(&header, &rows);
     let figures: Vec<Vec<String>> = evaluation
@@ -71,14 +75,21 @@ pub fn text(evaluation: &Evaluation) -> String {
                 figures.category.clone(),
                 figures.trials.to_string(),
                 percent(figures.recall),
-                format!("{}-{}", percent(figures.recall_interval.low), percent(figures.recall_interval.high)),
+                format!(
+                    "{}-{}",
+                    percent(figures.recall_interval.low),
+                    percent(figures.recall_interval.high)
+                ),
                 figures.precision.map_or("-".into(), percent),
                 percent(figures.f1),
             ]
         })
         .collect();
     text += "\n";
-    text += &output::table(&["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"], &figures);
+    text += &output::table(
+        &["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"],
+        &figures,
+    );
     let by_trial = evaluation.accuracy_interval_by_trial;
     text += &format!(
         "\naccuracy {} %; 95 % interval {}-{} % as if trials were independent",
@@ -87,7 +98,11 @@ pub fn text(evaluation: &Evaluation) -> String {
         percent(by_trial.high)
     );
     if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
-        text += &format!(", {}-{} % resampling whole reaches", percent(by_reach.low), percent(by_reach.high));
+        text += &format!(
+            ", {}-{} % resampling whole reaches",
+            percent(by_reach.low),
+            percent(by_reach.high)
+        );
     }
     text
 }

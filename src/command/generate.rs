@@ -42,7 +42,10 @@ fn shard(text: &str) -> Result<Shard, String> {
     let parse = || {
         let (index, count) = text.split_once('/')?;
         let (index, count): (u64, u64) = (index.parse().ok()?, count.parse().ok()?);
-        (1..=count).contains(&index).then_some(Shard { index: index - 1, count })
+        (1..=count).contains(&index).then_some(Shard {
+            index: index - 1,
+            count,
+        })
     };
     parse().ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
 }
@@ -77,13 +80,20 @@ impl Summary {
             wall_s,
             touched_reaches: episodes.iter().filter(|episode| episode.touched).count(),
             outcomes,
-            largest_force_residual: episodes.iter().map(|episode| episode.largest_force_residual).fold(0.0, f64::max),
+            largest_force_residual: episodes
+                .iter()
+                .map(|episode| episode.largest_force_residual)
+                .fold(0.0, f64::max),
         }
     }
 
     /// For a person.
     pub fn text(&self) -> String {
-        let outcomes: Vec<String> = self.outcomes.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        let outcomes: Vec<String> = self
+            .outcomes
+            .iter()
+            .map(|(name, count)| format!("{count} {name}"))
+            .collect();
         format!(
             "{} reaches, {:.0} s of simulated time in {:.0} s ({:.0} times real time)\n\
              outcomes: {}; {} of {} reaches touched something\n\
@@ -105,7 +115,10 @@ impl Summary {
 /// Runs the campaign.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let start = Instant::now();
-    let scenes = options.scenes.iter().map(|path| Ok((Scene::load(path)?, options.reaches)));
+    let scenes = options
+        .scenes
+        .iter()
+        .map(|path| Ok((Scene::load(path)?, options.reaches)));
     let campaign = Campaign {
         scenes: scenes.collect::<Result<Vec<_>, Failure>>()?,
         seed: options.seed,
@@ -115,7 +128,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
     names.sort_unstable();
     if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Failure::usage(format!("two scenes are called {}; rename one file", pair[0])));
+        return Err(Failure::usage(format!(
+            "two scenes are called {}; rename one file",
+            pair[0]
+        )));
     }
     let dataset = campaign.write(&options.out, options.resume)?;
     let summary = Summary::of(&dataset, start.elapsed().as_secs_f64());

@@ -27,7 +27,10 @@ pub struct Options {
 /// Checks the thing and prints what is in it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let path = &options.path;
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let extension = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or_default();
     let found = match extension {
         _ if path.is_dir() => dataset(path)?,
         "toml" => scene(path, options.seed)?,
@@ -93,8 +96,12 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
         *scenes.entry(&episode.scene).or_default() += 1;
     }
     let provenance = dataset.provenance();
-    let patches: BTreeMap<&str, usize> =
-        dataset.layout().patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
+    let patches: BTreeMap<&str, usize> = dataset
+        .layout()
+        .patches
+        .iter()
+        .map(|patch| (patch.name.as_str(), patch.taxels.len()))
+        .collect();
     Ok(json!({
         "data set": path,
         "reaches": episodes.len(),
@@ -138,7 +145,9 @@ fn trials(path: &Path) -> Result<Value, Failure> {
     let trials = read_trials(path)?;
     let mut categories: BTreeMap<&str, usize> = BTreeMap::new();
     for trial in &trials {
-        *categories.entry(trial.category.as_deref().unwrap_or("unknown")).or_default() += 1;
+        *categories
+            .entry(trial.category.as_deref().unwrap_or("unknown"))
+            .or_default() += 1;
     }
     let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
     lengths.sort_unstable();
@@ -155,8 +164,11 @@ fn trials(path: &Path) -> Result<Value, Failure> {
 
 fn model(path: &Path) -> Result<Value, Failure> {
     let models = ModelSet::load(path)?;
-    let states: BTreeMap<&str, usize> =
-        models.models().iter().map(|(category, model)| (category.as_str(), model.state_count())).collect();
+    let states: BTreeMap<&str, usize> = models
+        .models()
+        .iter()
+        .map(|(category, model)| (category.as_str(), model.state_count()))
+        .collect();
     Ok(json!({
         "model": path,
         "features": models.features().names(),

@@ -69,7 +69,11 @@ struct Goal {
 
 /// Runs the reach.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller.as_deref(), options.seed)?;
+    let plan = ReachPlan::new(
+        Scene::load(&options.scene)?,
+        options.controller.as_deref(),
+        options.seed,
+    )?;
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
     let recording = plan.run(options.index, &mut |world, clutter, frame| {
@@ -87,7 +91,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             "{}, seed {}, reach {}: {:.2} s after the start",
             plan.scene.file.summary, options.seed, options.index, snapshot.frame.time_s
         );
-        let svg = picture::draw(snapshot, &recording.layout, &input::object_categories(&recording), &caption);
+        let svg = picture::draw(
+            snapshot,
+            &recording.layout,
+            &input::object_categories(&recording),
+            &caption,
+        );
         output::write_file(path, svg.as_bytes())?;
     }
     output::result(json, &report, || report.text())
@@ -99,7 +108,11 @@ impl Report {
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let frames = |contact: &underbrush_recording::Contact| f64::from(contact.last_frame - contact.first_frame + 1);
         let contact_frames: f64 = recording.contacts.iter().map(frames).sum();
-        let force_sum: f64 = recording.contacts.iter().map(|contact| contact.mean_force_n * frames(contact)).sum();
+        let force_sum: f64 = recording
+            .contacts
+            .iter()
+            .map(|contact| contact.mean_force_n * frames(contact))
+            .sum();
         Ok(Report {
             scene: recording.scene.clone(),
             controller: recording.controller.clone(),
@@ -120,7 +133,11 @@ impl Report {
             simulated_over_wall: simulated_s / wall_s.max(1e-9),
             f_max_n,
             contacts: recording.contacts.len(),
-            peak_contact_force_n: recording.contacts.iter().map(|contact| contact.peak_force_n).fold(0.0, f64::max),
+            peak_contact_force_n: recording
+                .contacts
+                .iter()
+                .map(|contact| contact.peak_force_n)
+                .fold(0.0, f64::max),
             mean_contact_force_n: force_sum / contact_frames.max(1.0),
             largest_force_residual: recording.largest_force_residual,
             taxel_trials: cut(Unit::Taxel)?,

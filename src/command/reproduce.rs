@@ -46,8 +46,10 @@ const SCENES: [(&str, &str); 2] = [
 const REACHES: [u64; 2] = [10, 25];
 const QUICK_REACHES: [u64; 2] = [4, 8];
 /// Trials per reach in the paper, leaf and trunk: sections IV-C (288 / 10 and 324 / 25) and IV-D (496 / 10, 582 / 25).
-const PAPER_TRIALS_PER_REACH: [(TableOneUnit, [f64; 2]); 2] =
-    [(TableOneUnit::Component, [28.8, 12.96]), (TableOneUnit::Taxel, [49.6, 23.28])];
+const PAPER_TRIALS_PER_REACH: [(TableOneUnit, [f64; 2]); 2] = [
+    (TableOneUnit::Component, [28.8, 12.96]),
+    (TableOneUnit::Taxel, [49.6, 23.28]),
+];
 
 #[derive(Serialize)]
 struct Results {
@@ -92,8 +94,16 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     for (scene, _) in &scenes {
         draw_reach(scene, options.seed, &options.out)?;
     }
-    output::remark(format!("Simulating {} leaf and {} trunk reaches", reaches[0], reaches[1]));
-    let campaign = Campaign { scenes, seed: options.seed, controller: None, shard: None };
+    output::remark(format!(
+        "Simulating {} leaf and {} trunk reaches",
+        reaches[0], reaches[1]
+    ));
+    let campaign = Campaign {
+        scenes,
+        seed: options.seed,
+        controller: None,
+        shard: None,
+    };
     let dataset = make_or_reuse(&campaign, &options.out.join("dataset"))?;
     let summary = Summary::of(&dataset, start.elapsed().as_secs_f64());
     let (component, taxel) = cut_trials(&dataset)?;
@@ -117,7 +127,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let bytes = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&options.out.join("summary.json"), &bytes)?;
     output::write_file(&options.out.join("table_1.csv"), table_csv(&results.table_1).as_bytes())?;
-    output::result(json, &results, || text(&results, start.elapsed().as_secs_f64(), &options.out))
+    output::result(json, &results, || {
+        text(&results, start.elapsed().as_secs_f64(), &options.out)
+    })
 }
 
 /// A picture of the first reach of a scene, at the moment when the skin feels most.
@@ -125,13 +137,21 @@ fn draw_reach(scene: &Scene, seed: u64, out: &Path) -> Result<(), Failure> {
     let plan = ReachPlan::new(scene.clone(), None, seed)?;
     let mut best: Option<Snapshot> = None;
     let recording = plan.run(0, &mut |world, clutter, frame| {
-        if best.as_ref().is_none_or(|best| frame.taxels.len() > best.frame.taxels.len()) {
+        if best
+            .as_ref()
+            .is_none_or(|best| frame.taxels.len() > best.frame.taxels.len())
+        {
             best = Some(Snapshot::take(world, clutter, frame));
         }
     })?;
     let Some(snapshot) = best else { return Ok(()) };
     let caption = format!("{}: {:.1} s after the start", scene.file.summary, snapshot.frame.time_s);
-    let svg = picture::draw(&snapshot, &recording.layout, &input::object_categories(&recording), &caption);
+    let svg = picture::draw(
+        &snapshot,
+        &recording.layout,
+        &input::object_categories(&recording),
+        &caption,
+    );
     output::write_file(&out.join(format!("reach-{}.svg", scene.name)), svg.as_bytes())
 }
 
@@ -164,9 +184,16 @@ fn cut_trials(dataset: &Dataset) -> Result<(Vec<Trial>, Vec<Trial>), Failure> {
 fn trials_per_reach(component: &[Trial], taxel: &[Trial], reaches: [u64; 2]) -> Vec<TrialsPerReach> {
     let mut rows = Vec::new();
     for (by, paper) in PAPER_TRIALS_PER_REACH {
-        let trials = if by == TableOneUnit::Component { component } else { taxel };
+        let trials = if by == TableOneUnit::Component {
+            component
+        } else {
+            taxel
+        };
         for (index, category) in ["leaf", "trunk"].into_iter().enumerate() {
-            let count = trials.iter().filter(|trial| trial.category.as_deref() == Some(category)).count();
+            let count = trials
+                .iter()
+                .filter(|trial| trial.category.as_deref() == Some(category))
+                .count();
             rows.push(TrialsPerReach {
                 by,
                 category,
@@ -180,15 +207,17 @@ fn trials_per_reach(component: &[Trial], taxel: &[Trial], reaches: [u64; 2]) -> 
 }
 
 fn mean_difference(cells: &[TableOneCell]) -> f64 {
-    let difference = |cell: &TableOneCell| -> f64 { (100.0 * cell.evaluation.accuracy - cell.paper_accuracy_percent).abs() };
+    let difference =
+        |cell: &TableOneCell| -> f64 { (100.0 * cell.evaluation.accuracy - cell.paper_accuracy_percent).abs() };
     cells.iter().map(difference).sum::<f64>() / cells.len() as f64
 }
 
 impl Cell {
     fn of(cell: &TableOneCell) -> Self {
         let evaluation = &cell.evaluation;
-        let Interval { low, high } =
-            evaluation.accuracy_interval_by_reach.unwrap_or(evaluation.accuracy_interval_by_trial);
+        let Interval { low, high } = evaluation
+            .accuracy_interval_by_reach
+            .unwrap_or(evaluation.accuracy_interval_by_trial);
         Cell {
             by: cell.unit,
             features: cell.features,
@@ -222,7 +251,14 @@ fn table_csv(cells: &[Cell]) -> String {
         let _ = writeln!(
             csv,
             "{},{},{},{},{:.2},{:.2},{:.2},{:.2}",
-            cell.unit(), cell.feature(), cell.states, cell.recipe, cell.accuracy, cell.low, cell.high, cell.paper
+            cell.unit(),
+            cell.feature(),
+            cell.states,
+            cell.recipe,
+            cell.accuracy,
+            cell.low,
+            cell.high,
+            cell.paper
         );
     }
     csv
@@ -233,7 +269,11 @@ fn text(results: &Results, wall_s: f64, out: &Path) -> String {
         .trials_per_reach
         .iter()
         .map(|row| {
-            let unit = if row.by == TableOneUnit::Component { "component" } else { "taxel" };
+            let unit = if row.by == TableOneUnit::Component {
+                "component"
+            } else {
+                "taxel"
+            };
             vec![
                 format!("{unit}, {}", row.category),
                 row.trials.to_string(),
@@ -259,7 +299,17 @@ fn text(results: &Results, wall_s: f64, out: &Path) -> String {
     let mut text = results.campaign.text() + "\n\n";
     text += &output::table(&["trials", "count", "per reach", "paper"], &trials);
     text += "\nTable I: two-fold cross-validation accuracy in per cent, the authors' recipe\n";
-    text += &output::table(&["trials, features", "states", "here", "95 % by reach", "paper", "difference"], &cells);
+    text += &output::table(
+        &[
+            "trials, features",
+            "states",
+            "here",
+            "95 % by reach",
+            "paper",
+            "difference",
+        ],
+        &cells,
+    );
     let _ = write!(
         text,
         "\nmean absolute difference {:.1} points; {:.0} s in all\npictures, trials, model.json, table_1.csv and \

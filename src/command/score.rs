@@ -73,17 +73,28 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     let header = "model,trial,log_likelihood".to_string();
     // The shortest text that reads back as the same number.
-    output::lines(std::iter::once(header).chain(rows().map(|row| {
-        format!("{},{},{}", csv_field(&row.model), row.trial, row.log_likelihood)
-    })))
+    output::lines(
+        std::iter::once(header)
+            .chain(rows().map(|row| format!("{},{},{}", csv_field(&row.model), row.trial, row.log_likelihood))),
+    )
 }
 
 /// A category may be any text in a foreign table.
 fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_string()
+    }
 }
 
 /// Trials as `underbrush trials` cuts them by default.
 fn whole_skin() -> TrialArguments {
-    TrialArguments { by: Unit::Taxel, patch: "forearm".into(), threshold_n: 0.0, min_samples: 1, no_wrap: false }
+    TrialArguments {
+        by: Unit::Taxel,
+        patch: "forearm".into(),
+        threshold_n: 0.0,
+        min_samples: 1,
+        no_wrap: false,
+    }
 }

@@ -90,7 +90,11 @@ enum Initial {
 
 fn not_negative(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("must be zero or more".into()) }
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err("must be zero or more".into())
+    }
 }
 
 impl RecipeArguments {
@@ -142,9 +146,19 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         Some(start) => ModelSet::train_from(ModelSet::load(start)?, &trials, &options.recipe.training())?,
         None => ModelSet::train(&trials, &options.recipe.recipe())?,
     };
-    models.provenance.insert("program".into(), concat!("underbrush ", env!("CARGO_PKG_VERSION")).into());
+    models.provenance.insert(
+        "program".into(),
+        concat!("underbrush ", env!("CARGO_PKG_VERSION")).into(),
+    );
     output::write_file(&options.out, models.save_string()?.as_bytes())?;
-    output::result(json, &Trained { model: &options.out, report: &report }, || text(&options.out, &report))
+    output::result(
+        json,
+        &Trained {
+            model: &options.out,
+            report: &report,
+        },
+        || text(&options.out, &report),
+    )
 }
 
 fn text(path: &Path, report: &TrainingReport) -> String {
@@ -168,15 +182,29 @@ fn text(path: &Path, report: &TrainingReport) -> String {
             ]
         })
         .collect();
-    let header = ["category", "trials", "samples", "iterations", "log-likelihood at start", "at end", "stop"];
+    let header = [
+        "category",
+        "trials",
+        "samples",
+        "iterations",
+        "log-likelihood at start",
+        "at end",
+        "stop",
+    ];
     let mut text = output::table(&header, &rows);
     for (category, history) in &report.categories {
         if !history.empty_states.is_empty() {
-            text += &format!("{category}: states {:?} explain no sample; fewer states would do\n", history.empty_states);
+            text += &format!(
+                "{category}: states {:?} explain no sample; fewer states would do\n",
+                history.empty_states
+            );
         }
     }
     if report.skipped_trials > 0 {
-        text += &format!("{} trials without a category to train were left out\n", report.skipped_trials);
+        text += &format!(
+            "{} trials without a category to train were left out\n",
+            report.skipped_trials
+        );
     }
     text + &format!("Model written to {}", path.display())
 }

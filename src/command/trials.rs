@@ -48,6 +48,11 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     };
     write_trials(&options.out, trials)?;
     output::result(json, &written, || {
-        format!("{} trials, {} samples in {}", written.trials, written.samples, written.file.display())
+        format!(
+            "{} trials, {} samples in {}",
+            written.trials,
+            written.samples,
+            written.file.display()
+        )
     })
 }

@@ -67,8 +67,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
 pub fn is_recording(path: impl AsRef<Path>) -> bool {
     let path = path.as_ref();
     path.extension().is_some_and(|extension| extension == "parquet")
-        && open(path, ArrowReaderOptions::default())
-            .is_ok_and(|builder| key_value(path, &builder, FORMAT_KEY).is_ok())
+        && open(path, ArrowReaderOptions::default()).is_ok_and(|builder| key_value(path, &builder, FORMAT_KEY).is_ok())
 }
 
 /// Opens a recording: everything but its frames, and the batches that hold them.

@@ -55,10 +55,10 @@ pub struct Mechanism {
     coordinates: Vec<Coordinate>,
 }
 
-/// Angles under 1e-4 rad (displacements under 0.1 mm) and speeds under 1e-3 count as rest: the force of a leaf so
-/// bent is under a thousandth of a newton, below the sensor's quantum.
-const REST_COORDINATE: f64 = 1e-4;
-const REST_SPEED: f64 = 1e-3;
+/// Hinge angles under 5e-4 rad (displacements under 0.5 mm) and speeds under 5e-3 count as rest: what a leaf of E I =
+/// 0.02 N m² so bent pushes with, E I / h · 5e-4 / 0.2 m, is about the sensor's quantum of 1 mN.
+const REST_COORDINATE: f64 = 5e-4;
+const REST_SPEED: f64 = 5e-3;
 
 impl Mechanism {
     /// Every collider with its place in the object, lowest first.

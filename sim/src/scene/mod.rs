@@ -78,10 +78,11 @@ pub struct Workspace {
 }
 
 impl Default for Workspace {
-    /// Choice: the foam's top lies 50 cm under the shoulder, in front of the right arm of Cody and within its reach.
+    /// Choice: the foam's top lies 50 cm under the shoulder of Cody's right arm; the clutter stands from beside the
+    /// drawn-back hand to the end of the arm's reach, so that the forearm comes among it and not the hand alone.
     fn default() -> Self {
         Workspace {
-            x_m: [0.42, 0.85],
+            x_m: [0.20, 0.80],
             y_m: [-0.65, 0.25],
             table_height_m: -0.58,
         }
@@ -122,9 +123,9 @@ impl Default for Goals {
         Goals {
             count: 4,
             retries: 1,
-            x_m: Quantity::uniform(0.50, 0.72),
-            y_m: Quantity::uniform(-0.50, 0.10),
-            z_m: Quantity::uniform(-0.36, -0.18),
+            x_m: Quantity::uniform(0.45, 0.75),
+            y_m: Quantity::uniform(-0.55, 0.20),
+            z_m: Quantity::uniform(-0.38, -0.16),
         }
     }
 }
