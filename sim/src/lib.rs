@@ -2,6 +2,7 @@
 
 pub mod arm;
 pub mod clutter;
+pub mod controller;
 pub mod geometry;
 pub mod object;
 pub mod physics;

@@ -150,12 +150,12 @@ fn cylinder_taxels(
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return fault("column_angles_deg", "none".into(), "at least one angle");
     };
-    let steps = angles
+    let mut steps = angles
         .windows(2)
         .map(|pair| pair[1] - pair[0])
         .chain([first + 360.0 - last]);
     let least_step_deg = (table.taxel_size_m / table.radius_m).to_degrees();
-    if table.taxel_size_m > table.row_pitch_m || !steps.fold(true, |fits, step| fits && step >= least_step_deg) {
+    if table.taxel_size_m > table.row_pitch_m || !steps.all(|step| step >= least_step_deg) {
         let allowed = format!(
             "taxels that do not overlap: at most the row pitch, and rising column angles at least {least_step_deg:.2} deg apart"
         );

@@ -1,0 +1,276 @@
+//! The quasi-static one-step model-predictive controller of A. Jain, M. D. Killpack, A. Edsinger, C. C. Kemp,
+//! "Reaching in clutter with whole-arm tactile sensing", IJRR 32(4), 2013, section 5.
+//!
+//! The model: the arm rests on its springs K_j (as the controller believes them) and on linear springs of stiffness k
+//! along the normals n_i of its contacts. A change Δφ of the equilibrium angles then moves the joints by
+//!
+//! Δq = P K_j Δφ,  P = (K_j + Σ k J_iᵀ n_i n_iᵀ J_i)⁻¹,
+//!
+//! the tip by J_h Δq, and changes contact force i by k n_iᵀ J_i Δq with the outward normal n_i. Δφ minimizes
+//!
+//! w_p ‖Δx − J_h Δq‖² + w_o ‖Δθ − J_ω Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
+//!
+//! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The
+//! publication has a weight for a wanted posture too; the parameter sets give it no value, so it is left out.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector, Matrix3xX, RowDVector, Vector3};
+
+use super::quadratic_program::{Outcome, QuadraticProgram};
+use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Preset, TaxelContact};
+use crate::arm::Arm;
+
+/// The controller with one parameter set, for one arm.
+#[derive(Clone, Debug)]
+pub struct ModelPredictive {
+    preset: Preset,
+    joints: Vec<JointBelief>,
+}
+
+/// What the controller knows of a joint.
+#[derive(Clone, Copy, Debug)]
+struct JointBelief {
+    stiffness: f64,
+    limits: [f64; 2],
+    /// Largest change of φ in one step, rad.
+    step: f64,
+}
+
+impl ModelPredictive {
+    /// The controller of an arm.
+    pub fn new(preset: Preset, arm: &Arm) -> Self {
+        let most = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
+        let joints = arm
+            .joints
+            .iter()
+            .map(|joint| JointBelief {
+                stiffness: joint.believed_stiffness_nm_per_rad,
+                limits: joint.controller_limits_rad,
+                step: (joint.slew_limit_rad_per_s / preset.rate_hz).min(most),
+            })
+            .collect();
+        ModelPredictive { preset, joints }
+    }
+
+    /// The equilibrium angles from which the step starts: those given, but a joint's is set back to its angle where
+    /// the two are too far apart. The authors reset; that it is per joint, and to the angle itself, is a choice.
+    fn start(&self, input: &ControllerInput<'_>) -> Vec<f64> {
+        let reset = self.preset.equilibrium_reset_rad.unwrap_or(f64::INFINITY);
+        let pairs = input.equilibrium_angle_rad.iter().zip(input.joint_angle_rad);
+        pairs
+            .map(|(equilibrium, angle)| {
+                if (equilibrium - angle).abs() > reset {
+                    *angle
+                } else {
+                    *equilibrium
+                }
+            })
+            .collect()
+    }
+
+    /// The move of the tip that the cost asks for in this step, m.
+    fn wanted_move(&self, input: &ControllerInput<'_>) -> DVec3 {
+        let error = input.goal.position_world - input.tip_pose_world.translation;
+        wanted(error, self.preset.tip_step_m, self.preset.slow_distance_m)
+    }
+
+    /// The turn of the tip that the cost asks for in this step, rad, world frame; `None` without such a goal.
+    fn wanted_turn(&self, input: &ControllerInput<'_>) -> Option<DVec3> {
+        let goal = input
+            .goal
+            .orientation_world
+            .filter(|_| self.preset.orientation_weight > 0.0)?;
+        let difference = goal * input.tip_pose_world.rotation.inverse();
+        // The shorter way round.
+        let difference = if difference.w < 0.0 { -difference } else { difference };
+        Some(wanted(
+            difference.to_scaled_axis(),
+            self.preset.tip_turn_rad,
+            Some(self.preset.slow_angle_rad),
+        ))
+    }
+
+    /// The quadratic program in Δφ.
+    fn program(&self, input: &ControllerInput<'_>, start: &[f64]) -> Option<QuadraticProgram> {
+        let preset = &self.preset;
+        let joints = self.joints.len();
+        let contacts: Vec<&TaxelContact> = input
+            .contacts
+            .iter()
+            .filter(|contact| contact.force_n >= preset.ignored_force_n)
+            .collect();
+        // Row i: change of contact force i per change of the joint angles, N/rad.
+        let mut force_rows = DMatrix::zeros(contacts.len(), joints);
+        for (mut row, contact) in force_rows.row_iter_mut().zip(&contacts) {
+            let outward = -contact.inward_normal_world;
+            let normal = Vector3::new(outward.x, outward.y, outward.z);
+            row.tr_copy_from(&(contact.position_jacobian.tr_mul(&normal) * preset.contact_stiffness_n_per_m));
+        }
+        let spring = DMatrix::from_diagonal(&DVector::from_iterator(
+            joints,
+            self.joints.iter().map(|joint| joint.stiffness),
+        ));
+        let stiffness = &spring + force_rows.tr_mul(&force_rows) / preset.contact_stiffness_n_per_m;
+        // Δq = response Δφ.
+        let response = stiffness.cholesky()?.solve(&spring);
+        let forces = &force_rows * &response;
+
+        let mut cost = Cost::new(joints);
+        let dynamic = |jacobian: &Matrix3xX<f64>| DMatrix::from_column_slice(3, jacobian.ncols(), jacobian.as_slice());
+        let vector = |v: DVec3| DVector::from_column_slice(&v.to_array());
+        cost.add(
+            preset.position_weight,
+            &(dynamic(input.tip_position_jacobian) * &response),
+            &vector(self.wanted_move(input)),
+        );
+        if let Some(turn) = self.wanted_turn(input) {
+            cost.add(
+                preset.orientation_weight,
+                &(dynamic(input.tip_angular_jacobian) * &response),
+                &vector(turn),
+            );
+        }
+        cost.add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
+        let over: Vec<usize> = (0..contacts.len())
+            .filter(|index| contacts[*index].force_n > preset.force_limit_n)
+            .collect();
+        if !over.is_empty() {
+            let reduction = DVector::from_element(over.len(), -preset.over_limit_force_reduction_n);
+            cost.add(
+                preset.force_weight / over.len() as f64,
+                &forces.select_rows(&over),
+                &reduction,
+            );
+        }
+
+        let mut bounds = Bounds::new(joints);
+        for (contact, row) in contacts.iter().zip(forces.row_iter()) {
+            // Below the limit a force may rise to the limit, but no faster than the preset allows.
+            let most = if contact.force_n > preset.force_limit_n {
+                preset.over_limit_force_change_n
+            } else {
+                preset.force_rise_n.min(preset.force_limit_n - contact.force_n)
+            };
+            // The publication bounds the fall of a force over its limit; here the same holds for all.
+            bounds.keep(row.into_owned(), -preset.force_fall_n, most);
+        }
+        for (index, (joint, row)) in self.joints.iter().zip(response.row_iter()).enumerate() {
+            let angle = input.joint_angle_rad[index];
+            bounds.keep(
+                row.into_owned(),
+                (joint.limits[0] - angle).min(0.0),
+                (joint.limits[1] - angle).max(0.0),
+            );
+        }
+        let offset_limit = preset.equilibrium_offset_rad.unwrap_or(f64::INFINITY);
+        for (index, joint) in self.joints.iter().enumerate() {
+            let offset = start[index] - input.joint_angle_rad[index];
+            let least = (-joint.step).max((-offset_limit - offset).min(0.0));
+            let most = joint.step.min((offset_limit - offset).max(0.0));
+            let mut row = RowDVector::zeros(joints);
+            row[index] = 1.0;
+            bounds.keep(row, least, most);
+        }
+        Some(bounds.program(cost))
+    }
+}
+
+impl Controller for ModelPredictive {
+    fn name(&self) -> &str {
+        self.preset.name
+    }
+
+    fn preset(&self) -> &Preset {
+        &self.preset
+    }
+
+    fn control(&self, input: &ControllerInput<'_>) -> ControllerOutput {
+        let mut equilibrium_angle_rad = self.start(input);
+        let status = match self
+            .program(input, &equilibrium_angle_rad)
+            .map(|program| program.solve())
+        {
+            Some(Outcome::Optimal(solution)) => {
+                for (angle, change) in equilibrium_angle_rad.iter_mut().zip(&solution.minimizer) {
+                    *angle += change;
+                }
+                ControlStatus::Solved
+            }
+            Some(Outcome::Infeasible) => ControlStatus::Infeasible,
+            _ => ControlStatus::Failed,
+        };
+        ControllerOutput {
+            equilibrium_angle_rad,
+            status,
+        }
+    }
+}
+
+/// `error` cut to the length of one step; inside `slow` the step shrinks linearly with the error.
+fn wanted(error: DVec3, step: f64, slow: Option<f64>) -> DVec3 {
+    let slow = slow.unwrap_or(step);
+    let length = error.length();
+    if length > slow {
+        error * (step / length)
+    } else {
+        error * (step / slow)
+    }
+}
+
+/// ½ xᵀ G x + aᵀ x, gathered from weighted squares.
+struct Cost {
+    hessian: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Cost {
+    fn new(variables: usize) -> Self {
+        Cost {
+            hessian: DMatrix::zeros(variables, variables),
+            gradient: DVector::zeros(variables),
+        }
+    }
+
+    /// Adds weight ‖matrix x − target‖².
+    fn add(&mut self, weight: f64, matrix: &DMatrix<f64>, target: &DVector<f64>) {
+        self.hessian += matrix.tr_mul(matrix) * (2.0 * weight);
+        self.gradient -= matrix.tr_mul(target) * (2.0 * weight);
+    }
+}
+
+/// least ≤ row x ≤ most, gathered as C x ≥ b.
+struct Bounds {
+    variables: usize,
+    rows: Vec<RowDVector<f64>>,
+    bounds: Vec<f64>,
+}
+
+impl Bounds {
+    fn new(variables: usize) -> Self {
+        Bounds {
+            variables,
+            rows: Vec::new(),
+            bounds: Vec::new(),
+        }
+    }
+
+    fn keep(&mut self, row: RowDVector<f64>, least: f64, most: f64) {
+        self.rows.push(-&row);
+        self.bounds.push(-most);
+        self.rows.push(row);
+        self.bounds.push(least);
+    }
+
+    fn program(self, cost: Cost) -> QuadraticProgram {
+        let mut constraints = DMatrix::zeros(self.rows.len(), self.variables);
+        for (mut target, row) in constraints.row_iter_mut().zip(&self.rows) {
+            target.copy_from(row);
+        }
+        QuadraticProgram {
+            hessian: cost.hessian,
+            gradient: cost.gradient,
+            constraints,
+            bounds: DVector::from_vec(self.bounds),
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! A dense, strictly convex quadratic program by the dual active-set method of D. Goldfarb and A. Idnani, "A
+//! numerically stable dual method for solving strictly convex quadratic programs", Mathematical Programming 27, 1983.
+//!
+//! The method starts at the unconstrained minimum and takes in violated constraints one at a time, keeping the
+//! multipliers non-negative; each iterate is the exact minimum under its active set. The active normals are kept as
+//! an orthonormal basis and a triangle, which a new constraint extends by a column; dropping one makes them anew,
+//! which for the dozen variables of an arm costs little and gathers no error.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Minimize ½ xᵀ G x + aᵀ x subject to C x ≥ b.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QuadraticProgram {
+    /// G, n × n, symmetric positive definite.
+    pub hessian: DMatrix<f64>,
+    /// a, n.
+    pub gradient: DVector<f64>,
+    /// C, m × n: one constraint a row.
+    pub constraints: DMatrix<f64>,
+    /// b, m.
+    pub bounds: DVector<f64>,
+}
+
+/// How a quadratic program ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The minimum was found.
+    Optimal(Solution),
+    /// No point satisfies all constraints.
+    Infeasible,
+    /// The hessian has no Cholesky factor.
+    NotPositiveDefinite,
+    /// An entry is not finite, or sizes do not match.
+    Malformed,
+    /// The bound on the number of iterations was met, by accumulated rounding.
+    IterationLimit,
+}
+
+/// The minimum of a quadratic program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// x, n.
+    pub minimizer: DVector<f64>,
+    /// The active constraints, in the order in which they were taken in.
+    pub active: Vec<usize>,
+    /// Their multipliers u ≥ 0, with G x + a = Cᵀ u.
+    pub multipliers: Vec<f64>,
+    /// Constraints taken in or dropped on the way.
+    pub iterations: usize,
+}
+
+/// A constraint counts as violated beyond this, relative to the size of its terms.
+const VIOLATION: f64 = 1e-11;
+/// A constraint whose normal keeps less than this share of its length outside the active normals depends on them.
+const DEPENDENCE: f64 = 1e-9;
+
+impl QuadraticProgram {
+    /// Finds the minimum.
+    pub fn solve(&self) -> Outcome {
+        let (variables, count) = (self.gradient.len(), self.bounds.len());
+        let fits = self.hessian.shape() == (variables, variables) && self.constraints.shape() == (count, variables);
+        let entries = [
+            self.hessian.as_slice(),
+            self.gradient.as_slice(),
+            self.constraints.as_slice(),
+            self.bounds.as_slice(),
+        ];
+        if !fits || !entries.into_iter().flatten().all(|entry| entry.is_finite()) {
+            return Outcome::Malformed;
+        }
+        let Some(factor) = self.hessian.clone().cholesky() else {
+            return Outcome::NotPositiveDefinite;
+        };
+        // With G = L Lᵀ and y = Lᵀ x the program is a search for the point of a polyhedron nearest to −L⁻¹ a: the
+        // columns of L⁻¹ Cᵀ are the normals of its faces.
+        let lower = factor.l();
+        let Some(normals) = lower.solve_lower_triangular(&self.constraints.transpose()) else {
+            return Outcome::NotPositiveDefinite;
+        };
+        let Some(start) = lower.solve_lower_triangular(&-&self.gradient) else {
+            return Outcome::NotPositiveDefinite;
+        };
+        let mut search = Search {
+            normals,
+            bounds: &self.bounds,
+            start_norm: start.norm(),
+            point: start,
+            active: Vec::new(),
+            multipliers: Vec::new(),
+            basis: Basis::new(variables),
+        };
+        // Without rounding no active set comes twice; in practice a constraint is taken in and dropped a few times.
+        let most = 50 * (variables + count + 1);
+        let mut iterations = 0;
+        while let Some(violated) = search.most_violated() {
+            let mut multiplier = 0.0;
+            loop {
+                iterations += 1;
+                if iterations > most {
+                    return Outcome::IterationLimit;
+                }
+                match search.advance(violated, &mut multiplier) {
+                    Step::TakenIn => break,
+                    Step::Dropped => {}
+                    Step::Blocked => return Outcome::Infeasible,
+                }
+            }
+        }
+        match lower.transpose().solve_upper_triangular(&search.point) {
+            Some(minimizer) => Outcome::Optimal(Solution {
+                minimizer,
+                active: search.active,
+                multipliers: search.multipliers,
+                iterations,
+            }),
+            None => Outcome::NotPositiveDefinite,
+        }
+    }
+}
+
+/// State of the search in the coordinates y = Lᵀ x.
+struct Search<'a> {
+    /// Normals of all constraints, one a column.
+    normals: DMatrix<f64>,
+    bounds: &'a DVector<f64>,
+    start_norm: f64,
+    point: DVector<f64>,
+    active: Vec<usize>,
+    multipliers: Vec<f64>,
+    /// The normals of the active constraints, in their order.
+    basis: Basis,
+}
+
+enum Step {
+    /// The violated constraint is active now.
+    TakenIn,
+    /// An active constraint had to be dropped; the violated one still is violated.
+    Dropped,
+    /// Neither is possible.
+    Blocked,
+}
+
+impl Search<'_> {
+    /// The inactive constraint that the point violates most, as a distance.
+    fn most_violated(&self) -> Option<usize> {
+        let mut worst = None;
+        let mut deepest = 0.0;
+        for (index, normal) in self.normals.column_iter().enumerate() {
+            if self.active.contains(&index) {
+                continue;
+            }
+            let length = normal.norm();
+            let value = normal.dot(&self.point) - self.bounds[index];
+            // Where constraints meet near the origin the point is small, but its rounding is that of the start.
+            let scale = length * self.point.norm().max(self.start_norm) + self.bounds[index].abs();
+            // A constraint without a normal, 0 ≥ b, is its own measure.
+            let depth = if length > 0.0 { -value / length } else { f64::INFINITY };
+            if -value > VIOLATION * scale && depth > deepest {
+                (worst, deepest) = (Some(index), depth);
+            }
+        }
+        worst
+    }
+
+    /// One step of the dual method towards a violated constraint, whose multiplier so far is `multiplier`
+    /// (Goldfarb and Idnani, section 3, step 2).
+    fn advance(&mut self, violated: usize, multiplier: &mut f64) -> Step {
+        let normal = self.normals.column(violated).into_owned();
+        // z, the part of the normal outside the active normals, and r, the rest as their combination.
+        let (direction, along) = self.basis.split(&normal);
+        let Some(combination) = self.basis.combination(&along) else {
+            return Step::Blocked;
+        };
+        let independent = self.active.len() < self.point.len() && direction.norm() > DEPENDENCE * normal.norm();
+        // The longest step that keeps the multipliers of the active constraints from turning negative.
+        let mut dual_step = f64::INFINITY;
+        let mut dropped = None;
+        let noise = 1e-12 * combination.amax();
+        for (index, share) in combination.iter().enumerate() {
+            if *share > noise && self.multipliers[index] / share < dual_step {
+                (dropped, dual_step) = (Some(index), self.multipliers[index] / share);
+            }
+        }
+        let gap = self.bounds[violated] - normal.dot(&self.point);
+        let full_step = if independent {
+            gap.max(0.0) / direction.norm_squared()
+        } else {
+            f64::INFINITY
+        };
+        let step = dual_step.min(full_step);
+        if !step.is_finite() {
+            return Step::Blocked;
+        }
+        for (value, share) in self.multipliers.iter_mut().zip(&combination) {
+            *value = (*value - step * share).max(0.0);
+        }
+        *multiplier += step;
+        if independent {
+            self.point.axpy(step, &direction, 1.0);
+        }
+        match dropped {
+            Some(index) if dual_step < full_step => {
+                self.active.remove(index);
+                self.multipliers.remove(index);
+                self.basis.size = 0;
+                for index in &self.active {
+                    let (direction, along) = self.basis.split(&self.normals.column(*index).into_owned());
+                    self.basis.push(&direction, &along);
+                }
+                Step::Dropped
+            }
+            _ => {
+                self.active.push(violated);
+                self.multipliers.push(*multiplier);
+                self.basis.push(&direction, &along);
+                Step::TakenIn
+            }
+        }
+    }
+}
+
+/// A set of independent vectors N = Q R, with orthonormal columns of Q and an upper triangle R.
+struct Basis {
+    vectors: DMatrix<f64>,
+    triangle: DMatrix<f64>,
+    size: usize,
+}
+
+impl Basis {
+    fn new(variables: usize) -> Self {
+        let zeros = DMatrix::zeros(variables, variables);
+        Basis {
+            vectors: zeros.clone(),
+            triangle: zeros,
+            size: 0,
+        }
+    }
+
+    /// The part of `vector` outside the set, and the coordinates of the rest in Q.
+    fn split(&self, vector: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let vectors = self.vectors.columns(0, self.size);
+        let mut outside = vector.clone();
+        let mut along = DVector::zeros(self.size);
+        // The second pass takes out what rounding left of the first.
+        for _ in 0..2 {
+            let part = vectors.tr_mul(&outside);
+            outside -= vectors * &part;
+            along += part;
+        }
+        (outside, along)
+    }
+
+    /// R⁻¹ `along`: the coordinates in N of what has the coordinates `along` in Q.
+    fn combination(&self, along: &DVector<f64>) -> Option<DVector<f64>> {
+        self.triangle
+            .view((0, 0), (self.size, self.size))
+            .solve_upper_triangular(along)
+    }
+
+    /// Takes in a vector that was split into `outside`, not zero, and `along`.
+    fn push(&mut self, outside: &DVector<f64>, along: &DVector<f64>) {
+        let length = outside.norm();
+        self.vectors.set_column(self.size, &(outside / length));
+        self.triangle.view_mut((0, self.size), (self.size, 1)).copy_from(along);
+        self.triangle[(self.size, self.size)] = length;
+        self.size += 1;
+    }
+}

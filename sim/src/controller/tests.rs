@@ -1,0 +1,94 @@
+//! Tests of the controllers: the program alone, single steps in random situations, and closed loops with a
+//! quasi-static arm.
+
+use glam::DVec3;
+use nalgebra::Matrix3xX;
+use rapier3d::prelude::Pose;
+
+use super::{Controller, ControllerInput, ControllerOutput, Goal, TaxelContact};
+use crate::arm::Arm;
+
+mod closed_loop;
+mod quadratic_program;
+mod single_step;
+
+/// An arm at one instant, with what a controller must know of it.
+struct Situation<'a> {
+    arm: &'a Arm,
+    angle: Vec<f64>,
+    equilibrium: Vec<f64>,
+    contacts: Vec<TaxelContact>,
+    goal: Goal,
+    links: Vec<Pose>,
+}
+
+impl<'a> Situation<'a> {
+    /// At rest on its equilibrium angles, without contact, its goal where its tip is.
+    fn at(arm: &'a Arm, angle: &[f64]) -> Self {
+        let links = arm.forward_kinematics(angle);
+        let goal = Goal {
+            position_world: arm.tip_pose(&links).translation,
+            orientation_world: None,
+        };
+        Situation {
+            arm,
+            angle: angle.to_vec(),
+            equilibrium: angle.to_vec(),
+            contacts: Vec::new(),
+            goal,
+            links,
+        }
+    }
+
+    fn tip(&self) -> Pose {
+        self.arm.tip_pose(&self.links)
+    }
+
+    fn tip_jacobian(&self) -> Matrix3xX<f64> {
+        self.arm
+            .position_jacobian(&self.links, self.arm.tip_link, self.tip().translation)
+    }
+
+    /// Presses on one taxel.
+    fn press(&mut self, patch: usize, taxel: usize, force_n: f64) {
+        let link = self.arm.skin.surfaces[patch].link;
+        let taxel = self.arm.skin.layout.patches[patch].taxels[taxel];
+        let pose = self.links[link];
+        let position_jacobian = self
+            .arm
+            .position_jacobian(&self.links, link, pose * taxel.position_link);
+        let inward_normal_world = -(pose.rotation * taxel.normal_link);
+        self.contacts.push(TaxelContact {
+            position_jacobian,
+            inward_normal_world,
+            force_n,
+        });
+    }
+
+    fn step(&self, controller: &dyn Controller) -> ControllerOutput {
+        controller.control(&ControllerInput {
+            joint_angle_rad: &self.angle,
+            equilibrium_angle_rad: &self.equilibrium,
+            tip_pose_world: self.tip(),
+            tip_position_jacobian: &self.tip_jacobian(),
+            tip_angular_jacobian: &self.arm.angular_jacobian(&self.links, self.arm.tip_link),
+            goal: self.goal,
+            contacts: &self.contacts,
+        })
+    }
+
+    fn distance(&self) -> f64 {
+        self.goal.position_world.distance(self.tip().translation)
+    }
+}
+
+/// A posture with all joints away from their limits.
+const MIDDLE_DEG: [f64; 7] = [20.0, 20.0, -30.0, 70.0, 10.0, 5.0, -5.0];
+
+fn middle() -> Vec<f64> {
+    MIDDLE_DEG.map(f64::to_radians).to_vec()
+}
+
+fn vector(v: DVec3) -> nalgebra::Vector3<f64> {
+    nalgebra::Vector3::new(v.x, v.y, v.z)
+}
