@@ -3,7 +3,6 @@
 pub mod arm;
 pub mod campaign;
 pub mod clutter;
-mod contact_log;
 pub mod controller;
 pub mod geometry;
 mod monitor;

@@ -9,7 +9,7 @@ use underbrush_recording::InputError;
 
 use super::source::Source;
 use super::urdf::{Chain, ChainJoint, read_chain};
-use super::{Arm, Joint, LinkCollider, LinkShape, skin};
+use super::{Arm, Joint, LinkCollider, LinkShape, skin_file};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,7 +71,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         .get(&file.tip_link)
         .copied()
         .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, known_links(&chain)))?;
-    let skin = skin::read_skin(&open(&folder.join(&file.skin))?, &chain)?;
+    let skin = skin_file::read_skin(&open(&folder.join(&file.skin))?, &chain)?;
     Ok(Arm {
         name: file.name,
         joints: join_tables(&source, chain.joints, &file.joint)?,

@@ -14,6 +14,7 @@ pub mod engine;
 mod file;
 pub mod kinematics;
 pub mod skin;
+mod skin_file;
 mod source;
 mod urdf;
 

@@ -2,8 +2,9 @@
 //! numerically stable dual method for solving strictly convex quadratic programs", Mathematical Programming 27, 1983.
 //!
 //! The method starts at the unconstrained minimum and takes in violated constraints one at a time, keeping the
-//! multipliers non-negative; each iterate is the exact minimum under its active set. The factorization of the active
-//! set is made anew at each change: for the dozen variables of an arm that costs little and gathers no error.
+//! multipliers non-negative; each iterate is the exact minimum under its active set. The active normals are kept as
+//! an orthonormal basis and a triangle, which a new constraint extends by a column; dropping one makes them anew,
+//! which for the dozen variables of an arm costs little and gathers no error.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -86,6 +87,7 @@ impl QuadraticProgram {
             point: start,
             active: Vec::new(),
             multipliers: Vec::new(),
+            basis: Basis::new(variables),
         };
         // Without rounding no active set comes twice; in practice a constraint is taken in and dropped a few times.
         let most = 50 * (variables + count + 1);
@@ -125,6 +127,8 @@ struct Search<'a> {
     point: DVector<f64>,
     active: Vec<usize>,
     multipliers: Vec<f64>,
+    /// The normals of the active constraints, in their order.
+    basis: Basis,
 }
 
 enum Step {
@@ -162,25 +166,12 @@ impl Search<'_> {
     /// (Goldfarb and Idnani, section 3, step 2).
     fn advance(&mut self, violated: usize, multiplier: &mut f64) -> Step {
         let normal = self.normals.column(violated).into_owned();
-        let length = normal.norm();
         // z, the part of the normal outside the active normals, and r, the rest as their combination.
-        let mut direction = normal.clone();
-        let mut combination = DVector::zeros(0);
-        if !self.active.is_empty() {
-            let (q, r) = self.normals.select_columns(&self.active).qr().unpack();
-            let mut along = q.tr_mul(&direction);
-            direction -= &q * &along;
-            // A second pass takes out what rounding left of the first.
-            let rest = q.tr_mul(&direction);
-            direction -= &q * &rest;
-            along += rest;
-            let size = r.ncols();
-            match r.rows(0, size).solve_upper_triangular(&along.rows(0, size)) {
-                Some(solved) => combination = solved,
-                None => return Step::Blocked,
-            }
-        }
-        let independent = self.active.len() < self.point.len() && direction.norm() > DEPENDENCE * length;
+        let (direction, along) = self.basis.split(&normal);
+        let Some(combination) = self.basis.combination(&along) else {
+            return Step::Blocked;
+        };
+        let independent = self.active.len() < self.point.len() && direction.norm() > DEPENDENCE * normal.norm();
         // The longest step that keeps the multipliers of the active constraints from turning negative.
         let mut dual_step = f64::INFINITY;
         let mut dropped = None;
@@ -211,13 +202,67 @@ impl Search<'_> {
             Some(index) if dual_step < full_step => {
                 self.active.remove(index);
                 self.multipliers.remove(index);
+                self.basis.size = 0;
+                for index in &self.active {
+                    let (direction, along) = self.basis.split(&self.normals.column(*index).into_owned());
+                    self.basis.push(&direction, &along);
+                }
                 Step::Dropped
             }
             _ => {
                 self.active.push(violated);
                 self.multipliers.push(*multiplier);
+                self.basis.push(&direction, &along);
                 Step::TakenIn
             }
         }
+    }
+}
+
+/// A set of independent vectors N = Q R, with orthonormal columns of Q and an upper triangle R.
+struct Basis {
+    vectors: DMatrix<f64>,
+    triangle: DMatrix<f64>,
+    size: usize,
+}
+
+impl Basis {
+    fn new(variables: usize) -> Self {
+        let zeros = DMatrix::zeros(variables, variables);
+        Basis {
+            vectors: zeros.clone(),
+            triangle: zeros,
+            size: 0,
+        }
+    }
+
+    /// The part of `vector` outside the set, and the coordinates of the rest in Q.
+    fn split(&self, vector: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let vectors = self.vectors.columns(0, self.size);
+        let mut outside = vector.clone();
+        let mut along = DVector::zeros(self.size);
+        // The second pass takes out what rounding left of the first.
+        for _ in 0..2 {
+            let part = vectors.tr_mul(&outside);
+            outside -= vectors * &part;
+            along += part;
+        }
+        (outside, along)
+    }
+
+    /// R⁻¹ `along`: the coordinates in N of what has the coordinates `along` in Q.
+    fn combination(&self, along: &DVector<f64>) -> Option<DVector<f64>> {
+        self.triangle
+            .view((0, 0), (self.size, self.size))
+            .solve_upper_triangular(along)
+    }
+
+    /// Takes in a vector that was split into `outside`, not zero, and `along`.
+    fn push(&mut self, outside: &DVector<f64>, along: &DVector<f64>) {
+        let length = outside.norm();
+        self.vectors.set_column(self.size, &(outside / length));
+        self.triangle.view_mut((0, self.size), (self.size, 1)).copy_from(along);
+        self.triangle[(self.size, self.size)] = length;
+        self.size += 1;
     }
 }

@@ -1,0 +1,133 @@
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use glam::DVec3;
+use nalgebra::{DVector, Vector3};
+
+use super::super::engine::insert_arm;
+use super::super::{Arm, file};
+use crate::physics::{Physics, PhysicsOptions, groups};
+
+/// A pendulum on one compliant joint: 1.5 kg at 0.3 m, 0.004 kg m² about the centre of mass.
+fn one_joint_arm() -> Arm {
+    let files = |path: &Path| {
+        Ok(match path.to_str() {
+            Some("one.urdf") => {
+                r#"<robot name="one"><link name="base"/><link name="bar"><inertial><origin xyz="0 0 -0.3"/>
+                <mass value="1.5"/><inertia ixx="0.004" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.004"/></inertial></link>
+                <joint name="hinge" type="revolute"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
+                <limit lower="-3" upper="3" effort="100" velocity="1"/></joint></robot>"#
+            }
+            Some("one.skin.toml") => "stiffness_n_per_m3 = 1e7",
+            _ => {
+                r#"name = "one"
+                urdf = "one.urdf"
+                skin = "one.skin.toml"
+                base_link = "base"
+                tip_link = "bar"
+                friction = 0.3
+                [[joint]]
+                name = "hinge"
+                stiffness_nm_per_rad = 20
+                damping_nm_s_per_rad = 0.2
+                armature_kg_m2 = 0.011
+                believed_stiffness_nm_per_rad = 20
+                controller_limits_deg = [-90, 90]
+                start_deg = 0"#
+            }
+        }
+        .to_string())
+    };
+    file::assemble(Path::new("one.toml"), &files).unwrap()
+}
+
+#[test]
+fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
+    // Pins stiffness, damping, inertia and armature together: I = m r² + I_c + armature = 0.15 kg m²,
+    // ω₀ = sqrt(K/I), ζ = D / (2 sqrt(K I)); period 2π/(ω₀ sqrt(1 − ζ²)), overshoot exp(−π ζ / sqrt(1 − ζ²)).
+    let arm = one_joint_arm();
+    let step_s = 1e-4;
+    let options = PhysicsOptions {
+        step_s,
+        substeps: 1,
+        gravity_m_per_s2: 9.81,
+    };
+    let mut physics = Physics::new(options);
+    let handles = insert_arm(&arm, &[0.0], &mut physics, groups::arm());
+    let target = 0.2;
+    handles.set_equilibrium(&arm, &[target], &mut physics);
+    let mut rising = Vec::new();
+    let mut highest = 0.0_f64;
+    let mut last = 0.0;
+    for step in 0..25_000 {
+        physics.step();
+        let angle = handles.joint_angle_rad(&physics)[0];
+        if last < target && angle >= target {
+            rising.push(step_s * (f64::from(step) + (target - last) / (angle - last)));
+        }
+        highest = highest.max(angle);
+        last = angle;
+    }
+    let inertia = 1.5 * 0.3 * 0.3 + 0.004 + 0.011;
+    let natural = (20.0_f64 / inertia).sqrt();
+    let ratio = 0.2 / (2.0 * (20.0 * inertia).sqrt());
+    let damped = natural * (1.0 - ratio * ratio).sqrt();
+    let periods = (rising.len() - 1) as f64;
+    assert!(periods >= 3.0);
+    let period = (rising[rising.len() - 1] - rising[0]) / periods;
+    // Backward Euler shortens the frequency by (ω₀ dt)² and adds ω₀ dt/2 = 6e-4 to the damping ratio.
+    assert!((period * damped / TAU - 1.0).abs() < 5e-3, "period {period} s");
+    let overshoot = (highest - target) / target;
+    let expected = (-std::f64::consts::PI * ratio / (1.0 - ratio * ratio).sqrt()).exp();
+    assert!(
+        (overshoot / expected - 1.0).abs() < 5e-3,
+        "overshoot {overshoot}, expected {expected}"
+    );
+}
+
+#[test]
+fn tip_force_at_rest_is_held_by_the_springs() {
+    // Pins statics: K (φ − q) + Jᵀ f = 0 for a known force at the tip, to 1e-3 of the largest joint torque.
+    let arm = Arm::cody().unwrap();
+    let options = PhysicsOptions {
+        step_s: 0.005,
+        substeps: 4,
+        gravity_m_per_s2: 9.81,
+    };
+    let posture = arm.start_posture_rad();
+    for force in [DVec3::new(-4.0, 0.0, 0.0), DVec3::new(1.0, 3.0, -2.0)] {
+        let mut physics = Physics::new(options);
+        let handles = insert_arm(&arm, &posture, &mut physics, groups::arm());
+        for _ in 0..2400 {
+            let tip = arm.tip_pose(&arm.forward_kinematics(&handles.joint_angle_rad(&physics)));
+            let body = &mut physics.bodies[handles.links[arm.tip_link]];
+            body.reset_forces(true);
+            body.reset_torques(true);
+            body.add_force_at_point(force, tip.translation, true);
+            physics.step();
+        }
+        let angles = handles.joint_angle_rad(&physics);
+        let links = arm.forward_kinematics(&angles);
+        let jacobian = arm.position_jacobian(&links, arm.tip_link, arm.tip_pose(&links).translation);
+        let load = jacobian.transpose() * Vector3::new(force.x, force.y, force.z);
+        let stiffness = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad);
+        let spring = DVector::from_iterator(
+            7,
+            stiffness
+                .zip(posture.iter().zip(&angles))
+                .map(|(k, (rest, q))| k * (rest - q)),
+        );
+        assert!(
+            load.amax() > 0.5,
+            "the force must load the joints for the check to mean anything"
+        );
+        assert!((&spring + &load).amax() < 1e-3 * load.amax(), "{spring} against {load}");
+        let read = handles.joint_torque_nm(&physics);
+        assert!(
+            spring
+                .iter()
+                .zip(&read)
+                .all(|(spring, read)| (spring - read).abs() < 1e-3 * load.amax())
+        );
+    }
+}

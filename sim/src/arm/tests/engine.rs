@@ -1,0 +1,155 @@
+use super::super::Arm;
+use super::super::engine::{ArmHandles, insert_arm};
+use super::kinematics::matrix;
+use super::random_postures;
+use crate::physics::{Physics, PhysicsOptions, groups};
+
+const OPTIONS: PhysicsOptions = PhysicsOptions {
+    step_s: 0.005,
+    substeps: 4,
+    gravity_m_per_s2: 9.81,
+};
+
+fn inserted(arm: &Arm, posture: &[f64]) -> (Physics, ArmHandles) {
+    let mut physics = Physics::new(OPTIONS);
+    let handles = insert_arm(arm, posture, &mut physics, groups::arm());
+    (physics, handles)
+}
+
+#[test]
+fn engine_has_the_same_poses_and_jacobians() {
+    // Pins that kinematics here and the engine's multibody are the same arm: link poses and the Jacobians of the
+    // centres of mass at random postures.
+    let arm = Arm::cody().unwrap();
+    for posture in random_postures(&arm, 1000) {
+        let (physics, handles) = inserted(&arm, &posture);
+        let poses = arm.forward_kinematics(&posture);
+        let (multibody, _) = physics.joints.get(handles.joints[0]).unwrap();
+        assert_eq!(multibody.ndofs(), 7);
+        for (index, (handle, pose)) in handles.links.iter().zip(&poses).enumerate() {
+            let body = &physics.bodies[*handle];
+            assert!((matrix(body.position()) - matrix(pose)).amax() < 1e-12);
+            let center = *pose * arm.links[index].center_of_mass_link;
+            assert!(body.center_of_mass().distance(center) < 1e-12);
+            let engine = multibody.body_jacobian(index);
+            let position = arm.position_jacobian(&poses, index, center);
+            let angular = arm.angular_jacobian(&poses, index);
+            assert!((engine.fixed_rows::<3>(0) - position).amax() < 1e-12);
+            assert!((engine.fixed_rows::<3>(3) - angular).amax() < 1e-12);
+        }
+        for (read, set) in handles.joint_angle_rad(&physics).iter().zip(&posture) {
+            assert!((read - set).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn engine_has_the_same_inertia() {
+    // Pins mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes.
+    let arm = Arm::cody().unwrap();
+    let (physics, handles) = inserted(&arm, &arm.start_posture_rad());
+    for (handle, link) in handles.links.iter().zip(&arm.links).skip(1) {
+        let properties = physics.bodies[*handle].mass_properties().local_mprops;
+        assert!((properties.mass() - link.mass_kg).abs() < 1e-12);
+        assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
+        assert!(
+            properties
+                .reconstruct_inertia_matrix()
+                .abs_diff_eq(link.inertia_link, 1e-12),
+            "{}",
+            link.name
+        );
+    }
+}
+
+#[test]
+fn arm_stays_where_it_is_put() {
+    // Pins that nothing moves an untouched arm: gravity is compensated, springs rest at the posture, damping and
+    // springs sit on the right joints.
+    let arm = Arm::cody().unwrap();
+    let posture = arm.start_posture_rad();
+    let (mut physics, handles) = inserted(&arm, &posture);
+    for _ in 0..200 {
+        physics.step();
+    }
+    for (read, set) in handles.joint_angle_rad(&physics).iter().zip(&posture) {
+        assert!((read - set).abs() < 1e-12);
+    }
+    let (multibody, _) = physics.joints.get(handles.joints[0]).unwrap();
+    assert_eq!(multibody.damping().len(), 7);
+    for ((joint, handle), damping) in arm.joints.iter().zip(&handles.joints).zip(multibody.damping().iter()) {
+        assert_eq!(*damping, joint.damping_nm_s_per_rad);
+        let (multibody, link) = physics.joints.get(*handle).unwrap();
+        assert_eq!(
+            multibody.link(link).unwrap().joint().spring(3).0,
+            joint.stiffness_nm_per_rad
+        );
+    }
+}
+
+#[test]
+fn torque_stays_within_the_actuator_limit() {
+    // Pins that an equilibrium angle far away pulls with the torque limit and no more, in both directions, on the way.
+    let arm = Arm::cody().unwrap();
+    let posture = arm.start_posture_rad();
+    for sign in [-1.0, 1.0] {
+        let (mut physics, handles) = inserted(&arm, &posture);
+        let far: Vec<f64> = posture.iter().map(|angle| angle + sign * 10.0).collect();
+        handles.set_equilibrium(&arm, &far, &mut physics);
+        for (torque, joint) in handles.joint_torque_nm(&physics).iter().zip(&arm.joints) {
+            assert!(
+                (torque - sign * joint.torque_limit_nm).abs() < 1e-9,
+                "{}: {torque} Nm",
+                joint.name
+            );
+        }
+        for _ in 0..400 {
+            handles.set_equilibrium(&arm, &far, &mut physics);
+            physics.step();
+        }
+        let angles = handles.joint_angle_rad(&physics);
+        for (angle, joint) in angles.iter().zip(&arm.joints) {
+            // A stop gives way a little, as the engine's constraints do: 0.05 rad under the full torque is plenty.
+            let [lower, upper] = joint.limits_rad;
+            let stop = if sign > 0.0 { upper } else { lower };
+            assert!(
+                (angle - stop).abs() < 0.05,
+                "{} is at {angle}, its stop at {stop}",
+                joint.name
+            );
+        }
+    }
+}
+
+#[test]
+fn shapes_sit_where_the_files_put_them() {
+    // Pins the turn from the engine's y axis to the files' z axis: the forearm's cylinder spans its skin lengthwise,
+    // and the flipper's hulls end at the tip.
+    let arm = Arm::cody().unwrap();
+    let (physics, handles) = inserted(&arm, &[0.0; 7]);
+    let lowest_and_highest = |name: &str| {
+        let link = arm.link_index(name).unwrap();
+        let boxes = handles.colliders.iter().filter(|(_, on)| *on == link);
+        boxes
+            .map(|(collider, _)| {
+                physics.colliders[*collider]
+                    .shape()
+                    .compute_aabb(physics.colliders[*collider].position())
+            })
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), bounds| {
+                (low.min(bounds.mins.z), high.max(bounds.maxs.z))
+            })
+    };
+    let elbow_z = -0.27795;
+    let (low, high) = lowest_and_highest("forearm");
+    assert!(
+        (high - (elbow_z - 0.0300)).abs() < 1e-4 && (low - (elbow_z - 0.267)).abs() < 1e-3,
+        "{low} {high}"
+    );
+    let (low, high) = lowest_and_highest("flipper");
+    let wrist_z = elbow_z - 0.27853;
+    assert!(
+        (low - (wrist_z - 0.27)).abs() < 1e-9 && (high - (wrist_z - 0.02)).abs() < 1e-9,
+        "{low} {high}"
+    );
+}

@@ -1,0 +1,193 @@
+use std::fs;
+use std::path::Path;
+
+use proptest::prelude::*;
+
+use super::super::{Arm, cody_file, file};
+use super::altered_cody;
+
+#[test]
+fn cody_from_disk_is_cody() {
+    // Pins that a user's files take the same way as the embedded ones.
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["cody.toml", "cody.urdf", "cody.skin.toml"] {
+        fs::write(folder.path().join(name), cody_file(Path::new(name)).unwrap()).unwrap();
+    }
+    let loaded = Arm::load(folder.path().join("cody.toml")).unwrap();
+    let embedded = Arm::cody().unwrap();
+    assert_eq!(format!("{loaded:?}"), format!("{embedded:?}"));
+    fs::remove_file(folder.path().join("cody.urdf")).unwrap();
+    let error = Arm::load(folder.path().join("cody.toml")).unwrap_err();
+    assert!(error.file.ends_with("cody.urdf") && error.field == "file", "{error}");
+}
+
+#[test]
+fn bad_values_are_refused_with_their_place() {
+    // Pins that every kind of bad value ends in an error that names its file, its field and, where it can, its line.
+    // File, what is there, what is put in its place, a part of the error's field, a part of its text.
+    #[rustfmt::skip]
+    let cases = [
+        ("cody.toml", "name = \"cody\"\n", "name = \"cody\"\ncolour = 1\n", "TOML", "colour"),
+        ("cody.toml", "stiffness_nm_per_rad = 20.0", "stiffness_nm_per_rad = -20.0", "shoulder_flexion.stiffness", "-20"),
+        ("cody.toml", "stiffness_nm_per_rad = 50.0", "stiffness_nm_per_rad = nan", "shoulder_abduction.stiffness", "NaN"),
+        ("cody.toml", "damping_nm_s_per_rad = 5.73", "damping_nm_s_per_rad = -1.0", "damping", "-1"),
+        ("cody.toml", "damping_nm_s_per_rad = 5.73", "damping_nm_s_per_rad = inf", "damping", "inf"),
+        ("cody.toml", "believed_stiffness_nm_per_rad = 3.2", "believed_stiffness_nm_per_rad = 0.0", "believed", "0"),
+        ("cody.toml", "[-47.61, 120.0]", "[120.0, -47.61]", "controller_limits_deg", "smaller first"),
+        ("cody.toml", "[-47.61, 120.0]", "[-47.61, 130.0]", "controller_limits_deg", "within the URDF"),
+        ("cody.toml", "start_deg = 122.0", "start_deg = 150.0", "elbow_flexion.start_deg", "150"),
+        ("cody.toml", "friction = 0.3", "friction = -0.3", "friction", "-0.3"),
+        ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_roll\"", "joint.name", "wrist_roll"),
+        ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_pitch\"", "joint.name", "wrist_pitch"),
+        ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"hand\"", "tip_link", "hand"),
+        ("cody.toml", "base_link = \"torso\"", "base_link = \"pelvis\"", "link pelvis", "no such link"),
+        ("cody.toml", "base_link = \"torso\"", "base_link = \"flipper\"", "link flipper", "no moving joint"),
+        ("cody.toml", "link = \"flipper\"", "link = \"paddle\"", "hull.link", "paddle"),
+        ("cody.toml", "urdf = \"cody.urdf\"", "urdf = \"other.urdf\"", "file", "no such file"),
+        ("cody.toml", "points_m = [\n", "points_m = []\nother = [\n", "TOML", "other"),
+        ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass value=\"-1\"/>", "link shoulder, inertial.mass", "-1"),
+        ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass value=\"0\"/>", "link shoulder, inertial", "no mass"),
+        ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"-0.003056\"", "link shoulder, inertial.inertia", "principal moments"),
+        ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"0.3\"", "link shoulder, inertial.inertia", "sum of the other two"),
+        ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"nan\"", "link shoulder, inertial.inertia", "NaN"),
+        ("cody.urdf", "<axis xyz=\"0 -1 0\"/>", "<axis xyz=\"0 0 0\"/>", "joint shoulder_flexion, axis", "not all zero"),
+        ("cody.urdf", "lower=\"-0.8310\"", "lower=\"3\"", "joint shoulder_flexion, limit", "lower below upper"),
+        ("cody.urdf", "effort=\"40\"", "effort=\"0\"", "joint shoulder_flexion, limit.effort", "positive"),
+        ("cody.urdf", "velocity=\"0.87266\"", "velocity=\"nan\"", "joint shoulder_flexion, limit.velocity", "NaN"),
+        ("cody.urdf", "xyz=\"0 -0.18493 0\"", "xyz=\"0 inf 0\"", "joint shoulder_abduction, origin", "inf"),
+        ("cody.urdf", "type=\"revolute\"", "type=\"prismatic\"", "joint shoulder_flexion, type", "Prismatic"),
+        ("cody.urdf", "type=\"revolute\"", "type=\"rotary\"", "robot", "rotary"),
+        ("cody.urdf", "<child link=\"elbow\"/>", "<child link=\"knee\"/>", "joint elbow_flexion, child", "knee"),
+        ("cody.urdf", "<child link=\"elbow\"/>", "<child link=\"wrist\"/>", "child", "another joint"),
+        ("cody.urdf", "<child link=\"flipper_tip\"/>", "<child link=\"torso\"/>", "link torso", "loop"),
+        ("cody.urdf", "<parent link=\"wrist\"/>", "<parent link=\"forearm\"/>", "joint wrist_yaw, parent", "wrist_pitch and wrist_yaw"),
+        ("cody.urdf", "<sphere radius=\"0.06\"/>", "<sphere radius=\"0\"/>", "link shoulder, collision", "positive sizes"),
+        ("cody.urdf", "<sphere radius=\"0.06\"/>", "<mesh filename=\"a.stl\"/>", "link shoulder, collision", "hull"),
+        ("cody.urdf", "<link name=\"flipper_tip\"/>", "<link name=\"wrist\"/>", "link wrist, name", "second"),
+        ("cody.urdf", "</robot>", "", "robot", ""),
+        ("cody.skin.toml", "stiffness_n_per_m3 = 3e7", "stiffness_n_per_m3 = 0", "stiffness_n_per_m3", "0"),
+        ("cody.skin.toml", "link = \"forearm\"", "link = \"thigh\"", "patch.link", "thigh"),
+        ("cody.skin.toml", "name = \"flipper\"", "name = \"forearm\"", "patch.name", "forearm"),
+        ("cody.skin.toml", "axis = [0.0, 0.0, -1.0]", "axis = [0.0, 0.0, 0.0]", "cylinder.axis", "not all zero"),
+        ("cody.skin.toml", "zero_angle = [1.0, 0.0, 0.0]", "zero_angle = [0.0, 0.0, 1.0]", "zero_angle", "across the axis"),
+        ("cody.skin.toml", "radius_m = 0.04604", "radius_m = nan", "radius_m", "NaN"),
+        ("cody.skin.toml", "rows = 16", "rows = 0", "rows", "0"),
+        ("cody.skin.toml", "taxel_size_m = 0.009", "taxel_size_m = 0.0115", "taxel_size_m", "overlap"),
+        ("cody.skin.toml", "-157.58", "-187.58", "taxel_size_m", "overlap"),
+        ("cody.skin.toml", "[patch.points]", "[patch.dots]", "TOML", "dots"),
+        ("cody.skin.toml", "normal = [-0.47474, 0.82228, -0.31381]", "normal = [0, 0, 0]", "taxels[0].normal", "not all zero"),
+        ("cody.skin.toml", "[-0.00221, 0.02343, -0.22080]", "[nan, 0.02343, -0.22080]", "taxels[0].position_m", "NaN"),
+        ("cody.skin.toml", "derived_area_limits_m2 = [1e-4, 15e-4]", "", "taxels[0].area_m2", "none"),
+        ("cody.skin.toml", "[1e-4, 15e-4]", "[15e-4, 1e-4]", "derived_area_limits_m2", "smaller first"),
+    ];
+    for (name, from, to, field, text) in cases {
+        let error = altered_cody(name, from, to)
+            .err()
+            .unwrap_or_else(|| panic!("{to:?} was accepted in {name}"));
+        assert!(error.field.contains(field), "{to:?}: {error}");
+        assert!(error.to_string().contains(text), "{to:?}: {error}");
+        assert!(!error.remedy.is_empty());
+    }
+}
+
+#[test]
+fn errors_name_the_line() {
+    // Pins line numbers on a key of a later table, an XML element and a parse error, counted by hand from the change.
+    for (name, from, to) in [
+        (
+            "cody.toml",
+            "damping_nm_s_per_rad = 1.43",
+            "damping_nm_s_per_rad = -1.43",
+        ),
+        ("cody.toml", "start_deg = 122.0", "start_deg = 1220.0"),
+        ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"nowhere\""),
+        (
+            "cody.urdf",
+            "<link name=\"elbow\">",
+            "<link name=\"elbow\"><inertial><mass value=\"-1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><link name=\"spare\">",
+        ),
+        ("cody.skin.toml", "row_pitch_m = 0.0108", "row_pitch_m = \"wide\""),
+        (
+            "cody.skin.toml",
+            "position_m = [0.02442, 0.01410, -0.21740]",
+            "position_m = [inf, 0.01410, -0.21740]",
+        ),
+    ] {
+        let text = cody_file(Path::new(name)).unwrap();
+        let line = text[..text.find(from).unwrap()].lines().count().max(1);
+        let line = if text[..text.find(from).unwrap()].ends_with('\n') {
+            line + 1
+        } else {
+            line
+        };
+        let error = altered_cody(name, from, to).unwrap_err();
+        assert_eq!(error.line, Some(line), "{error}");
+        assert_eq!(error.file, Path::new(name));
+    }
+}
+
+#[test]
+fn rigidly_joined_links_become_one() {
+    // Pins merging: a fixed split of the forearm into two halves of known inertia gives back mass, centre and inertia
+    // by the parallel-axis theorem, and skin and shapes may still name the second half.
+    let split = r#"<link name="forearm"><inertial><origin xyz="0 0 0.1"/><mass value="1"/>
+        <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0015"/></inertial></link>
+        <joint name="seam" type="fixed"><parent link="forearm"/><child link="sleeve"/>
+        <origin xyz="0 0 0.2" rpy="0 0 1.5707963267948966"/></joint>
+        <link name="sleeve"><inertial><origin xyz="0 0 0.1"/><mass value="3"/>
+        <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0015"/></inertial></link>
+        <link name="old_forearm">"#;
+    let arm = file::assemble(Path::new("cody.toml"), &|path: &Path| {
+        let text = cody_file(path)?;
+        Ok(match path.to_str() {
+            Some("cody.urdf") => text.replacen("<link name=\"forearm\">", split, 1),
+            Some("cody.skin.toml") => text.replacen("link = \"forearm\"", "link = \"sleeve\"", 1),
+            _ => text,
+        })
+    })
+    .unwrap();
+    let link = &arm.links[5];
+    assert_eq!((link.name.as_str(), arm.links.len()), ("forearm", 8));
+    assert!((link.mass_kg - 4.0).abs() < 1e-12);
+    // 1 kg at z = 0.1 and 3 kg at 0.3: centre at 0.25, Steiner part 1 · 0.15² + 3 · 0.05² = 0.03.
+    assert!((link.center_of_mass_link.z - 0.25).abs() < 1e-12);
+    let diagonal = [
+        link.inertia_link.x_axis.x,
+        link.inertia_link.y_axis.y,
+        link.inertia_link.z_axis.z,
+    ];
+    for (found, expected) in diagonal.iter().zip([0.001 + 0.002 + 0.03, 0.002 + 0.001 + 0.03, 0.003]) {
+        assert!((found - expected).abs() < 1e-12, "{diagonal:?}");
+    }
+    let patch = &arm.skin.layout.patches[0];
+    assert_eq!((patch.link.as_str(), arm.skin.surfaces[0].link), ("forearm", 5));
+    let plain = Arm::cody().unwrap().skin.layout.patches[0].taxels[0];
+    let moved = patch.taxels[0];
+    assert!((moved.position_link.z - plain.position_link.z - 0.2).abs() < 1e-12);
+    assert!((moved.normal_link.x + plain.normal_link.y).abs() < 1e-12);
+    assert!((moved.normal_link.y - plain.normal_link.x).abs() < 1e-12);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn damaged_files_never_panic(which in 0usize..3, at in 0.0..1.0f64, length in 0usize..40, insert in ".{0,6}") {
+        // Pins that any damage to a file ends in an error or in an arm, whatever the damage.
+        let name = ["cody.toml", "cody.urdf", "cody.skin.toml"][which];
+        let result = file::assemble(Path::new("cody.toml"), &|path: &Path| {
+            let text = cody_file(path)?;
+            if path != Path::new(name) {
+                return Ok(text);
+            }
+            let mut characters: Vec<char> = text.chars().collect();
+            let start = (at * characters.len() as f64) as usize;
+            let end = (start + length).min(characters.len());
+            characters.splice(start..end, insert.chars());
+            Ok(characters.into_iter().collect())
+        });
+        match result {
+            Ok(arm) => prop_assert!(arm.links.len() == arm.joints.len() + 1),
+            Err(error) => prop_assert!(!error.field.is_empty() && !error.remedy.is_empty()),
+        }
+    }
+}
