@@ -1,8 +1,19 @@
 //! A compliant arm with tactile skin reaches through simulated foliage: scene → clutter → world → reach → recording.
+//!
+//! | step | where |
+//! |---|---|
+//! | what could be there: a scene file with ranges | [`scene`] |
+//! | what is there: one draw of it from a seed | [`clutter`], [`object`], [`seed`] |
+//! | the arm and its skin, from files | [`arm`] |
+//! | the engine's world: steps in, solver contacts out | [`world`], [`physics`] |
+//! | contacts spread over taxels, and what the sensor makes of them | [`touch`], [`skin`], [`sensor`] |
+//! | equilibrium angles from what is felt | [`controller`] |
+//! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
 
 pub mod arm;
 pub mod campaign;
 pub mod clutter;
+mod contact_log;
 pub mod controller;
 pub mod geometry;
 mod monitor;
