@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use rayon::prelude::*;
 use serde_json::json;
 use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Provenance, SceneText, Shard};
 use underbrush_sim::campaign::{self, Job};
@@ -29,6 +30,10 @@ impl Campaign {
     pub fn write(&self, out: &Path, resume: bool) -> Result<Dataset, Failure> {
         let plans = self.plans()?;
         let jobs = self.jobs();
+        // Refused before anything is written: what an impossible draw would leave behind could not be resumed, since
+        // a mended scene makes another plan. A draw costs a thousandth of its reach.
+        jobs.par_iter()
+            .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
         let writer = DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume)?;
         let missing = writer.missing()?;
         let bar = CampaignBar::new(jobs.len() as u64, (jobs.len() - missing.len()) as u64);
@@ -85,14 +90,19 @@ impl Campaign {
                 first.scene.name, other.scene.name
             )));
         }
+        if let Some(other) = plans.iter().find(|plan| plan.controller != first.controller) {
+            return Err(Failure::usage(format!(
+                "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
+                 data set for each",
+                first.scene.name, other.scene.name, first.controller, other.controller
+            )));
+        }
         let mut options = BTreeMap::new();
         for plan in plans {
             let file = &plan.scene.file;
             let own = json!({ "physics": file.physics, "sensor": file.sensor, "controller": plan.preset() });
             options.insert(plan.scene.name.clone(), own);
         }
-        let mut controllers: Vec<&str> = plans.iter().map(|plan| plan.controller.as_str()).collect();
-        controllers.dedup();
         Ok(DatasetPlan {
             provenance: Provenance {
                 program: env!("CARGO_PKG_NAME").into(),
@@ -105,7 +115,7 @@ impl Campaign {
                     .map(|(scene, _)| SceneText::new(&scene.name, &scene.text))
                     .collect(),
                 seed: self.seed,
-                controller: controllers.join(", "),
+                controller: first.controller.clone(),
                 controller_parameters: BTreeMap::new(),
                 reaches: self.scenes.iter().map(|(_, reaches)| reaches).sum(),
                 shard: self.shard,

@@ -1,5 +1,8 @@
 //! Errors become text here, once, and exit statuses: 1 the run failed, 2 bad usage or input.
 
+use std::path::Path;
+use std::sync::Mutex;
+
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
@@ -35,6 +38,26 @@ impl Failure {
         Failure {
             status: 1,
             ..Failure::usage(text)
+        }
+    }
+
+    /// A fault of this program, which [`record_panics`] has noted.
+    pub fn panic(last_panic: &Mutex<String>) -> Self {
+        let what = last_panic.lock().map_or(String::new(), |what| what.clone());
+        Failure::run(format!(
+            "broke off inside the program: {what}; report it with the command line and the files that it reads"
+        ))
+    }
+
+    /// The same failure, naming the file that it is about where it does not do so yet.
+    #[must_use]
+    pub fn about(self, path: &Path) -> Self {
+        if self.input.is_some() {
+            return self;
+        }
+        Failure {
+            text: format!("{}: {}", path.display(), self.text),
+            ..self
         }
     }
 
@@ -135,3 +158,18 @@ macro_rules! bad_usage {
     };
 }
 bad_usage!(TrialError, EvaluateError, DecisionError, OnlineError);
+
+/// Notes each panic instead of printing it.
+///
+/// A damaged file can make the Parquet decoder panic, and a wild scene the physics engine; both are caught where they
+/// happen and become errors, beside which a panic's own text on stderr would only frighten.
+pub fn record_panics() -> &'static Mutex<String> {
+    static LAST: Mutex<String> = Mutex::new(String::new());
+    std::panic::set_hook(Box::new(|panic| {
+        if let Ok(mut last) = LAST.lock() {
+            let place = panic.location().map_or(String::new(), |place| format!(" at {place}"));
+            *last = format!("{}{place}", panic.payload_as_str().unwrap_or("no message"));
+        }
+    }));
+    &LAST
+}

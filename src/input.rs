@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use underbrush_classifier::trial::{TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
-use underbrush_recording::{Category, Recording, Trial};
+use underbrush_recording::{Category, InputError, Recording, Trial};
 
 use crate::failure::Failure;
 use crate::progress;
@@ -29,7 +29,7 @@ pub struct TrialArguments {
     #[arg(long, default_value = "forearm")]
     pub patch: String,
     /// A taxel is in contact where it reports more than this, N
-    #[arg(long, default_value_t = 0.0, value_name = "N")]
+    #[arg(long, default_value_t = 0.0, value_name = "N", allow_negative_numbers = true)]
     pub threshold_n: f64,
     /// Leave out trials of fewer samples
     #[arg(long, default_value_t = 1, value_name = "N")]
@@ -72,8 +72,36 @@ pub fn cut(recording: &Recording, by: Unit, options: &TrialOptions, first: u64) 
         .collect())
 }
 
+/// Reads the trials of a data set, a recording or a table, for a command that is nothing without any.
+pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
+    let trials = trials(path, arguments)?;
+    if trials.is_empty() {
+        let (patch, threshold_n) = (&arguments.patch, arguments.threshold_n);
+        return Err(Failure::usage(format!(
+            "{}: no contact on patch {patch} above {threshold_n} N of {} samples or more; lower --threshold-n or \
+             --min-samples, or generate more reaches",
+            path.display(),
+            arguments.min_samples
+        )));
+    }
+    Ok(trials)
+}
+
+/// Refuses a path at which there is nothing, before its name is taken for the wrong kind of file.
+pub fn check_exists(path: &Path) -> Result<(), Failure> {
+    if path.exists() {
+        return Ok(());
+    }
+    let (found, allowed) = (
+        "no such file or folder",
+        "a data set (folder), recording or table of trials",
+    );
+    Err(InputError::new(path, "input", found, allowed, "check the path").into())
+}
+
 /// Reads the trials of a data set, a recording or a table.
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
+    check_exists(path)?;
     if path.is_dir() {
         let dataset = Dataset::open(path)?;
         let reaches = dataset.episodes().len();

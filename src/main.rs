@@ -1,5 +1,6 @@
 //! The command line of underbrush: one file a subcommand, no physics, no statistics.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -66,7 +67,9 @@ enum Command {
 fn main() -> ExitCode {
     // Bad usage ends here with exit status 2.
     let cli = Cli::parse();
-    match run(cli) {
+    let last_panic = failure::record_panics();
+    let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) if failure.is_closed_pipe() => ExitCode::SUCCESS,
         Err(failure) => {

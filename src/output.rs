@@ -1,7 +1,7 @@
 //! Results on stdout, everything else on stderr: the only place that prints.
 #![allow(clippy::print_stderr, reason = "this is the place for it")]
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::Path;
 
 use serde::Serialize;
@@ -33,6 +33,13 @@ pub fn remark(text: impl AsRef<str>) {
 
 /// An error on stderr.
 pub fn error(failure: &Failure) {
+    if !std::io::stderr().is_terminal() {
+        // In a log nothing may break a path in two: it would be found by no search.
+        let unwrapped = miette::set_hook(Box::new(|_| {
+            Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
+        }));
+        debug_assert!(unwrapped.is_ok(), "nothing else sets a hook");
+    }
     eprintln!("{:?}", failure.report());
 }
 

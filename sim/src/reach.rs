@@ -66,12 +66,20 @@ impl ReachPlan {
             .unwrap_or_else(|| Box::new(ModelPredictive::new(Preset::cody_2013(), &self.arm)))
     }
 
+    /// Draws the clutter of reach number `reach_index`.
+    ///
+    /// # Errors
+    /// When the scene is impossible for this draw.
+    pub fn draw(&self, reach_index: u64) -> Result<Clutter, InputError> {
+        Clutter::draw(&self.scene, &arm_at_start(&self.arm), self.seed, reach_index)
+    }
+
     /// Runs reach number `reach_index`.
     ///
     /// # Errors
     /// When the scene is impossible for this draw; how the reach ends is data, never an error.
     pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, InputError> {
-        let clutter = Clutter::draw(&self.scene, &arm_at_start(&self.arm), self.seed, reach_index)?;
+        let clutter = self.draw(reach_index)?;
         Ok(Reach::new(self, &clutter, reach_index).run(&clutter, observer))
     }
 }

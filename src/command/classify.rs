@@ -182,6 +182,14 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
                 .try_for_each(|frame| answer(&mut classifier, frame))?;
         }
     } else {
+        input::check_exists(&options.input)?;
+        if options.input.extension().is_some_and(|extension| extension == "csv") {
+            let (found, allowed) = (
+                "a table of trials",
+                "with --online, frames: a data set, a recording or `-`",
+            );
+            return Err(InputError::new(&options.input, "input", found, allowed, "leave --online out").into());
+        }
         let recording = read_recording(&options.input)?;
         let mut classifier = start(&recording.layout)?;
         recording

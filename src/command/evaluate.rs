@@ -38,7 +38,7 @@ enum Split {
 
 /// Cross-validates and prints confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let trials = input::trials(&options.trials, &options.cut)?;
+    let trials = input::some_trials(&options.trials, &options.cut)?;
     let folds = Folds {
         count: options.folds,
         by: match options.split {
@@ -46,7 +46,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             Split::Reach => FoldBy::Reach,
         },
     };
-    let evaluation = cross_validate(&trials, &options.recipe.recipe(), folds, &Decision::argmax())?;
+    let evaluation = cross_validate(&trials, &options.recipe.recipe(), folds, &Decision::argmax())
+        .map_err(|error| Failure::from(error).about(&options.trials))?;
     output::result(json, &evaluation, || text(&evaluation))
 }
 

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 use underbrush_recording::disk::{Dataset, Shard};
+use underbrush_sim::controller;
 use underbrush_sim::scene::Scene;
 
 use crate::dataset::Campaign;
@@ -28,7 +30,7 @@ pub struct Options {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Controller, instead of each scene's own
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(controller::NAMES))]
     controller: Option<String>,
     /// Go on with an interrupted data set
     #[arg(long)]

@@ -12,7 +12,7 @@ use underbrush_sim::reach::{ReachPlan, arm_at_start};
 use underbrush_sim::scene::Scene;
 
 use crate::failure::Failure;
-use crate::output;
+use crate::{input, output};
 
 /// Options of `underbrush inspect`.
 #[derive(Args)]
@@ -27,6 +27,7 @@ pub struct Options {
 /// Checks the thing and prints what is in it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let path = &options.path;
+    input::check_exists(path)?;
     let extension = path
         .extension()
         .and_then(|extension| extension.to_str())

@@ -138,7 +138,8 @@ impl Report {
                 .iter()
                 .map(|contact| contact.peak_force_n)
                 .fold(0.0, f64::max),
-            mean_contact_force_n: force_sum / contact_frames.max(1.0),
+            // The sum of nothing is −0.
+            mean_contact_force_n: force_sum.max(0.0) / contact_frames.max(1.0),
             largest_force_residual: recording.largest_force_residual,
             taxel_trials: cut(Unit::Taxel)?,
             component_trials: cut(Unit::Component)?,

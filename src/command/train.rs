@@ -141,11 +141,12 @@ struct Trained<'a> {
 
 /// Trains and writes the model file.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let trials = input::trials(&options.trials, &options.cut)?;
-    let (mut models, report) = match &options.start {
-        Some(start) => ModelSet::train_from(ModelSet::load(start)?, &trials, &options.recipe.training())?,
-        None => ModelSet::train(&trials, &options.recipe.recipe())?,
+    let trials = input::some_trials(&options.trials, &options.cut)?;
+    let trained = match &options.start {
+        Some(start) => ModelSet::train_from(ModelSet::load(start)?, &trials, &options.recipe.training()),
+        None => ModelSet::train(&trials, &options.recipe.recipe()),
     };
+    let (mut models, report) = trained.map_err(|error| Failure::from(error).about(&options.trials))?;
     models.provenance.insert(
         "program".into(),
         concat!("underbrush ", env!("CARGO_PKG_VERSION")).into(),

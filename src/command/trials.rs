@@ -32,15 +32,7 @@ struct Written {
 
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let trials = input::trials(&options.dataset, &options.cut)?;
-    if trials.is_empty() {
-        return Err(Failure::usage(format!(
-            "{}: no contact on patch {} above {} N; lower --threshold-n or generate more reaches",
-            options.dataset.display(),
-            options.cut.patch,
-            options.cut.threshold_n
-        )));
-    }
+    let trials = input::some_trials(&options.dataset, &options.cut)?;
     let written = Written {
         file: options.out.clone(),
         trials: trials.len(),

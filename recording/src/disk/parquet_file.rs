@@ -1,6 +1,7 @@
 //! Parquet files as this crate writes and reads them.
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -101,15 +102,26 @@ fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> R
     }
 }
 
+/// Opens a file that the user named; that it is not there, or is a folder, is bad input and no failure of the disk.
+pub(super) fn open_input(path: &Path) -> Result<File, DiskError> {
+    let bad =
+        |found: &str| -> DiskError { InputError::new(path, "file", found, "a readable file", "check the path").into() };
+    let file = File::open(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => bad("no such file"),
+        _ => DiskError::io(path, "read")(error),
+    })?;
+    if file.metadata().map_err(DiskError::io(path, "read"))?.is_dir() {
+        return Err(bad("a folder"));
+    }
+    Ok(file)
+}
+
 /// Opens a Parquet file for reading.
 pub(super) fn open(
     path: &Path,
     options: ArrowReaderOptions,
 ) -> Result<ParquetRecordBatchReaderBuilder<File>, DiskError> {
-    let file = File::open(path).map_err(DiskError::io(path, "read"))?;
-    if file.metadata().map_err(DiskError::io(path, "read"))?.is_dir() {
-        return Err(broken(path, "a folder"));
-    }
+    let file = open_input(path)?;
     decode(path, || {
         ParquetRecordBatchReaderBuilder::try_new_with_options(file, options)
     })

@@ -94,8 +94,8 @@ pub(super) fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskEr
 /// Reads one reach back, equal to what [`write_recording`] was given.
 ///
 /// # Errors
-/// [`DiskError::Input`] for a file that is torn, of another format or version, or whose content breaks a rule of
-/// [`Recording`]; [`DiskError::Io`] where it cannot be opened.
+/// [`DiskError::Input`] for a file that is torn, absent, of another format or version, or whose content breaks a rule
+/// of [`Recording`]; [`DiskError::Io`] where it cannot be read.
 pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
     let path = path.as_ref();
     let (mut recording, batches) = open_recording(path)?;

@@ -1,5 +1,6 @@
 //! The scene file: what could be there. See `scenes/` for examples and `underbrush schema` for its JSON Schema.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -343,7 +344,8 @@ impl Scene {
         })
     }
 
-    /// An error about this file; the line is that of the key's last part, where it stands only once in the text.
+    /// An error about this file; the line is that of the key's last part in the group that `field` names, or in the
+    /// whole text where it stands there only once.
     pub(crate) fn fault(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
         let fault = InputError::new(
             &self.path,
@@ -353,15 +355,35 @@ impl Scene {
             "change the value in the scene file",
         );
         let key = field.rsplit('.').next().unwrap_or(field);
-        let mut lines = self.text.lines().enumerate().filter(|(_, line)| {
-            line.trim_start()
-                .strip_prefix(key)
-                .is_some_and(|rest| rest.trim_start().starts_with('='))
+        let group = self.group_lines(field).unwrap_or(0..usize::MAX);
+        let mut lines = self.text.lines().enumerate().filter(|(number, line)| {
+            group.contains(number)
+                && line
+                    .trim_start()
+                    .strip_prefix(key)
+                    .is_some_and(|rest| rest.trim_start().starts_with('='))
         });
         match (lines.next(), lines.next()) {
             (Some((line, _)), None) => fault.at_line(line + 1),
             _ => fault,
         }
+    }
+
+    /// The lines, from 0, of the group that a field such as `objects.leaf[1].count` or `goals.count` is in: from its
+    /// header to the next.
+    fn group_lines(&self, field: &str) -> Option<Range<usize>> {
+        let (header, number) = match field.split_once('[') {
+            Some((kind, rest)) => (format!("[[{kind}]]"), rest.split_once(']')?.0.parse().ok()?),
+            None => (format!("[{}]", field.rsplit_once('.')?.0), 0),
+        };
+        let headers = |wanted: &str| -> Vec<usize> {
+            let lines = self.text.lines().enumerate();
+            let begins = lines.filter(|(_, line)| line.trim_start().starts_with(wanted));
+            begins.map(|(number, _)| number).collect()
+        };
+        let start = *headers(&header).get::<usize>(number)?;
+        let next = headers("[").into_iter().find(|line| *line > start);
+        Some(start..next.unwrap_or(usize::MAX))
     }
 }
 

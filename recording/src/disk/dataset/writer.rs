@@ -9,10 +9,10 @@ use super::checksums::FileSum;
 use super::info::read_json;
 use super::plan::first_difference;
 use super::{Dataset, DatasetPlan, finish, names};
-use crate::Recording;
 use crate::disk::check::{Violation, check_layout, require};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
 use crate::disk::{DiskError, write_recording};
+use crate::{InputError, Recording};
 
 /// A data set in the making.
 ///
@@ -48,6 +48,10 @@ fn look(dir: &Path) -> Result<Folder, DiskError> {
     }
     if !dir.exists() {
         return Ok(Folder::Empty);
+    }
+    if !dir.is_dir() {
+        let remedy = "choose an empty or a new folder";
+        return Err(InputError::new(dir, "folder of the data set", "a file", "a folder", remedy).into());
     }
     // A crash before the plan was written leaves the lock, and perhaps a temporary file, in `incomplete`.
     let ours = |file: &str| file == "lock" || file.starts_with(TEMPORARY_PREFIX);

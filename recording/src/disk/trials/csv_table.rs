@@ -1,11 +1,11 @@
 //! Trials as CSV (RFC 4180, UTF-8, a header line).
 
-use std::fs::File;
 use std::path::Path;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, place_columns};
+use crate::disk::parquet_file::open_input;
 use crate::disk::{DiskError, whole_file};
 use crate::{InputError, Trial};
 
@@ -36,7 +36,7 @@ fn refused(path: &Path, error: csv::Error) -> DiskError {
 
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
-    let file = File::open(path).map_err(DiskError::io(path, "read"))?;
+    let file = open_input(path)?;
     let mut reader = csv::Reader::from_reader(file);
     let header = reader.headers().map_err(|error| refused(path, error))?;
     let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();

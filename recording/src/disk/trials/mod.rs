@@ -70,8 +70,8 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
 /// `None`.
 ///
 /// # Errors
-/// [`DiskError::Input`] with file, line (CSV) or row (Parquet, from 1) and column; [`DiskError::Io`] where the file
-/// cannot be opened.
+/// [`DiskError::Input`] with file, line (CSV) or row (Parquet, from 1) and column, and where there is no such file;
+/// [`DiskError::Io`] where it cannot be read.
 pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
     let path = path.as_ref();
     let trials = match format_of(path)? {
