@@ -151,7 +151,7 @@ impl Panel {
             );
         }
         format!(
-            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{colour}\" stroke-width=\"{thickness:.1}\" opacity=\"{opacity}\"/>\n",
+            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{colour}\" stroke-width=\"{thickness:.1}\" stroke-linecap=\"round\" opacity=\"{opacity}\"/>\n",
             a.x, a.y, b.x, b.y
         )
     }

@@ -94,8 +94,8 @@ const GOAL_TRIES: usize = 5000;
 const GOAL_CLEARANCE_M: f64 = 0.06;
 /// A plant this near to the middle line of the moving arm is taken to be touched, m: the forearm's radius.
 const TOUCH_DISTANCE_M: f64 = 0.046;
-/// Length of forearm and hand behind the tip, m.
-const FOREARM_AND_HAND_M: f64 = 0.45;
+/// Distances behind the tip at which the forearm's skin begins, has its middle and ends, m (Cody: 0.29 to 0.45).
+const FOREARM_BEHIND_TIP_M: [f64; 3] = [0.29, 0.37, 0.45];
 
 impl Clutter {
     /// Draws the clutter of one reach.
@@ -305,12 +305,18 @@ fn draw_goals(
     Ok(goals)
 }
 
-/// Whether the tip on its way, or forearm and hand at the goal, come upon a plant.
+/// Whether the forearm, taken to point from the shoulder's side to the tip, comes upon a plant on the way.
+///
+/// The forearm and not the hand: its skin alone is classified, so an operator picks goals that bring it among plants.
 fn passes_through(plants: &[Capsule], from: DVec3, goal: DVec3, shoulder: DVec3) -> bool {
-    let back = goal + (shoulder - goal).normalize_or_zero() * FOREARM_AND_HAND_M;
+    let behind = |tip: DVec3, distance: f64| tip + (shoulder - tip).normalize_or_zero() * distance;
+    let sweeps = FOREARM_BEHIND_TIP_M.map(|distance| (behind(from, distance), behind(goal, distance)));
+    let [nearest, .., farthest] = FOREARM_BEHIND_TIP_M;
+    let at_goal = (behind(goal, nearest), behind(goal, farthest));
     plants.iter().any(|plant| {
-        [(from, goal), (back, goal)]
-            .into_iter()
-            .any(|(a, b)| segment_distance(a, b, plant.start, plant.end) - plant.radius_m < TOUCH_DISTANCE_M)
+        sweeps
+            .iter()
+            .chain([&at_goal])
+            .any(|(a, b)| segment_distance(*a, *b, plant.start, plant.end) - plant.radius_m < TOUCH_DISTANCE_M)
     })
 }

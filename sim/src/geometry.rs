@@ -17,19 +17,19 @@ pub struct Capsule {
 }
 
 impl Capsule {
-    /// The capsule along the longest side of a collision shape's bounding box; its rounded ends reach beyond the box.
+    /// The capsule along the longest side of a collision shape's bounding box: it holds the middle of the box's edges,
+    /// and its rounded ends end with the box where that is long enough.
     pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
         let bounds = shape.compute_local_aabb();
         let half = bounds.half_extents();
-        let longest = DVec3::AXES
-            .into_iter()
-            .max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b)))
-            .unwrap_or(DVec3::Z);
-        let reach = longest * half.dot(longest);
+        let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
+        let along = longest * half.dot(longest);
+        let radius_m = (half - along).max_element();
+        let reach = longest * (half.dot(longest) - radius_m);
         Capsule {
             start: pose.transform_point(bounds.center() - reach),
             end: pose.transform_point(bounds.center() + reach),
-            radius_m: (half - reach).max_element(),
+            radius_m,
         }
     }
 

@@ -158,8 +158,9 @@ impl SkinPatch {
         }
         taxels.retain(|(_, force)| *force > 0.0);
         if taxels.is_empty() {
-            // The layer found nothing to press (a shape too thin to sample): the nearest taxel takes it all.
-            taxels.extend(self.nearest_taxel(center, inward).map(|taxel| (taxel, 1.0)));
+            // The layer found nothing to press (a shape too thin to sample, or contacts on two faces of an edge): the
+            // taxel nearby that faces the force most takes it all.
+            taxels.extend(self.facing_taxel(contacts, total).map(|taxel| (taxel, 1.0)));
         }
         self.balance(&taxels, total)
     }
@@ -199,18 +200,20 @@ impl SkinPatch {
         })
     }
 
-    fn nearest_taxel(&self, point: DVec3, inward: DVec3) -> Option<usize> {
-        let distance = |taxel: &usize| self.centers_link[*taxel].distance_squared(point);
+    fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
+        let reach = self.reach_m * self.reach_m;
+        let near = |center: &DVec3| contacts.iter().any(|at| at.position_link.distance_squared(*center) <= reach);
+        let share = |taxel: &usize| -self.normals_link[*taxel].dot(force_link);
         (0..self.centers_link.len())
-            .filter(|taxel| faces(self.normals_link[*taxel], inward))
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .filter(|taxel| near(&self.centers_link[*taxel]))
+            .max_by(|a, b| share(a).total_cmp(&share(b)))
     }
 }
 
-/// Whether a place with this outward normal can be pressed by a force in the direction `inward`: up to 75° between
-/// them, beyond which the layer would be sheared rather than pressed.
+/// Whether a place with this outward normal can be pressed by a force in the direction `inward`: up to 60° between
+/// them, where even with friction (cos 60° > μ sin 60° for μ up to 0.57) the place is pressed and not pulled.
 fn faces(normal_link: DVec3, inward: DVec3) -> bool {
-    -normal_link.dot(inward) > 0.25
+    -normal_link.dot(inward) > 0.5
 }
 
 /// One sub-point under a contact.

@@ -2,7 +2,6 @@
 //! untouched.
 
 use glam::DVec3;
-use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
 use crate::arm::Arm;
@@ -15,11 +14,13 @@ use crate::physics::{Physics, PhysicsOptions, groups};
 /// Period of the skin and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
 
-/// A resting object is put into the solver when something that moves comes this near to it, m: ten frames of the
-/// fastest preset's hand speed, and more than what a leaf's tip flies back in one (4 m/s).
-const WAKE_DISTANCE_M: f64 = 0.05;
-/// An object at rest is taken out when everything that moves is farther than this, m.
-const SLEEP_DISTANCE_M: f64 = 0.07;
+/// A resting object is put into the solver when a link of the arm comes this near to it, m: ten frames of the fastest
+/// preset's hand speed.
+const WAKE_NEAR_ARM_M: f64 = 0.05;
+/// The same for parts of other objects that move: two frames of a leaf's tip at 1 m/s.
+const WAKE_NEAR_OBJECTS_M: f64 = 0.02;
+/// An object at rest is taken out when everything that moves is farther than those distances and this, m.
+const SLEEP_MARGIN_M: f64 = 0.02;
 
 /// One contact point between arm and clutter in one step of the last frame, as the solver left it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,9 +166,9 @@ impl World {
 
     /// Inserts every absent object that something moving has come near to.
     fn wake(&mut self, clutter: &Clutter) {
-        let moving = self.moving_boxes();
+        let moving = self.moving_capsules();
         for index in 0..self.mechanisms.len() {
-            if self.mechanisms[index].is_none() && self.is_near(&moving, index, WAKE_DISTANCE_M) {
+            if self.mechanisms[index].is_none() && self.is_near(&moving, index, 0.0) {
                 self.insert(clutter, index);
             }
         }
@@ -175,13 +176,13 @@ impl World {
 
     /// Takes out every object that rests with nothing moving near it.
     fn retire(&mut self) {
-        let moving = self.moving_boxes();
+        let moving = self.moving_capsules();
         for index in 0..self.mechanisms.len() {
             let resting = self.mechanisms[index]
                 .as_ref()
                 .is_some_and(|mechanism| mechanism.is_movable() && mechanism.is_at_rest(&self.physics));
             if resting
-                && !self.is_near(&moving, index, SLEEP_DISTANCE_M)
+                && !self.is_near(&moving, index, SLEEP_MARGIN_M)
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
                 mechanism.remove(&mut self.physics);
@@ -189,25 +190,27 @@ impl World {
         }
     }
 
-    /// Bounding boxes of the arm's links and of every object that is not at rest.
-    fn moving_boxes(&self) -> Vec<Aabb> {
-        let mechanisms = self
+    /// Capsules around the arm's links and around the parts of every object that is not at rest, each grown by the
+    /// distance at which it wakes others.
+    fn moving_capsules(&self) -> Vec<Capsule> {
+        let around = |collider: ColliderHandle, distance_m: f64| {
+            let collider = &self.physics.colliders[collider];
+            let capsule = Capsule::around(collider.shape(), collider.position());
+            Capsule { radius_m: capsule.radius_m + distance_m, ..capsule }
+        };
+        let arm = self.arm.colliders.iter().map(|(collider, _)| around(*collider, WAKE_NEAR_ARM_M));
+        let objects = self
             .mechanisms
             .iter()
             .flatten()
             .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.physics))
-            .flat_map(|mechanism| mechanism.colliders());
-        let arm = self.arm.colliders.iter().map(|(collider, _)| collider);
-        arm.chain(mechanisms)
-            .map(|collider| self.physics.colliders[*collider].compute_aabb())
-            .collect()
+            .flat_map(|mechanism| mechanism.colliders())
+            .map(|collider| around(*collider, WAKE_NEAR_OBJECTS_M));
+        arm.chain(objects).collect()
     }
 
-    fn is_near(&self, boxes: &[Aabb], index: usize, distance_m: f64) -> bool {
-        let hull = &self.hulls[index];
-        let room = DVec3::splat(hull.radius_m + distance_m);
-        let around = Aabb::new(hull.start - room, hull.end + room);
-        boxes.iter().any(|moving| around.intersects(moving))
+    fn is_near(&self, moving: &[Capsule], index: usize, margin_m: f64) -> bool {
+        moving.iter().any(|capsule| capsule.distance(&self.hulls[index]) < margin_m)
     }
 }
 

@@ -56,8 +56,8 @@ fn default_width() -> Quantity {
     Quantity::uniform(0.02, 0.05)
 }
 
-/// E I = E w t³ / 12 of plastic sheet spans 1e-4 to 4e-2 N m²; below 5e-3 a leaf of this height would buckle
-/// under its own weight (Greenhill: H³ < 7.8 E I / (ρA g)).
+/// E I = E w t³ / 12 of plastic sheet spans 1e-4 to 4e-2 N m²; far below 5e-3 a leaf of this height could not carry its
+/// own weight, and one that cannot is drawn anew.
 fn default_flexural_rigidity() -> Quantity {
     Quantity::uniform(0.005, 0.05)
 }
@@ -67,9 +67,10 @@ fn default_mass_per_area() -> Quantity {
     Quantity::uniform(0.5, 1.0)
 }
 
-/// Plastics: 0.02–0.1.
+/// Low-density polyethylene and soft PVC, of which leaves and stems are moulded, have tan δ of 0.1–0.2 at room
+/// temperature; the air's drag on a swinging blade adds some hundredths.
 fn default_loss_factor() -> Quantity {
-    Quantity::uniform(0.05, 0.1)
+    Quantity::uniform(0.1, 0.2)
 }
 
 /// Choice: half the height of a foam block.
@@ -135,18 +136,16 @@ impl Specification for LeafSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let root_depth_m = self.root_depth_m.draw(random, DEPTH_LIMITS_M)?;
-        Ok(Box::new(Leaf {
-            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
-            width_m: self.width_m.draw(random, WIDTH_LIMITS_M)?,
-            flexural_rigidity_n_m2: self.flexural_rigidity_n_m2.draw(random, RIGIDITY_LIMITS)?,
-            mass_per_area_kg_per_m2: self.mass_per_area_kg_per_m2.draw(random, MASS_LIMITS)?,
-            loss_factor: self.loss_factor.draw(random, LOSS_LIMITS)?,
-            root_stiffness_nm_per_rad: footing
-                .foam_modulus_pa
-                .map(|modulus| root_stiffness_nm_per_rad(modulus, root_depth_m)),
-            segments: self.segments,
-        }))
+        let mut drawn = self.draw_once(random, footing)?;
+        for _ in 0..DRAWS {
+            if drawn.stands_by_itself() {
+                return Ok(Box::new(drawn));
+            }
+            drawn = self.draw_once(random, footing)?;
+        }
+        // Nearly all leaves of these ranges would lie down: the rigidity is what to change.
+        let needed = drawn.flexural_rigidity_n_m2 * drawn.load_share() / LARGEST_LOAD_SHARE;
+        Err(DrawError { draw: self.flexural_rigidity_n_m2.draw, low: needed, high: RIGIDITY_LIMITS.1 })
     }
 
     fn fault(&self) -> Option<(&'static str, String, String)> {
@@ -157,6 +156,30 @@ impl Specification for LeafSpecification {
 
     fn stands_on(&self) -> StandsOn {
         StandsOn::Foam
+    }
+}
+
+/// A leaf is drawn anew where it could not carry itself, this many times.
+const DRAWS: usize = 100;
+
+/// A leaf stands by itself where its weight is at most this share of the load under which it would buckle: it is then
+/// no softer than 3/5 of what it would be without weight.
+const LARGEST_LOAD_SHARE: f64 = 0.4;
+
+impl LeafSpecification {
+    fn draw_once(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Leaf, DrawError> {
+        let root_depth_m = self.root_depth_m.draw(random, DEPTH_LIMITS_M)?;
+        Ok(Leaf {
+            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
+            width_m: self.width_m.draw(random, WIDTH_LIMITS_M)?,
+            flexural_rigidity_n_m2: self.flexural_rigidity_n_m2.draw(random, RIGIDITY_LIMITS)?,
+            mass_per_area_kg_per_m2: self.mass_per_area_kg_per_m2.draw(random, MASS_LIMITS)?,
+            loss_factor: self.loss_factor.draw(random, LOSS_LIMITS)?,
+            root_stiffness_nm_per_rad: footing
+                .foam_modulus_pa
+                .map(|modulus| root_stiffness_nm_per_rad(modulus, root_depth_m)),
+            segments: self.segments,
+        })
     }
 }
 
@@ -198,6 +221,8 @@ const POISSON_RATIO: f64 = 0.35;
 const STEM_SHARE_OF_HEIGHT: f64 = 0.25;
 const STEM_RIGIDITY_OVER_BLADE: f64 = 4.0;
 
+const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
+
 /// Inertia on the massless stacked hinges at the root, kg m²: a hundredth of the lightest leaf's about its root; a
 /// trial found 2e-6 to be stable.
 const ROOT_ARMATURE_KG_M2: f64 = 2.0e-6;
@@ -212,6 +237,20 @@ impl Leaf {
     pub fn first_frequency_rad_per_s(&self) -> f64 {
         1.875_104_068_711_961_f64.powi(2)
             * (self.flexural_rigidity_n_m2 / (self.mass_per_length_kg_per_m() * self.height_m.powi(4))).sqrt()
+    }
+
+    /// Share of its weight in the load under which it would buckle: Greenhill's g ρA H³ / 7.84 E I of the blade, and
+    /// the weight's moment about the root, g ρA H² / 2, over the root's stiffness.
+    pub fn load_share(&self) -> f64 {
+        let weight_n_per_m = EARTH_GRAVITY_M_PER_S2 * self.mass_per_length_kg_per_m();
+        let blade = weight_n_per_m * self.height_m.powi(3) / (7.84 * self.flexural_rigidity_n_m2);
+        let root = self.root_stiffness_nm_per_rad.map_or(0.0, |k| weight_n_per_m * self.height_m.powi(2) / 2.0 / k);
+        blade + root
+    }
+
+    /// Whether the leaf carries its own weight and comes back upright.
+    pub fn stands_by_itself(&self) -> bool {
+        self.load_share() <= LARGEST_LOAD_SHARE
     }
 
     /// Stiffness of the root against leaning sideways, along the blade's width, Nm/rad: stem and foam in series.

@@ -55,10 +55,10 @@ pub struct Mechanism {
     coordinates: Vec<Coordinate>,
 }
 
-/// Hinge angles under 5e-4 rad (displacements under 0.5 mm) and speeds under 5e-3 count as rest: what a leaf of E I =
-/// 0.02 N m² so bent pushes with, E I / h · 5e-4 / 0.2 m, is about the sensor's quantum of 1 mN.
-const REST_COORDINATE: f64 = 5e-4;
-const REST_SPEED: f64 = 5e-3;
+/// Hinge angles under 2e-3 rad (displacements under 2 mm) and speeds under 0.02 a second count as rest: what a leaf of
+/// E I = 0.02 N m² so bent pushes with at half its height, E I / h · 2e-3 / 0.2 m, is 5 mN, a sixth of the sensor's gate.
+const REST_COORDINATE: f64 = 2e-3;
+const REST_SPEED: f64 = 2e-2;
 
 impl Mechanism {
     /// Every collider with its place in the object, lowest first.

@@ -83,8 +83,8 @@ impl Default for Workspace {
     /// drawn-back hand to the end of the arm's reach, so that the forearm comes among it and not the hand alone.
     fn default() -> Self {
         Workspace {
-            x_m: [0.20, 0.80],
-            y_m: [-0.65, 0.25],
+            x_m: [0.20, 0.75],
+            y_m: [-0.60, 0.20],
             table_height_m: -0.58,
         }
     }
