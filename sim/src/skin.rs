@@ -202,7 +202,11 @@ impl SkinPatch {
 
     fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
         let reach = self.reach_m * self.reach_m;
-        let near = |center: &DVec3| contacts.iter().any(|at| at.position_link.distance_squared(*center) <= reach);
+        let near = |center: &DVec3| {
+            contacts
+                .iter()
+                .any(|at| at.position_link.distance_squared(*center) <= reach)
+        };
         let share = |taxel: &usize| -self.normals_link[*taxel].dot(force_link);
         (0..self.centers_link.len())
             .filter(|taxel| near(&self.centers_link[*taxel]))
