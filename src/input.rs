@@ -29,7 +29,7 @@ pub struct TrialArguments {
     #[arg(long, default_value = "forearm")]
     pub patch: String,
     /// A taxel is in contact where it reports more than this, N
-    #[arg(long, default_value_t = 0.0, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = TrialOptions::default().threshold_n, value_name = "N", allow_negative_numbers = true)]
     pub threshold_n: f64,
     /// Leave out trials of fewer samples
     #[arg(long, default_value_t = 1, value_name = "N")]

@@ -90,6 +90,11 @@ impl ModelPredictive {
         ))
     }
 
+    /// The quadratic program in Δφ that one step solves; `None` where the model's stiffness has no factor.
+    pub fn step_program(&self, input: &ControllerInput<'_>) -> Option<QuadraticProgram> {
+        self.program(input, &self.start(input))
+    }
+
     /// The quadratic program in Δφ.
     fn program(&self, input: &ControllerInput<'_>, start: &[f64]) -> Option<QuadraticProgram> {
         let preset = &self.preset;

@@ -1,0 +1,168 @@
+//! Hidden Markov models of the paper's online size, ten states over force: a trial's score, training, and the verdicts
+//! on a hundred taxels in one frame. Frames come at 100 Hz: an update may take 10 ms.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DQuat, DVec3};
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions, equal_slice_start, train};
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::recipe::Recipe;
+use underbrush_recording::{Frame, Patch, Pose, Sample, SkinLayout, Taxel, TaxelReading, Trial};
+
+/// Samples of a trial: one second of contact.
+const SAMPLES: u32 = 100;
+/// Iterations of one measured training.
+const ITERATIONS: usize = 10;
+
+/// A press of one second that rises, holds and gives way; no two are alike.
+fn press(category: &str, force_n: f64, number: u64) -> Trial {
+    let samples = (0..SAMPLES)
+        .map(|index| {
+            let phase = f64::from(index) / f64::from(SAMPLES);
+            let ripple = 1.0 + 0.2 * (number as f64 * 1.7 + 9.0 * phase).sin();
+            Sample {
+                time_s: f64::from(index) * 0.01,
+                force_n: force_n * (3.0 * phase).min(1.0) * (4.0 * (1.0 - phase)).min(1.0) * ripple,
+                motion_m: None,
+            }
+        })
+        .collect();
+    Trial {
+        trial: number,
+        category: Some(category.into()),
+        reach: None,
+        patch: None,
+        taxel: None,
+        samples,
+    }
+}
+
+fn trials() -> Vec<Trial> {
+    let leaf = (0..50).map(|number| press("leaf", 0.5, number));
+    leaf.chain((50..100).map(|number| press("trunk", 3.0, number)))
+        .collect()
+}
+
+fn score(criterion: &mut Criterion) {
+    let (models, _) = ModelSet::train(&trials(), &Recipe::authors()).expect("the trials can be trained on");
+    let model = &models.models()["leaf"];
+    let mut group = criterion.benchmark_group("hmm/score");
+    group.throughput(Throughput::Elements(u64::from(SAMPLES)));
+    // Data of the model's own category, and of the other: there sums fall back to log space.
+    for (name, trial) in [("own", press("leaf", 0.5, 7)), ("foreign", press("trunk", 3.0, 7))] {
+        let sequence = FeatureSet::Force
+            .observations(&trial, None)
+            .expect("the trial has forces");
+        for (kind, kind_name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
+            group.bench_function(format!("{kind_name}/{name}"), |bencher| {
+                bencher.iter(|| model.log_probability(kind, black_box(&sequence)));
+            });
+        }
+    }
+}
+
+fn training(criterion: &mut Criterion) {
+    let sequences: Vec<_> = trials()
+        .iter()
+        .map(|trial| {
+            FeatureSet::Force
+                .observations(trial, None)
+                .expect("the trial has forces")
+        })
+        .collect();
+    let start = equal_slice_start(
+        &sequences,
+        10,
+        Topology::LeftToRight,
+        InitialDistribution::Uniform,
+        1e-4,
+    )
+    .expect("the trials have spread");
+    let options = TrainingOptions {
+        iterations: ITERATIONS,
+        tolerance: 0.0,
+        ..TrainingOptions::default()
+    };
+    let mut group = criterion.benchmark_group("hmm/baum_welch");
+    group
+        .sample_size(20)
+        .throughput(Throughput::Elements(ITERATIONS as u64));
+    group.bench_function("100 trials of 100 samples", |bencher| {
+        bencher.iter(|| train(&start, black_box(&sequences), &options).expect("training runs through"));
+    });
+}
+
+/// A patch of a hundred taxels, and a frame in which all of them feel something.
+fn hundred_taxels() -> (SkinLayout, Frame) {
+    let taxels = (0..100)
+        .map(|number| Taxel {
+            position_link: DVec3::new(f64::from(number % 10) * 0.01, f64::from(number / 10) * 0.01, 0.0),
+            normal_link: DVec3::Z,
+            tangent_link: DVec3::X,
+            area_m2: 1e-4,
+        })
+        .collect();
+    let patch = Patch {
+        name: "forearm".into(),
+        link: "forearm".into(),
+        grid: None,
+        taxels,
+    };
+    let pose = Pose {
+        position: DVec3::ZERO,
+        orientation: DQuat::IDENTITY,
+    };
+    let readings = (0..100).map(|taxel| TaxelReading {
+        patch: 0,
+        taxel,
+        true_normal_force_n: 0.5,
+        true_shear_force_n: [0.0, 0.0],
+        sensed_force_n: 0.3 + 0.02 * f64::from(taxel),
+        object: None,
+    });
+    let frame = Frame {
+        time_s: 0.0,
+        joint_angle_rad: Vec::new(),
+        joint_velocity_rad_per_s: Vec::new(),
+        equilibrium_angle_rad: Vec::new(),
+        joint_torque_nm: Vec::new(),
+        tip_pose_world: pose,
+        goal_position_world: DVec3::ZERO,
+        goal_index: 0,
+        patch_pose_world: vec![pose],
+        contact_force_world: vec![DVec3::ZERO],
+        taxels: readings.collect(),
+    };
+    (SkinLayout { patches: vec![patch] }, frame)
+}
+
+fn online(criterion: &mut Criterion) {
+    let (models, _) = ModelSet::train(&trials(), &Recipe::authors()).expect("the trials can be trained on");
+    let (layout, frame) = hundred_taxels();
+    let mut group = criterion.benchmark_group("hmm/online_update");
+    group.throughput(Throughput::Elements(frame.taxels.len() as u64));
+    for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
+        let options = OnlineOptions {
+            patch: "forearm".into(),
+            threshold_n: 0.0,
+            score,
+            decision: Decision::argmax(),
+        };
+        let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options).expect("models fit the skin");
+        group.bench_function(format!("100 taxels, 2 models/{name}"), |bencher| {
+            bencher.iter(|| {
+                classifier
+                    .update(black_box(&frame))
+                    .expect("the frame fits the skin")
+                    .count()
+            });
+        });
+    }
+}
+
+criterion_group!(benches, score, training, online);
+criterion_main!(benches);

@@ -1,0 +1,69 @@
+//! One contact spread over the taxels of the forearm: the work that every contact costs in every frame.
+
+use std::f64::consts::FRAC_PI_2;
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use glam::DVec3;
+use rapier3d::prelude::{Capsule, Cuboid, Pose, Shape};
+use underbrush_sim::arm::Arm;
+use underbrush_sim::skin::{ContactPoint, SkinPatch};
+
+/// A taxel in the middle of the forearm: row 8 of 16, column 12 of 24.
+const TAXEL: usize = 8 * 24 + 12;
+
+/// The forearm of Cody with one contact of `force_n` on its middle taxel.
+fn forearm(force_n: f64) -> (SkinPatch, ContactPoint) {
+    let arm = Arm::cody().expect("Cody's files are sound");
+    let patch =
+        SkinPatch::of_arm(&arm).swap_remove(arm.skin.layout.patch_index("forearm").expect("Cody has a forearm"));
+    let inward = -patch.normals_link[TAXEL];
+    let contact = ContactPoint {
+        position_link: patch.centers_link[TAXEL],
+        inward_link: inward,
+        force_link: inward * force_n,
+    };
+    (patch, contact)
+}
+
+/// A trunk of 3 cm across the forearm, its surface at the contact.
+fn trunk(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
+    let shape = Capsule::new(DVec3::X * -0.2, DVec3::X * 0.2, 0.015);
+    (Box::new(shape), across(contact, 0.015))
+}
+
+/// A segment of a leaf, 4 cm wide and 4 cm high, flat on the forearm.
+fn leaf(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
+    let shape = Cuboid::new(DVec3::new(0.02, 0.02, 0.001));
+    (Box::new(shape), across(contact, 0.001))
+}
+
+/// A pose whose x axis lies around the forearm and whose z axis points at it, `distance_m` over the contact.
+fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
+    let turn = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, contact.inward_link);
+    let along = turn * DVec3::X;
+    let around = contact.inward_link.cross(DVec3::Z).normalize();
+    let angle = along.angle_between(around).min(FRAC_PI_2);
+    let turn = turn * glam::DQuat::from_rotation_z(angle);
+    Pose::from_parts(contact.position_link - contact.inward_link * distance_m, turn)
+}
+
+fn spread(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("skin/spread_one_contact");
+    for force_n in [1.0, 10.0] {
+        let (patch, contact) = forearm(force_n);
+        for (name, (shape, pose)) in [("trunk", trunk(&contact)), ("leaf", leaf(&contact))] {
+            let taxels = patch.spread(&[contact], shape.as_ref(), &pose);
+            assert!(taxels.len() > 1, "the contact lights {} taxels", taxels.len());
+            group.bench_function(
+                BenchmarkId::new(name, format!("{force_n} N on {} taxels", taxels.len())),
+                |bencher| {
+                    bencher.iter(|| patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose)));
+                },
+            );
+        }
+    }
+}
+
+criterion_group!(benches, spread);
+criterion_main!(benches);
