@@ -97,7 +97,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let judge = options.decision().prepare(&models.categories())?;
     let trials = input::trials(&options.input, &options.cut)?;
     let classify = |trial: &Trial| -> Result<TrialVerdict, Failure> {
-        let scores = models.score(trial, kind)?;
+        let scores = models
+            .score(trial, kind)
+            .map_err(|error| Failure::from(error).about(&options.input))?;
         let verdict = judge.judge(&scores)?;
         Ok(TrialVerdict {
             trial: trial.trial,

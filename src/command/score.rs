@@ -58,7 +58,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let trials = input::trials(&options.trials, &whole_skin())?;
     let kind = options.by.into();
     let score = |trial: &Trial| models.score(trial, kind).map(|scores| (trial.trial, scores));
-    let scored: Vec<_> = trials.par_iter().map(score).collect::<Result<_, _>>()?;
+    let scored = trials.par_iter().map(score).collect::<Result<Vec<_>, _>>();
+    let scored = scored.map_err(|error| Failure::from(error).about(&options.trials))?;
     let rows = || {
         models.categories().into_iter().enumerate().flat_map(|(index, model)| {
             scored.iter().map(move |(trial, scores)| Row {

@@ -55,7 +55,7 @@ fn negative_probability() {
     // Pins: a row that sums to one by a negative number.
     refuses(
         "/models/leaf/transition/0",
-        json!([1.5, -0.5, 0.0]),
+        json!([-0.5, 1.0, 0.5]),
         &["models.leaf.transition[0]", "-0.5"],
     );
 }

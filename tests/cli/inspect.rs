@@ -23,7 +23,7 @@ fn each_kind_of_thing_is_recognized() {
     let found = describe(&fixture.dataset());
     assert_eq!(
         (&found["reaches"], &found["reaches by scene"]["leaf"]),
-        (&8.into(), &4.into())
+        (&6.into(), &3.into())
     );
     assert_eq!(
         (&found["taxels"]["forearm"], &found["taxels"]["flipper"]),

@@ -50,7 +50,7 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     // Pins: what a kill leaves is refused as a data set by name, taken up by --resume alone, and ends in the bytes of
     // an unbroken run; a staged reach that is torn is run again.
     let folder = tempfile::tempdir().unwrap();
-    let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let [unbroken, broken] = ["unbroken", "broken"].map(|name| folder.path().join(name));
     underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", unbroken].success();
     interrupted(&scene, &broken);

@@ -28,7 +28,7 @@ static FIXTURE: LazyLock<Fixture> = LazyLock::new(|| {
         leaf,
         trunk,
         "--reaches",
-        "4",
+        "3",
         "--seed",
         "1",
         "--out",
@@ -63,17 +63,12 @@ impl Fixture {
         self.folder.join(name)
     }
 
-    /// A scene of leaves that touch the forearm.
-    pub fn leaf_scene(&self) -> PathBuf {
-        self.file("leaf.toml")
-    }
-
     /// A scene of trunks that touch the forearm.
     pub fn trunk_scene(&self) -> PathBuf {
         self.file("trunk.toml")
     }
 
-    /// A data set of four reaches of each scene, seed 1.
+    /// A data set of three reaches of each scene, seed 1.
     pub fn dataset(&self) -> PathBuf {
         self.file("dataset")
     }

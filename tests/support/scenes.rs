@@ -30,11 +30,11 @@ count = 3
 place = { x_m = { uniform = [0.40, 0.60] }, y_m = { uniform = [-0.40, -0.05] } }
 "#;
 
-/// Leaves beside the forearm and two goals beyond them: made to touch the forearm, whose skin is classified.
-pub const LEAVES_AT_FOREARM: &str = r#"summary = "Leaves beside the forearm, goals beyond"
+/// Leaves beside the forearm and a goal beyond them: made to touch the forearm, whose skin is classified.
+pub const LEAVES_AT_FOREARM: &str = r#"summary = "Leaves beside the forearm, a goal beyond"
 
 [goals]
-count = 2
+count = 1
 retries = 0
 x_m = { uniform = [0.60, 0.72] }
 
@@ -43,15 +43,15 @@ count = 4
 place = { x_m = { uniform = [0.25, 0.48] }, y_m = { uniform = [-0.50, 0.05] }, yaw_deg = { uniform = [-10, 10] } }
 
 [[objects.leaf]]
-count = 14
+count = 12
 segments = 4
 "#;
 
-/// Trunks beside the forearm and two goals beyond them.
-pub const TRUNKS_AT_FOREARM: &str = r#"summary = "Trunks beside the forearm, goals beyond"
+/// Trunks beside the forearm and a goal beyond them.
+pub const TRUNKS_AT_FOREARM: &str = r#"summary = "Trunks beside the forearm, a goal beyond"
 
 [goals]
-count = 2
+count = 1
 retries = 0
 x_m = { uniform = [0.60, 0.72] }
 
