@@ -12,9 +12,6 @@ summary = "A short reach through a dozen leaves"
 [goals]
 count = 1
 retries = 0
-x_m = 0.65
-y_m = -0.2
-z_m = -0.3
 [[objects.foam_block]]
 count = 4
 place = { x_m = { uniform = [0.35, 0.65] }, y_m = { uniform = [-0.4, 0.0] }, yaw_deg = 0 }
@@ -28,9 +25,6 @@ summary = "A short reach between four trunks"
 [goals]
 count = 1
 retries = 0
-x_m = 0.65
-y_m = -0.2
-z_m = -0.3
 [[objects.trunk]]
 count = 4
 place = { x_m = { uniform = [0.4, 0.65] }, y_m = { uniform = [-0.5, 0.1] } }
