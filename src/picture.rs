@@ -195,9 +195,9 @@ impl Panel {
 fn legend(svg: &mut String, y: f64) {
     let mut x = MARGIN;
     let mut entry = |mark: String, text: &str| {
-        let _ = write!(
+        let _ = writeln!(
             svg,
-            "<g transform=\"translate({x:.0} {y:.0})\">{mark}<text x=\"16\" y=\"4\">{text}</text></g>\n"
+            "<g transform=\"translate({x:.0} {y:.0})\">{mark}<text x=\"16\" y=\"4\">{text}</text></g>"
         );
         x += 34.0 + 7.6 * text.len() as f64;
     };

@@ -22,7 +22,10 @@ impl Capsule {
     pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
         let bounds = shape.compute_local_aabb();
         let half = bounds.half_extents();
-        let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
+        let longest = DVec3::AXES
+            .into_iter()
+            .max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b)))
+            .unwrap_or(DVec3::Z);
         let along = longest * half.dot(longest);
         let radius_m = (half - along).max_element();
         let reach = longest * (half.dot(longest) - radius_m);

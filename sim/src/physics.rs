@@ -16,6 +16,21 @@ pub struct PhysicsOptions {
     pub gravity_m_per_s2: f64,
 }
 
+/// Softness of contacts with trunks and foam blocks. The engine scales it with the effective mass m: stiffness
+/// m (2π f)², here 1e4 N/m at the arm's 1 kg, which is what the skin's layer (3e7 N/m³) has on the 3–4 cm² of a trunk's
+/// contact; critically damped.
+const SKIN_ON_FIXED: SpringCoefficients<f64> = SpringCoefficients {
+    natural_frequency: 16.0,
+    damping_ratio: 1.0,
+};
+
+/// Softness of contacts with leaves and rolls: 2e3 N/m at the 5 g that a leaf weighs, so that a leaf's few tenths of a
+/// newton press it in by a tenth of a millimetre; critically damped.
+const SKIN_ON_BENDABLE: SpringCoefficients<f64> = SpringCoefficients {
+    natural_frequency: 100.0,
+    damping_ratio: 1.0,
+};
+
 /// All state of one Rapier world.
 pub struct Physics {
     /// The options it was made with.
@@ -51,6 +66,11 @@ impl Physics {
             // Friction acts whenever the contact does; the default is tuned for tall stacks.
             friction_in_bias_pass: true,
             friction_model: FrictionModel::Coulomb,
+            // Contacts are soft, as skin over a shell is, instead of rigid with a correction: rigid ones break and come
+            // back from step to step while the arm slides, and the force chatters by tens of per cent.
+            num_internal_stabilization_iterations: 0,
+            static_contact_softness: SKIN_ON_FIXED,
+            contact_softness: SKIN_ON_BENDABLE,
             // Nothing approaches faster than 2 m/s, 1 cm a step; more would make contacts of mere neighbours.
             normalized_prediction_distance: 0.01,
             // Nothing here moves far enough in a step to tunnel: 0.5 m/s × 5 ms is 2.5 mm.

@@ -198,7 +198,7 @@ impl<'a> Reach<'a> {
         );
         loop {
             let touch = feel(&self.world, &self.recording.layout, &self.patches, &mut self.sensor);
-            if self.recording.frames.len() % self.control_period == 0 {
+            if self.recording.frames.len().is_multiple_of(self.control_period) {
                 self.control(&touch, target);
             }
             let frame = self.record(&touch, goal_index, goal);

@@ -135,17 +135,16 @@ impl SkinPatch {
         let (across, along) = inward.any_orthonormal_pair();
         let cells: Vec<Cell> = self
             .nearby(contacts)
-            .filter_map(|point| {
-                faces(point.normal_link, inward).then(|| {
-                    let offset = point.position_link - center;
-                    Cell {
-                        taxel: point.taxel,
-                        gap: signed_distance(shape, shape_pose, point.position_link),
-                        place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
-                        stiffness: self.stiffness_n_per_m3 * point.area_m2,
-                        share: -point.normal_link.dot(inward),
-                    }
-                })
+            .filter(|point| faces(point.normal_link, inward))
+            .map(|point| {
+                let offset = point.position_link - center;
+                Cell {
+                    taxel: point.taxel,
+                    gap: signed_distance(shape, shape_pose, point.position_link),
+                    place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
+                    stiffness: self.stiffness_n_per_m3 * point.area_m2,
+                    share: -point.normal_link.dot(inward),
+                }
             })
             .collect();
         let pressures = indent(&cells, normal_sum.length());
@@ -202,7 +201,11 @@ impl SkinPatch {
 
     fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
         let reach = self.reach_m * self.reach_m;
-        let near = |center: &DVec3| contacts.iter().any(|at| at.position_link.distance_squared(*center) <= reach);
+        let near = |center: &DVec3| {
+            contacts
+                .iter()
+                .any(|at| at.position_link.distance_squared(*center) <= reach)
+        };
         let share = |taxel: &usize| -self.normals_link[*taxel].dot(force_link);
         (0..self.centers_link.len())
             .filter(|taxel| near(&self.centers_link[*taxel]))

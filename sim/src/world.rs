@@ -196,9 +196,16 @@ impl World {
         let around = |collider: ColliderHandle, distance_m: f64| {
             let collider = &self.physics.colliders[collider];
             let capsule = Capsule::around(collider.shape(), collider.position());
-            Capsule { radius_m: capsule.radius_m + distance_m, ..capsule }
+            Capsule {
+                radius_m: capsule.radius_m + distance_m,
+                ..capsule
+            }
         };
-        let arm = self.arm.colliders.iter().map(|(collider, _)| around(*collider, WAKE_NEAR_ARM_M));
+        let arm = self
+            .arm
+            .colliders
+            .iter()
+            .map(|(collider, _)| around(*collider, WAKE_NEAR_ARM_M));
         let objects = self
             .mechanisms
             .iter()
@@ -210,7 +217,9 @@ impl World {
     }
 
     fn is_near(&self, moving: &[Capsule], index: usize, margin_m: f64) -> bool {
-        moving.iter().any(|capsule| capsule.distance(&self.hulls[index]) < margin_m)
+        moving
+            .iter()
+            .any(|capsule| capsule.distance(&self.hulls[index]) < margin_m)
     }
 }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::Trial;
 
 use crate::failure::Failure;
@@ -93,7 +94,7 @@ fn whole_skin() -> TrialArguments {
     TrialArguments {
         by: Unit::Taxel,
         patch: "forearm".into(),
-        threshold_n: 0.0,
+        threshold_n: TrialOptions::default().threshold_n,
         min_samples: 1,
         no_wrap: false,
     }

@@ -145,7 +145,11 @@ impl Specification for LeafSpecification {
         }
         // Nearly all leaves of these ranges would lie down: the rigidity is what to change.
         let needed = drawn.flexural_rigidity_n_m2 * drawn.load_share() / LARGEST_LOAD_SHARE;
-        Err(DrawError { draw: self.flexural_rigidity_n_m2.draw, low: needed, high: RIGIDITY_LIMITS.1 })
+        Err(DrawError {
+            draw: self.flexural_rigidity_n_m2.draw,
+            low: needed,
+            high: RIGIDITY_LIMITS.1,
+        })
     }
 
     fn fault(&self) -> Option<(&'static str, String, String)> {
@@ -244,7 +248,9 @@ impl Leaf {
     pub fn load_share(&self) -> f64 {
         let weight_n_per_m = EARTH_GRAVITY_M_PER_S2 * self.mass_per_length_kg_per_m();
         let blade = weight_n_per_m * self.height_m.powi(3) / (7.84 * self.flexural_rigidity_n_m2);
-        let root = self.root_stiffness_nm_per_rad.map_or(0.0, |k| weight_n_per_m * self.height_m.powi(2) / 2.0 / k);
+        let root = self
+            .root_stiffness_nm_per_rad
+            .map_or(0.0, |k| weight_n_per_m * self.height_m.powi(2) / 2.0 / k);
         blade + root
     }
 

@@ -1,0 +1,84 @@
+//! Parquet files that are torn or changed.
+
+use std::path::Path;
+
+use super::{Fault, assert_empty};
+use crate::support::fixture::{fixture, recording_with_trials};
+use crate::support::underbrush;
+
+const PARTS: [&str; 3] = ["Parquet: found", "a whole Parquet file", "copy the file again"];
+
+/// Demands that everything that reads the file refuses it, and writes nothing.
+#[track_caller]
+fn refused_everywhere(file: &Path) {
+    let outputs = tempfile::tempdir().unwrap();
+    let [model, table] = ["model.json", "trials.csv"].map(|name| outputs.path().join(name));
+    let fault = Fault {
+        file,
+        line: None,
+        parts: &PARTS,
+    };
+    fault.check(&underbrush!["inspect", file]);
+    fault.check(&underbrush!["train", file, "--out", model]);
+    fault.check(&underbrush!["evaluate", file]);
+    fault.check(&underbrush!["trials", file, "--out", table]);
+    fault.check(&underbrush!["score", fixture().model(), file]);
+    fault.check(&underbrush!["classify", fixture().model(), file]);
+    fault.check(&underbrush!["classify", fixture().model(), file, "--online"]);
+    assert_empty(outputs.path());
+}
+
+/// Cuts the file at many lengths; whatever is left is refused.
+#[track_caller]
+fn refused_when_truncated(whole: &[u8], file: &Path) {
+    for length in [0, 3, 4, 8, 12, whole.len() / 3, whole.len() - 8, whole.len() - 1] {
+        std::fs::write(file, &whole[..length]).unwrap();
+        refused_everywhere(file);
+    }
+}
+
+#[test]
+fn truncated_recording() {
+    // Pins: a recording cut at any length is refused by everything that reads it.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("reach.parquet");
+    recording_with_trials(&fixture().trunk_scene(), &file);
+    refused_when_truncated(&std::fs::read(&file).unwrap(), &file);
+}
+
+#[test]
+fn truncated_trials() {
+    // Pins: the same for a table of trials.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trials.parquet");
+    refused_when_truncated(&std::fs::read(fixture().table_parquet()).unwrap(), &file);
+}
+
+#[test]
+fn a_changed_footer_never_shows_a_panic() {
+    // Pins: whatever byte of the footer is damaged (some damage makes the Parquet decoder panic), the program reads the
+    // file or refuses it as bad input, without a panic's text; and some of the damage is refused.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trials.parquet");
+    std::fs::write(
+        folder.path().join("few.csv"),
+        "trial,time_s,force_n\n0,0.0,1\n0,0.01,2\n",
+    )
+    .unwrap();
+    underbrush!["trials", folder.path().join("few.csv"), "--out", file].success();
+    let whole = std::fs::read(&file).unwrap();
+    let length = u32::from_le_bytes(whole[whole.len() - 8..whole.len() - 4].try_into().unwrap()) as usize;
+    let mut refused = 0;
+    for place in whole.len() - 8 - length..whole.len() {
+        let mut bytes = whole.clone();
+        // In the footer's encoding an odd number is a negative one: lengths and offsets below zero.
+        bytes[place] = if bytes[place] == 1 { 3 } else { 1 };
+        std::fs::write(&file, bytes).unwrap();
+        let answer = underbrush!["inspect", file];
+        if answer.status != 0 {
+            answer.refused(&[&file.display().to_string()]);
+            refused += 1;
+        }
+    }
+    assert!(refused > length / 2, "only {refused} of {length} changes were noticed");
+}

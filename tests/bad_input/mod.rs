@@ -1,0 +1,41 @@
+//! Bad input of every kind: exit status 2, an error that names place, cause and remedy, and no output left behind.
+
+mod damaged;
+mod models;
+mod scenes;
+mod tables;
+mod usage;
+
+use std::path::Path;
+
+use crate::support::Answer;
+
+/// What an error about a file must name.
+struct Fault<'a> {
+    /// The file.
+    file: &'a Path,
+    /// The line, where one is to blame.
+    line: Option<usize>,
+    /// The field, what was found there, what is allowed and what to do.
+    parts: &'a [&'a str],
+}
+
+impl Fault<'_> {
+    /// Demands exit status 2 and an error that names everything.
+    #[track_caller]
+    fn check(&self, answer: &Answer) {
+        let file = self.file.display();
+        let place = self.line.map_or(file.to_string(), |line| format!("{file}:{line}:"));
+        answer.refused(&[&[place.as_str()], self.parts].concat());
+    }
+}
+
+/// Demands that a folder, where a command was to write, holds nothing, hidden files included.
+#[track_caller]
+fn assert_empty(folder: &Path) {
+    let left: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    assert!(left.is_empty(), "left behind: {left:?}");
+}

@@ -1,0 +1,171 @@
+//! Model files that make no sense.
+
+use serde_json::{Value, json};
+
+use super::{Fault, assert_empty};
+use crate::support::fixture::fixture;
+use crate::support::underbrush;
+
+/// Demands that everything that reads models refuses this text, and writes nothing.
+#[track_caller]
+fn refuses_text(text: &str, line: Option<usize>, parts: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("bad.json"), outputs.path().join("model.json"));
+    std::fs::write(&file, text).unwrap();
+    let table = fixture().table_csv();
+    let fault = Fault {
+        file: &file,
+        line,
+        parts,
+    };
+    fault.check(&underbrush!["score", file, table]);
+    fault.check(&underbrush!["classify", file, table]);
+    fault.check(&underbrush!["train", table, "--start", file, "--out", out]);
+    fault.check(&underbrush!["inspect", file]);
+    assert_empty(outputs.path());
+}
+
+/// The fixture's model with one value changed.
+fn refuses(place: &str, value: Value, parts: &[&str]) {
+    let mut model: Value = serde_json::from_str(&std::fs::read_to_string(fixture().model()).unwrap()).unwrap();
+    *model.pointer_mut(place).unwrap() = value;
+    refuses_text(&model.to_string(), None, parts);
+}
+
+#[test]
+fn rows_that_do_not_sum_to_one() {
+    // Pins: transitions and initial probabilities are distributions; the row and its sum are named.
+    let parts = [
+        "models.leaf.transition[0]: found a sum of 1.25",
+        "a sum of 1 within 1e-6",
+        "divide the numbers",
+    ];
+    refuses("/models/leaf/transition/0", json!([0.5, 0.5, 0.25]), &parts);
+    let parts = [
+        "models.trunk.initial: found a sum of 0.75",
+        "a sum of 1",
+        "divide the numbers",
+    ];
+    refuses("/models/trunk/initial", json!([0.25, 0.25, 0.25]), &parts);
+}
+
+#[test]
+fn negative_probability() {
+    // Pins: a row that sums to one by a negative number.
+    refuses(
+        "/models/leaf/transition/0",
+        json!([1.5, -0.5, 0.0]),
+        &["models.leaf.transition[0]", "-0.5"],
+    );
+}
+
+#[test]
+fn unknown_format() {
+    // Pins: a model of a later format is not read as this one.
+    let parts = [
+        "format: found underbrush-model/9",
+        "allowed: underbrush-model/1",
+        "use a model of this format",
+    ];
+    refuses("/format", json!("underbrush-model/9"), &parts);
+}
+
+#[test]
+fn unknown_feature() {
+    // Pins: features are those that trials have.
+    refuses(
+        "/features",
+        json!(["warmth_k"]),
+        &["features: found", "warmth_k", "allowed: [\"force_n\"]", "train on one"],
+    );
+}
+
+#[test]
+fn variance_below_zero() {
+    // Pins: covariances are positive definite.
+    let parts = [
+        "models.leaf.covariance[1]",
+        "not positive definite",
+        "train with a variance floor",
+    ];
+    refuses("/models/leaf/covariance/1", json!([[-1.0]]), &parts);
+}
+
+#[test]
+fn wrong_shape() {
+    // Pins: every part has one row a state.
+    refuses("/models/leaf/mean", json!([[1.0]]), &["models.leaf.mean"]);
+    refuses(
+        "/models/leaf/mean/0",
+        json!(["stiff"]),
+        &["models.leaf.mean[0]", "string \"stiff\"", "correct the file"],
+    );
+}
+
+#[test]
+fn no_models() {
+    // Pins: a file without any model.
+    refuses("/models", json!({}), &["models: found", "one model per category"]);
+}
+
+#[test]
+fn no_json() {
+    // Pins: text that is no JSON is refused at its line; the file of another program, too.
+    refuses_text(
+        "{\n  \"format\": \n}\n",
+        Some(3),
+        &["JSON: found", "underbrush-model/1", "correct the file"],
+    );
+    refuses_text(
+        "{}",
+        Some(1),
+        &["found missing field `format`", "underbrush-model/1", "correct the file"],
+    );
+}
+
+#[test]
+fn missing_motion() {
+    // Pins: a model of force and motion needs a table with motion, and says which trial has none.
+    let folder = tempfile::tempdir().unwrap();
+    let [model, bare] = ["model.json", "bare.csv"].map(|name| folder.path().join(name));
+    let table = fixture().table_csv();
+    underbrush![
+        "train",
+        table,
+        "--out",
+        model,
+        "--states",
+        "2",
+        "--features",
+        "force+motion"
+    ]
+    .success();
+    std::fs::write(&bare, "trial,time_s,force_n\n4,0.0,1\n").unwrap();
+    underbrush!["score", model, bare].refused(&[&bare.display().to_string(), "motion"]);
+    underbrush!["classify", model, bare].refused(&[&bare.display().to_string(), "motion"]);
+}
+
+#[test]
+fn missing_model() {
+    // Pins: a model that is not there.
+    let folder = tempfile::tempdir().unwrap();
+    let (file, parts) = (folder.path().join("absent.json"), ["No such file", "check the path"]);
+    let fault = Fault {
+        file: &file,
+        line: None,
+        parts: &parts,
+    };
+    fault.check(&underbrush!["score", file, fixture().table_csv()]);
+    fault.check(&underbrush!["classify", file, "-"]);
+    let out = folder.path().join("model.json");
+    fault.check(&underbrush![
+        "train",
+        fixture().table_csv(),
+        "--start",
+        file,
+        "--out",
+        out
+    ]);
+    assert_empty(folder.path());
+}

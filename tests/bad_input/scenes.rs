@@ -1,0 +1,280 @@
+//! Scene files that make no sense, and arms that are not there.
+
+use std::path::Path;
+
+use super::{Fault, assert_empty};
+use crate::support::{scenes, underbrush};
+
+const HEAD: &str = "summary = \"A scene\"\n\n";
+const LEAF: &str = "[[objects.foam_block]]\ncount = 1\n\n[[objects.leaf]]\ncount = 2\n";
+
+/// Demands that every command that reads scenes refuses this one, naming line and `parts`, and writes nothing.
+#[track_caller]
+fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let file = scenes::write(folder.path(), "bad.toml", text);
+    let fault = Fault {
+        file: &file,
+        line,
+        parts,
+    };
+    let [set, recording, picture] = ["set", "reach.parquet", "reach.svg"].map(|name| outputs.path().join(name));
+    fault.check(&underbrush!["inspect", file]);
+    fault.check(&underbrush!["reach", file, "--out", recording, "--picture", picture]);
+    fault.check(&underbrush!["generate", file, "--reaches", "2", "--out", set]);
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn unknown_key() {
+    // Pins: a slip in a key is no silent default, at the top and within a group.
+    refuses(
+        "summary = \"A scene\"\nsumary = 3\n",
+        Some(2),
+        &["unknown field `sumary`", "`summary`", "mend the line"],
+    );
+    let text = format!("{HEAD}{LEAF}heigth_m = 0.3\n");
+    refuses(
+        &text,
+        Some(8),
+        &[
+            "unknown field `heigth_m`",
+            "`height_m`",
+            "underbrush schema",
+            "mend the line",
+        ],
+    );
+    refuses(
+        &format!("{HEAD}[[objects.bush]]\ncount = 1\n"),
+        Some(3),
+        &["unknown field `bush`", "`leaf`"],
+    );
+}
+
+#[test]
+fn no_toml() {
+    // Pins: text that is no TOML is refused at its line.
+    refuses(
+        "summary = \"A scene\"\ncontroller = \n",
+        Some(2),
+        &["scene: found", "mend the line"],
+    );
+}
+
+#[test]
+fn missing_key() {
+    // Pins: a group must say how many.
+    let parts = ["missing field `count`", "underbrush schema", "mend the line"];
+    refuses(&format!("{HEAD}[[objects.trunk]]\n"), Some(3), &parts);
+}
+
+#[test]
+fn negative_rigidity() {
+    // Pins: a stiffness below zero is unphysical.
+    let parts = [
+        "objects.leaf[0].flexural_rigidity_n_m2: found -0.01",
+        "allowed: values from 0.00001 to 10",
+        "change",
+    ];
+    refuses(
+        &format!("{HEAD}{LEAF}flexural_rigidity_n_m2 = -0.01\n"),
+        Some(8),
+        &parts,
+    );
+}
+
+#[test]
+fn not_a_number() {
+    // Pins: NaN is refused as a value, in a range and as a standard deviation.
+    for (value, found) in [
+        ("nan", "found NaN"),
+        ("{ uniform = [nan, 0.3] }", "found { uniform = [NaN, 0.3] }"),
+        ("{ uniform = [0.3, nan] }", "found { uniform = [0.3, NaN] }"),
+        ("{ normal = [0.3, nan] }", "found { normal = [0.3, NaN] }"),
+        ("inf", "found inf"),
+    ] {
+        let text = format!("{HEAD}{LEAF}height_m = {value}\n");
+        refuses(
+            &text,
+            Some(8),
+            &["objects.leaf[0].height_m", found, "allowed:", "change the value"],
+        );
+    }
+    let text = format!("{HEAD}[physics]\nstep_s = nan\n");
+    refuses(
+        &text,
+        Some(4),
+        &["physics.step_s: found NaN", "10 ms or a whole fraction"],
+    );
+    let text = format!("{HEAD}[sensor]\nnoise_n = nan\n");
+    refuses(
+        &text,
+        Some(4),
+        &["sensor.noise_n: found NaN", "a finite number of zero or more"],
+    );
+}
+
+#[test]
+fn reversed_range() {
+    // Pins: bounds in the wrong order are not swapped silently.
+    let text = format!("{HEAD}{LEAF}height_m = {{ uniform = [0.4, 0.3] }}\n");
+    let parts = [
+        "objects.leaf[0].height_m",
+        "found { uniform = [0.4, 0.3] }",
+        "the lower bound first",
+        "change",
+    ];
+    refuses(&text, Some(8), &parts);
+    let text = format!("{HEAD}[workspace]\nx_m = [0.8, 0.2]\n");
+    refuses(
+        &text,
+        Some(4),
+        &["workspace.x_m: found [0.8, 0.2]", "the smaller first", "change"],
+    );
+}
+
+#[test]
+fn no_goals() {
+    // Pins: a reach has at least one goal, and the line is that of the goals although groups have a count as well.
+    let text = format!("{HEAD}{LEAF}[goals]\ncount = 0\n");
+    refuses(&text, Some(9), &["goals.count: found 0", "1 to 1000 goals", "change"]);
+}
+
+#[test]
+fn overlapping_trunks() {
+    // Pins: two trunks in one place are refused at the second one's line, with the reason.
+    let place = "place = { x_m = 0.6, y_m = -0.2 }";
+    let text = format!("{HEAD}[[objects.trunk]]\ncount = 1\n{place}\n\n[[objects.trunk]]\ncount = 1\n{place}\n");
+    refuses(
+        &text,
+        Some(8),
+        &["objects.trunk[1].count", "1000 overlapped another object", "change"],
+    );
+}
+
+#[test]
+fn more_trunks_than_room() {
+    // Pins: an impossible scene says how many found room, and nothing is left under the name of the data set.
+    let text = format!("{HEAD}[[objects.trunk]]\ncount = 9000\n");
+    refuses(
+        &text,
+        Some(4),
+        &[
+            "objects.trunk[0].count: found 9000",
+            "no more than there is room for; placed",
+        ],
+    );
+    let text = format!("{HEAD}[[objects.trunk]]\ncount = 10001\n");
+    refuses(
+        &text,
+        Some(4),
+        &["objects.trunk[0].count: found 10001", "up to 10000 objects"],
+    );
+}
+
+#[test]
+fn leaves_without_foam() {
+    // Pins: leaves stand in foam; a scene without any says so.
+    let text = format!("{HEAD}[[objects.leaf]]\ncount = 3\n");
+    refuses(
+        &text,
+        Some(4),
+        &["objects.leaf[0].count: found 3", "1000 had no foam to stand in"],
+    );
+}
+
+#[test]
+fn goals_out_of_reach() {
+    // Pins: goals that no arm of this length reaches are refused.
+    let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
+    refuses(
+        &text,
+        None,
+        &["goals: found no goal number 1", "out of the arm's reach", "change"],
+    );
+}
+
+#[test]
+fn unknown_controller() {
+    // Pins: the names of the controllers are told.
+    let text = format!("{HEAD}controller = \"clever\"\n");
+    refuses(
+        &text,
+        Some(3),
+        &[
+            "controller: found `clever`",
+            "one of cody-2013, ijrr-foliage, blind",
+            "change",
+        ],
+    );
+}
+
+#[test]
+fn missing_scene() {
+    // Pins: a scene that is not there.
+    let outputs = tempfile::tempdir().unwrap();
+    let (file, set) = (outputs.path().join("absent.toml"), outputs.path().join("set"));
+    let parts = ["No such file", "check the path"];
+    let fault = Fault {
+        file: &file,
+        line: None,
+        parts: &parts,
+    };
+    fault.check(&underbrush!["reach", file]);
+    fault.check(&underbrush!["generate", file, "--reaches", "1", "--out", set]);
+    underbrush!["inspect", file].refused(&[&file.display().to_string(), "no such file", "check the path"]);
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn missing_arm() {
+    // Pins: a user's arm is sought beside the scene, and its absence is told by its own path.
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"no-arm.toml\"\n"));
+    let (arm, set) = (folder.path().join("no-arm.toml"), outputs.path().join("set"));
+    let parts = ["No such file", "check the path"];
+    let fault = Fault {
+        file: &arm,
+        line: None,
+        parts: &parts,
+    };
+    fault.check(&underbrush!["reach", scene]);
+    fault.check(&underbrush!["generate", scene, "--reaches", "1", "--out", set]);
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn bad_arm() {
+    // Pins: Cody's own arm file with a negative stiffness is refused at its line when a scene names it.
+    let folder = tempfile::tempdir().unwrap();
+    let cody = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody");
+    crate::support::copy_tree(&cody, folder.path());
+    let file = folder.path().join("cody.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let line = text
+        .lines()
+        .position(|line| line.trim_start().starts_with("stiffness_nm_per_rad"))
+        .unwrap();
+    let changed: Vec<&str> = text
+        .lines()
+        .enumerate()
+        .map(|(number, old)| {
+            if number == line {
+                "stiffness_nm_per_rad = -30.0"
+            } else {
+                old
+            }
+        })
+        .collect();
+    std::fs::write(&file, changed.join("\n")).unwrap();
+    let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"cody.toml\"\n"));
+    let parts = ["stiffness_nm_per_rad", "found -30", "allowed:", "change"];
+    Fault {
+        file: &file,
+        line: Some(line + 1),
+        parts: &parts,
+    }
+    .check(&underbrush!["reach", scene]);
+}

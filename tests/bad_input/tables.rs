@@ -1,0 +1,184 @@
+//! Tables of trials that make no sense.
+
+use std::path::Path;
+
+use super::{Fault, assert_empty};
+use crate::support::fixture::fixture;
+use crate::support::underbrush;
+
+const HEADER: &str = "trial,category,time_s,force_n";
+
+/// Demands that everything that reads tables refuses this file, and writes nothing.
+#[track_caller]
+fn refuses_file(file: &Path, line: Option<usize>, parts: &[&str]) {
+    let outputs = tempfile::tempdir().unwrap();
+    let [model, table] = ["model.json", "trials.parquet"].map(|name| outputs.path().join(name));
+    let fault = Fault { file, line, parts };
+    fault.check(&underbrush!["train", file, "--out", model]);
+    fault.check(&underbrush!["evaluate", file]);
+    fault.check(&underbrush!["score", fixture().model(), file]);
+    fault.check(&underbrush!["classify", fixture().model(), file]);
+    fault.check(&underbrush!["trials", file, "--out", table]);
+    fault.check(&underbrush!["inspect", file]);
+    assert_empty(outputs.path());
+}
+
+#[track_caller]
+fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trials.csv");
+    std::fs::write(&file, text).unwrap();
+    refuses_file(&file, line, parts);
+}
+
+#[test]
+fn empty() {
+    // Pins: a header alone is no table, nor is an empty file.
+    refuses(
+        &format!("{HEADER}\n"),
+        None,
+        &["rows: found none", "one row a sample", "at least one row"],
+    );
+    refuses("", None, &["trial: found", "one column each of trial, time_s, force_n"]);
+}
+
+#[test]
+fn missing_column() {
+    // Pins: the missing column and those found are named.
+    let parts = [
+        "force_n: found only the columns trial, category, time_s",
+        "force_n",
+        "case-sensitive",
+    ];
+    refuses("trial,category,time_s\n0,leaf,0.0\n", None, &parts);
+}
+
+#[test]
+fn missing_cell() {
+    // Pins: a row cut short is refused at its line.
+    let parts = ["row: found 3 cells", "4 cells, as in the header", "correct the line"];
+    refuses(&format!("{HEADER}\n0,leaf,0.0,1\n0,leaf,0.01\n"), Some(3), &parts);
+}
+
+#[test]
+fn bad_force() {
+    // Pins: NaN, infinity and text are no forces, and the line is named.
+    for force in ["NaN", "inf", "much"] {
+        let text = format!("{HEADER}\n0,leaf,0.0,1\n0,leaf,0.01,{force}\n");
+        refuses(
+            &text,
+            Some(3),
+            &[
+                &format!("force_n: found \"{force}\""),
+                "a finite number",
+                "correct the cell",
+            ],
+        );
+    }
+}
+
+#[test]
+fn time_that_does_not_increase() {
+    // Pins: times repeated or falling within a trial are refused; another trial may begin anew.
+    for time in ["0.01", "0.0"] {
+        let text = format!("{HEADER}\n7,leaf,0.0,1\n7,leaf,0.01,1\n7,leaf,{time},1\n");
+        let found = format!("time_s: found {}", time.parse::<f64>().unwrap());
+        refuses(
+            &text,
+            Some(4),
+            &[&found, "more than 0.01, the time before in trial 7", "sort the rows"],
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trials.csv");
+    std::fs::write(&file, format!("{HEADER}\n7,leaf,0.5,1\n8,leaf,0.0,1\n")).unwrap();
+    underbrush!["inspect", file].success();
+}
+
+#[test]
+fn two_categories_in_one_trial() {
+    // Pins: the truth of a trial is one.
+    let text = format!("{HEADER}\n0,leaf,0.0,1\n0,trunk,0.01,1\n");
+    refuses(
+        &text,
+        Some(3),
+        &[
+            "category: found trunk",
+            "leaf, as in the rows of trial 0 before",
+            "give each trial",
+        ],
+    );
+}
+
+#[test]
+fn no_ground_truth() {
+    // Pins: a table without categories can be scored, but not trained or evaluated on, and the table is named.
+    let folder = tempfile::tempdir().unwrap();
+    let (file, model) = (folder.path().join("bare.csv"), folder.path().join("model.json"));
+    std::fs::write(&file, "trial,time_s,force_n\n0,0.0,1\n0,0.01,1\n").unwrap();
+    let parts = ["category", "use trials with ground truth"];
+    let fault = Fault {
+        file: &file,
+        line: None,
+        parts: &parts,
+    };
+    fault.check(&underbrush!["train", file, "--out", model]);
+    fault.check(&underbrush!["evaluate", file]);
+    assert!(!model.exists());
+}
+
+#[test]
+fn missing_file() {
+    // Pins: tables, recordings and data sets that are not there, by their own name and not by their kind.
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["absent.csv", "absent.parquet", "absent-set"] {
+        refuses_file(
+            &folder.path().join(name),
+            None,
+            &["no such file or folder", "check the path"],
+        );
+    }
+    let absent = folder.path().join("absent.parquet");
+    let parts = ["no such file or folder", "check the path"];
+    let online = underbrush!["classify", fixture().model(), absent, "--online"];
+    Fault {
+        file: &absent,
+        line: None,
+        parts: &parts,
+    }
+    .check(&online);
+}
+
+#[test]
+fn foreign_folder() {
+    // Pins: a folder that is no data set.
+    let folder = tempfile::tempdir().unwrap();
+    refuses_file(
+        folder.path(),
+        None,
+        &["data set: found no meta/info.json", "check the path, or generate"],
+    );
+}
+
+#[test]
+fn table_given_for_frames() {
+    // Pins: --online wants frames; a table of trials has none.
+    let fixture = fixture();
+    let online = |table| underbrush!["classify", fixture.model(), table, "--online"];
+    online(fixture.table_csv()).refused(&["trials.csv", "found a table of trials", "leave --online out"]);
+    online(fixture.table_parquet()).refused(&["trials.parquet", "underbrush.format"]);
+}
+
+#[test]
+fn frames_that_are_none() {
+    // Pins: a line on standard input that is no frame is refused by its number.
+    let arguments = || vec!["classify".into(), fixture().model().into(), "-".into()];
+    let answer = crate::support::call(arguments(), "{\"time_s\": 0}\n");
+    answer.refused(&[
+        "-:1",
+        "frame: found missing field",
+        "one frame as a JSON object a line",
+        "mend the line",
+    ]);
+    crate::support::call(arguments(), "no frame\n").refused(&["-:1", "frame: found expected"]);
+}

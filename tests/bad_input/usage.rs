@@ -1,0 +1,163 @@
+//! Bad usage: options and folders that make no sense.
+
+use super::assert_empty;
+use crate::support::fixture::fixture;
+use crate::support::{scenes, tree, underbrush};
+
+#[test]
+fn unknown_controller() {
+    // Pins: the names of the controllers are told, by reach and by generate alike, before anything is written.
+    let outputs = tempfile::tempdir().unwrap();
+    let (scene, set) = (fixture().trunk_scene(), outputs.path().join("set"));
+    let parts = ["clever", "--controller", "cody-2013, ijrr-foliage, blind"];
+    underbrush!["reach", scene, "--controller", "clever"].refused(&parts);
+    underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "1",
+        "--out",
+        set,
+        "--controller",
+        "clever"
+    ]
+    .refused(&parts);
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn bad_shard() {
+    // Pins: parts are counted from 1 and there is at least one; a shard without any reach is refused.
+    let outputs = tempfile::tempdir().unwrap();
+    let (scene, set) = (fixture().trunk_scene(), outputs.path().join("set"));
+    for shard in ["0/2", "3/2", "1/0", "two", "/", "-1/2", "1/2/3"] {
+        let shard = format!("--shard={shard}");
+        underbrush!["generate", scene, "--reaches", "2", "--out", set, shard].refused(&["I/N with 1 ≤ I ≤ N", "2/8"]);
+    }
+    let empty = underbrush!["generate", scene, "--reaches", "1", "--out", set, "--shard", "2/2"];
+    empty.refused(&["no reach to run", "at least one reach in each shard"]);
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn folder_that_holds_something() {
+    // Pins: a data set goes into a new or an empty folder; what is there already is left as it is.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("thesis.tex"), "all I have").unwrap();
+    let before = tree(folder.path());
+    let scene = fixture().trunk_scene();
+    for resume in [None, Some("--resume")] {
+        let mut arguments: Vec<std::ffi::OsString> = vec!["generate".into(), scene.clone().into()];
+        arguments.extend(["--reaches", "1", "--out"].map(Into::into));
+        arguments.push(folder.path().into());
+        arguments.extend(resume.map(Into::into));
+        let parts = [
+            &folder.path().display().to_string(),
+            "holds files that are no data set",
+            "a new folder",
+        ];
+        crate::support::call(arguments, "").refused(&parts);
+        assert!(before == tree(folder.path()));
+    }
+    let file = folder.path().join("thesis.tex");
+    let onto_file = underbrush!["generate", scene, "--reaches", "1", "--out", file];
+    onto_file.refused(&[
+        &file.display().to_string(),
+        "found a file",
+        "choose an empty or a new folder",
+    ]);
+    assert!(before == tree(folder.path()));
+}
+
+#[test]
+fn scenes_that_do_not_go_together() {
+    // Pins: one data set has one controller and scenes of different names; both are told before anything is run.
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let set = outputs.path().join("set");
+    let blind = scenes::write(
+        folder.path(),
+        "blind.toml",
+        &format!("controller = \"blind\"\n{}", scenes::FEW_TRUNKS),
+    );
+    let feeling = scenes::write(folder.path(), "feeling.toml", scenes::FEW_TRUNKS);
+    let parts = [
+        "scenes blind and feeling",
+        "different controllers, blind and cody-2013",
+        "--controller",
+    ];
+    underbrush!["generate", blind, feeling, "--reaches", "1", "--out", set].refused(&parts);
+    let twice = underbrush!["generate", feeling, feeling, "--reaches", "1", "--out", set];
+    twice.refused(&["two scenes are called feeling", "rename one file"]);
+    assert_empty(outputs.path());
+    let chosen = underbrush![
+        "generate",
+        blind,
+        feeling,
+        "--reaches",
+        "1",
+        "--out",
+        set,
+        "--controller",
+        "blind"
+    ];
+    chosen.success();
+}
+
+#[test]
+fn numbers_out_of_range() {
+    // Pins: numbers that make no sense are refused by name.
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let (table, model, set) = (
+        fixture.table_csv(),
+        outputs.path().join("model.json"),
+        outputs.path().join("set"),
+    );
+    underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "1..=500"]);
+    underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
+    underbrush!["evaluate", table, "--folds", "1"].refused(&["1 folds", "at least 2"]);
+    underbrush!["evaluate", table, "--folds", "100000"].refused(&["fewer than the 100000 folds", "use fewer folds"]);
+    underbrush!["evaluate", table, "--jobs", "0"].refused(&["--jobs"]);
+    let scene = fixture.trunk_scene();
+    underbrush!["generate", scene, "--reaches", "0", "--out", set].refused(&["--reaches"]);
+    for threshold in ["-1", "nan"] {
+        let train = underbrush!["train", fixture.dataset(), "--out", model, "--threshold-n", threshold];
+        train.refused(&["threshold_n is", "a finite force from 0 N"]);
+    }
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn nothing_to_learn_from() {
+    // Pins: a threshold above every force leaves no trial, and the text says so rather than that categories are missing.
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let (set, out) = (fixture.dataset(), outputs.path().join("out.csv"));
+    let parts = [
+        "dataset: no contact on patch forearm above 1000 N",
+        "lower --threshold-n",
+    ];
+    underbrush!["train", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
+    underbrush!["evaluate", set, "--threshold-n", "1000"].refused(&parts);
+    underbrush!["trials", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
+    assert_empty(outputs.path());
+}
+
+#[test]
+fn unknown_names() {
+    // Pins: patches, kinds of table and kinds of file are told.
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let [text, table] = ["trials.txt", "trials.csv"].map(|name| outputs.path().join(name));
+    let patch = underbrush!["trials", fixture.dataset(), "--out", table, "--patch", "elbow"];
+    patch.refused(&["no patch called \"elbow\"", "forearm", "flipper"]);
+    underbrush!["trials", fixture.dataset(), "--out", text]
+        .refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
+    assert_empty(outputs.path());
+    std::fs::write(&text, "a text").unwrap();
+    underbrush!["inspect", text].refused(&["trials.txt", "neither a folder nor a .toml"]);
+    underbrush!["train", text, "--out", table].refused(&["trials.txt", "extension \"txt\""]);
+    let prior = underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "moss=0.5"];
+    prior.refused(&["moss"]);
+}

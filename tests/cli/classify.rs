@@ -1,0 +1,144 @@
+//! `underbrush classify` and `underbrush score`: batch, online and from standard input.
+
+use serde_json::Value;
+use underbrush_recording::disk::read_recording;
+
+use crate::support::fixture::{fixture, recording_with_trials};
+use crate::support::{call, table, underbrush};
+
+#[test]
+fn the_verdict_is_the_best_score() {
+    // Pins: classify's verdict on each trial is the category of the largest log-likelihood that score prints, from the
+    // data set as from its table; the truth is the table's.
+    let fixture = fixture();
+    let score = underbrush!["score", fixture.model(), fixture.table_csv()].success();
+    assert_eq!(
+        score,
+        underbrush!["score", fixture.model(), fixture.dataset()].success()
+    );
+    assert_eq!(
+        score,
+        underbrush!["score", fixture.model(), fixture.table_parquet()].success()
+    );
+    let scores = table::scores(&score);
+    let verdicts = underbrush!["classify", fixture.model(), fixture.table_csv(), "--score", "forward"].success();
+    let same = underbrush!["classify", fixture.model(), fixture.dataset(), "--score", "forward"].success();
+    assert_eq!(verdicts, same);
+    let rows = table::rows(&verdicts);
+    assert_eq!(2 * rows.len(), scores.len());
+    for row in rows {
+        let of = |model: &str| scores[&(model.to_string(), row["trial"].parse().unwrap())];
+        let best = if of("leaf") > of("trunk") { "leaf" } else { "trunk" };
+        assert_eq!(row["verdict"], best, "{row:?}");
+    }
+}
+
+#[test]
+fn a_table_without_category_is_classified() {
+    // Pins: classify and score need only trial, time_s and force_n, and say the same as with more columns.
+    let fixture = fixture();
+    let folder = tempfile::tempdir().unwrap();
+    let bare = folder.path().join("bare.csv");
+    let text = std::fs::read_to_string(fixture.table_csv()).unwrap();
+    let mut lines = vec!["force_n,time_s,trial".to_string()];
+    lines.extend(table::rows(&text).iter().map(|row| {
+        [&row["force_n"], &row["time_s"], &row["trial"]]
+            .map(String::as_str)
+            .join(",")
+    }));
+    std::fs::write(&bare, lines.join("\n")).unwrap();
+    let scores = |path| underbrush!["score", fixture.model(), path].success();
+    assert_eq!(scores(&bare), scores(&fixture.table_csv()));
+    let verdicts = underbrush!["classify", fixture.model(), bare].success();
+    assert!(
+        table::rows(&verdicts).iter().all(|row| row["truth"].is_empty()),
+        "{verdicts}"
+    );
+}
+
+/// The lines that `classify --online` prints for a recording.
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn online_ends_where_batch_does() {
+    // Pins: after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
+    // bit, by either score; each sample of a trial is answered in its own frame, and nothing else is.
+    let model = fixture().model();
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("reach.parquet");
+    let trials = recording_with_trials(&fixture().trunk_scene(), &recording);
+    for by in ["forward", "viterbi"] {
+        let batch = table::scores(&underbrush!["score", model, recording, "--by", by].success());
+        let online = lines(&underbrush!["classify", model, recording, "--online", "--score", by].success());
+        assert_eq!(online.len(), read_recording(&recording).unwrap().frames.len());
+        let answer = |time_s: f64, taxel: u32| {
+            let frame = online.iter().find(|frame| frame["time_s"] == time_s).unwrap();
+            frame["taxels"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .find(|answer| answer["taxel"] == taxel)
+                .unwrap()
+        };
+        for trial in &trials {
+            let taxel = trial.taxel.unwrap();
+            for (index, sample) in trial.samples.iter().enumerate() {
+                assert_eq!(answer(sample.time_s, taxel)["samples"], index + 1);
+            }
+            let last = answer(trial.samples.last().unwrap().time_s, taxel);
+            for category in ["leaf", "trunk"] {
+                let batch = batch[&(category.to_string(), trial.trial)];
+                assert_eq!(
+                    last["scores"][category].as_f64(),
+                    Some(batch),
+                    "trial {}, {category}, {by}",
+                    trial.trial
+                );
+            }
+        }
+        let answers: usize = online
+            .iter()
+            .map(|frame| frame["taxels"].as_array().unwrap().len())
+            .sum();
+        assert_eq!(answers, trials.iter().map(|trial| trial.samples.len()).sum::<usize>());
+    }
+}
+
+#[test]
+fn frames_on_standard_input_are_answered_alike() {
+    // Pins: `classify MODEL -` with the frames of a recording as JSON lines prints what --online prints for the file.
+    let model = fixture().model();
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("reach.parquet");
+    recording_with_trials(&fixture().trunk_scene(), &recording);
+    let frames = read_recording(&recording).unwrap().frames;
+    let stdin: String = frames
+        .iter()
+        .map(|frame| serde_json::to_string(frame).unwrap() + "\n")
+        .collect();
+    let piped = call(vec!["classify".into(), model.clone().into(), "-".into()], &stdin).success();
+    assert_eq!(piped.lines().count(), frames.len());
+    assert!(piped == underbrush!["classify", model, recording, "--online"].success());
+}
+
+#[test]
+fn priors_and_rules_change_verdicts() {
+    // Pins: a prior of almost one decides trials of a single sample; a lead that no trial has makes all uncertain.
+    let fixture = fixture();
+    let verdicts = |options: &[&str]| {
+        let mut arguments = vec!["classify".into(), fixture.model().into(), fixture.table_csv().into()];
+        arguments.extend(options.iter().map(Into::into));
+        table::rows(&call(arguments, "").success())
+            .iter()
+            .map(|row| row["verdict"].clone())
+            .collect::<Vec<_>>()
+    };
+    let count = |verdicts: &[String], name: &str| verdicts.iter().filter(|verdict| *verdict == name).count();
+    let even = verdicts(&[]);
+    let biased = verdicts(&["--prior", "leaf=1e-300", "--prior", "trunk=1"]);
+    assert!(count(&biased, "trunk") > count(&even, "trunk"), "{biased:?}");
+    let doubtful = verdicts(&["--decision", "uncertain", "--lead", "1e9"]);
+    assert_eq!(count(&doubtful, "uncertain"), even.len());
+}

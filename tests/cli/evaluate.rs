@@ -1,0 +1,59 @@
+//! `underbrush evaluate`.
+
+use underbrush_recording::disk::read_trials;
+
+use crate::support::fixture::fixture;
+use crate::support::underbrush;
+
+#[test]
+fn data_set_and_tables_are_judged_alike() {
+    // Pins: cross-validation gives the same figures from the data set and from either table.
+    let fixture = fixture();
+    let sources = [fixture.dataset(), fixture.table_csv(), fixture.table_parquet()];
+    let figures = sources.map(|source| underbrush!["evaluate", source, "--states", "2", "--json"].json());
+    assert_eq!(figures[0], figures[1]);
+    assert_eq!(figures[1], figures[2]);
+}
+
+#[test]
+fn the_confusion_matrix_counts_each_trial_once() {
+    // Pins: counts by true category are those of the table, recall is the matrix's own diagonal, and intervals hold it.
+    let trials = read_trials(fixture().table_csv()).unwrap();
+    let figures = underbrush!["evaluate", fixture().table_csv(), "--states", "2", "--json"].json();
+    let truth = figures["confusion"]["truth"].as_array().unwrap();
+    assert_eq!(truth, &["leaf", "trunk"]);
+    for (row, category) in truth.iter().enumerate() {
+        let of_category = trials
+            .iter()
+            .filter(|trial| trial.category.as_deref() == category.as_str())
+            .count() as u64;
+        let counts = figures["confusion"]["count"][row].as_array().unwrap();
+        let counts: Vec<u64> = counts.iter().map(|count| count.as_u64().unwrap()).collect();
+        assert_eq!(counts.iter().sum::<u64>(), of_category);
+        let verdicts = figures["confusion"]["verdict"].as_array().unwrap();
+        let right = counts[verdicts.iter().position(|verdict| verdict == category).unwrap()];
+        let of = &figures["categories"][row];
+        let recall = of["recall"].as_f64().unwrap();
+        assert!((recall - right as f64 / of_category as f64).abs() < 1e-12, "{of}");
+        let interval = &of["recall_interval"];
+        assert!(
+            interval["low"].as_f64().unwrap() <= recall && recall <= interval["high"].as_f64().unwrap(),
+            "{of}"
+        );
+    }
+}
+
+#[test]
+fn text_names_the_figures() {
+    // Pins: without --json a person reads a table with recall, precision and interval.
+    let text = underbrush!["evaluate", fixture().table_csv(), "--states", "2"].success();
+    for part in [
+        "truth \\ verdict",
+        "recall %",
+        "95 % interval",
+        "precision %",
+        "accuracy",
+    ] {
+        assert!(text.contains(part), "no {part:?} in:\n{text}");
+    }
+}

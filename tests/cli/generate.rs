@@ -1,0 +1,98 @@
+//! `underbrush generate`.
+
+use crate::support::{assert_same_trees, scenes, underbrush};
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    // Pins: the same scenes and seed give the same files with one thread and with two; another seed does not.
+    let folder = tempfile::tempdir().unwrap();
+    let leaf = scenes::write(folder.path(), "leaf.toml", scenes::FEW_LEAVES);
+    let trunk = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let [one, two, other] = ["one", "two", "other"].map(|name| folder.path().join(name));
+    for (out, jobs, seed) in [(&one, "1", "1"), (&two, "2", "1"), (&other, "2", "2")] {
+        let call = underbrush![
+            "generate",
+            leaf,
+            trunk,
+            "--reaches",
+            "2",
+            "--seed",
+            seed,
+            "--jobs",
+            jobs,
+            "--out",
+            out,
+            "--json"
+        ];
+        assert_eq!(call.json()["reaches"], 4);
+    }
+    assert_same_trees(&one, &two);
+    let data = "data/chunk-000/file-000.parquet";
+    assert_ne!(
+        std::fs::read(one.join(data)).unwrap(),
+        std::fs::read(other.join(data)).unwrap()
+    );
+}
+
+#[test]
+fn taxel_forces_add_up_to_contact_forces() {
+    // Pins: the summary's largest difference between taxel forces and solver forces is rounding; results go to stdout
+    // and nothing to stderr where it is no terminal.
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let call = underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "1",
+        "--out",
+        folder.path().join("set"),
+        "--json"
+    ];
+    assert_eq!(call.stderr, "");
+    let summary = call.json();
+    assert!(summary["largest_force_residual"].as_f64().unwrap() < 1e-9, "{summary}");
+    assert_eq!(summary["touched_reaches"], 1, "{summary}");
+}
+
+#[test]
+fn shards_hold_the_reaches_of_the_whole() {
+    // Pins: two shards together hold the reaches of the unsharded campaign, recording for recording.
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let [whole, first, second] = ["whole", "first", "second"].map(|name| folder.path().join(name));
+    underbrush!["generate", scene, "--reaches", "3", "--seed", "4", "--out", whole].success();
+    underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "3",
+        "--seed",
+        "4",
+        "--out",
+        first,
+        "--shard",
+        "1/2"
+    ]
+    .success();
+    underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "3",
+        "--seed",
+        "4",
+        "--out",
+        second,
+        "--shard",
+        "2/2"
+    ]
+    .success();
+    let open = |path| underbrush_recording::disk::Dataset::open(path).unwrap();
+    let (whole, first, second) = (open(&whole), open(&first), open(&second));
+    assert_eq!([first.episodes().len(), second.episodes().len()], [2, 1]);
+    let parts = [first.read_reach(0), second.read_reach(0), first.read_reach(1)].map(Result::unwrap);
+    for (index, part) in parts.into_iter().enumerate() {
+        assert!(whole.read_reach(index).unwrap() == part, "reach {index} differs");
+    }
+}

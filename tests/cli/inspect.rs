@@ -1,0 +1,54 @@
+//! `underbrush inspect` and `underbrush schema`.
+
+use std::path::Path;
+
+use crate::support::fixture::fixture;
+use crate::support::{scenes, underbrush};
+
+#[test]
+fn each_kind_of_thing_is_recognized() {
+    // Pins: a scene, data set, recording, table of either kind and model are told apart, checked and described.
+    let fixture = fixture();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "few.toml", scenes::FEW_TRUNKS);
+    let recording = folder.path().join("recording.parquet");
+    underbrush!["reach", scene, "--out", recording].success();
+
+    let describe = |path: &Path| underbrush!["inspect", path, "--json"].json();
+    let found = describe(&scene);
+    assert_eq!(
+        (&found["scene"], &found["objects"]["trunk"]),
+        (&"few".into(), &3.into())
+    );
+    let found = describe(&fixture.dataset());
+    assert_eq!(
+        (&found["reaches"], &found["reaches by scene"]["leaf"]),
+        (&8.into(), &4.into())
+    );
+    assert_eq!(
+        (&found["taxels"]["forearm"], &found["taxels"]["flipper"]),
+        (&384.into(), &69.into())
+    );
+    let found = describe(&recording);
+    assert_eq!((&found["scene"], &found["objects"]), (&"few".into(), &3.into()));
+    let tables = [fixture.table_csv(), fixture.table_parquet()].map(|table| describe(&table));
+    assert_eq!(tables[0]["trials by category"], tables[1]["trials by category"]);
+    assert!(tables[0]["trials by category"]["leaf"].as_u64().unwrap() >= 4);
+    let found = describe(&fixture.model());
+    assert_eq!(
+        found["states by category"],
+        serde_json::json!({ "leaf": 3, "trunk": 3 })
+    );
+    assert_eq!(found["features"], serde_json::json!(["force_n"]));
+}
+
+#[test]
+fn the_schema_lists_what_a_scene_may_hold() {
+    // Pins: the schema is JSON, forbids unknown keys and knows every kind of object.
+    let schema: serde_json::Value = serde_json::from_str(&underbrush!["schema"].success()).unwrap();
+    assert_eq!(schema["additionalProperties"], false);
+    let objects = schema["$defs"]["Objects"]["properties"].as_object().unwrap();
+    let mut kinds: Vec<_> = objects.keys().map(String::as_str).collect();
+    kinds.sort_unstable();
+    assert_eq!(kinds, ["foam_block", "foam_roll", "leaf", "trunk"]);
+}

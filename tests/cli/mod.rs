@@ -1,0 +1,12 @@
+//! The commands end to end, on small inputs.
+
+mod classify;
+mod evaluate;
+mod generate;
+mod inspect;
+mod oracle;
+mod reach;
+mod resume;
+mod torn;
+mod train;
+mod trials;

@@ -1,0 +1,90 @@
+//! `underbrush score` and `underbrush train --start` against log-likelihoods that hmmlearn computed in double precision.
+
+use std::path::{Path, PathBuf};
+
+use crate::support::{table, underbrush};
+
+/// Scores of given parameters are a matter of rounding alone.
+const START_TOLERANCE: f64 = 1e-9;
+/// Twenty iterations of training magnify rounding, by about a thousand times.
+const TRAINED_TOLERANCE: f64 = 1e-6;
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("classifier/tests/data/hmm")
+        .join(name)
+}
+
+/// Demands that `score` prints the oracle's column for every model and trial.
+fn compare(model: &Path, configuration: &str, by: &str, column: &str, tolerance: f64) {
+    let found = table::scores(&underbrush!["score", model, data("trials.csv"), "--by", by].success());
+    let expected = table::rows(&std::fs::read_to_string(data(&format!("{configuration}.oracle.csv"))).unwrap());
+    assert_eq!((expected.len(), found.len()), (160, 160));
+    for row in expected {
+        let (name, trial) = (row["model"].clone(), row["trial"].parse().unwrap());
+        let (found, expected) = (found[&(name, trial)], row[column].parse::<f64>().unwrap());
+        let difference = ((found - expected) / expected).abs();
+        assert!(
+            difference <= tolerance,
+            "{configuration}, {column}: {row:?}, found {found}: {difference:e}"
+        );
+    }
+}
+
+fn check(configuration: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let (start, trained) = (
+        data(&format!("{configuration}.start.json")),
+        folder.path().join("trained.json"),
+    );
+    underbrush![
+        "train",
+        data("trials.csv"),
+        "--start",
+        start,
+        "--iterations",
+        "20",
+        "--tolerance",
+        "0",
+        "--variance-floor",
+        "0",
+        "--out",
+        trained
+    ]
+    .success();
+    for by in ["forward", "viterbi"] {
+        compare(&start, configuration, by, &format!("{by}_start"), START_TOLERANCE);
+        compare(
+            &trained,
+            configuration,
+            by,
+            &format!("{by}_after_20"),
+            TRAINED_TOLERANCE,
+        );
+    }
+}
+
+#[test]
+fn one_feature() {
+    // Pins: start and trained scores of 10 left-right states over force, forward and Viterbi, through the command line.
+    check("10-states-force-left-right");
+}
+
+#[test]
+fn one_feature_ergodic() {
+    // Pins: the same where every transition exists.
+    check("10-states-force-ergodic");
+}
+
+#[test]
+fn two_features() {
+    // Pins: the same for force and motion with full covariances.
+    check("10-states-force-and-motion-left-right");
+}
+
+#[test]
+fn few_and_many_states() {
+    // Pins: the same for 5 and for 20 states.
+    check("5-states-force-left-right");
+    check("20-states-force-left-right");
+}

@@ -1,0 +1,118 @@
+//! `underbrush generate --resume`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::support::{assert_same_trees, scenes, underbrush};
+
+/// Begins a campaign on one thread and kills it once the first reach is staged.
+fn interrupted(scene: &Path, out: &Path) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_underbrush"))
+        .args(["generate", "--reaches", "8", "--seed", "3", "--jobs", "1", "--out"])
+        .args([out, scene])
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    // The sum of a staged reach is written after the reach itself.
+    while !staged(out)
+        .iter()
+        .any(|path| path.extension().is_some_and(|extension| extension == "json"))
+    {
+        assert!(start.elapsed() < Duration::from_secs(120), "no reach was staged");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(
+        out.join("incomplete/plan.json").exists(),
+        "the campaign ended before it was killed"
+    );
+    assert!(!out.join("meta/info.json").exists());
+}
+
+/// Staged reaches and their sums.
+fn staged(out: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(out.join("incomplete")) else {
+        return Vec::new();
+    };
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut staged: Vec<_> = paths
+        .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("reach-"))
+        .collect();
+    staged.sort();
+    staged
+}
+
+#[test]
+fn a_killed_run_resumes_to_the_same_bytes() {
+    // Pins: what a kill leaves is refused as a data set by name, taken up by --resume alone, and ends in the bytes of
+    // an unbroken run; a staged reach that is torn is run again.
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let [unbroken, broken] = ["unbroken", "broken"].map(|name| folder.path().join(name));
+    underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", unbroken].success();
+    interrupted(&scene, &broken);
+
+    let name = broken.display().to_string();
+    underbrush!["inspect", broken].refused(&[&name, "unfinished", "--resume"]);
+    underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", broken].refused(&[&name, "--resume"]);
+    let other_seed = underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "8",
+        "--seed",
+        "9",
+        "--out",
+        broken,
+        "--resume"
+    ];
+    other_seed.refused(&[&name, "provenance.seed was 3, now 9"]);
+
+    let first = staged(&broken)
+        .into_iter()
+        .find(|path| path.extension().unwrap() == "parquet")
+        .unwrap();
+    let bytes = std::fs::read(&first).unwrap();
+    std::fs::write(&first, &bytes[..bytes.len() / 2]).unwrap();
+    underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "8",
+        "--seed",
+        "3",
+        "--out",
+        broken,
+        "--resume"
+    ]
+    .success();
+    assert_same_trees(&unbroken, &broken);
+    assert!(!broken.join("incomplete").exists());
+}
+
+#[test]
+fn a_finished_set_is_not_written_again() {
+    // Pins: neither a plain run nor --resume changes a finished data set.
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let out = folder.path().join("set");
+    underbrush!["generate", scene, "--reaches", "1", "--out", out].success();
+    let before = crate::support::tree(&out);
+    for resume in [&["--seed", "5"][..], &["--resume"]] {
+        let mut arguments = vec![
+            "generate",
+            scene.to_str().unwrap(),
+            "--reaches",
+            "1",
+            "--out",
+            out.to_str().unwrap(),
+        ];
+        arguments.extend(resume);
+        let answer = crate::support::call(arguments.into_iter().map(Into::into).collect(), "");
+        answer.refused(&["finished data set", "choose another folder"]);
+    }
+    assert!(before == crate::support::tree(&out));
+}

@@ -1,0 +1,90 @@
+//! Data sets that were damaged after they were finished.
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::support::fixture::fixture;
+use crate::support::{copy_tree, underbrush};
+
+const DATA: &str = "data/chunk-000/file-000.parquet";
+
+/// A copy of the fixture's data set to damage.
+fn copy() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    copy_tree(&fixture().dataset(), &set);
+    (folder, set)
+}
+
+/// Demands that a damaged set is refused by name by everything that reads it, and that no output appears.
+#[track_caller]
+fn refused_everywhere(set: &Path, parts: &[&str]) {
+    let outputs = tempfile::tempdir().unwrap();
+    let [model, table] = ["model.json", "trials.csv"].map(|name| outputs.path().join(name));
+    underbrush!["inspect", set].refused(parts);
+    underbrush!["train", set, "--out", model].refused(parts);
+    underbrush!["evaluate", set].refused(parts);
+    underbrush!["trials", set, "--out", table].refused(parts);
+    underbrush!["score", fixture().model(), set].refused(parts);
+    underbrush!["classify", fixture().model(), set].refused(parts);
+    assert_eq!(std::fs::read_dir(outputs.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_whole_copy_is_sound() {
+    // Pins: copying a data set does no harm, so that the refusals below are about the damage.
+    let (_folder, set) = copy();
+    assert!(underbrush!["inspect", set].success().contains("sound"));
+}
+
+#[test]
+fn without_info_it_is_no_data_set() {
+    // Pins: meta/info.json makes a set whole; without it the set is refused by its name.
+    let (_folder, set) = copy();
+    std::fs::remove_file(set.join("meta/info.json")).unwrap();
+    refused_everywhere(
+        &set,
+        &[&set.display().to_string(), "meta/info.json", "copy the data set again"],
+    );
+}
+
+#[test]
+fn a_truncated_data_file_is_named() {
+    // Pins: every command names the torn file before it reads any of it.
+    let (_folder, set) = copy();
+    let bytes = std::fs::read(set.join(DATA)).unwrap();
+    std::fs::write(set.join(DATA), &bytes[..bytes.len() - 100]).unwrap();
+    refused_everywhere(&set, &[DATA]);
+}
+
+#[test]
+fn a_missing_data_file_is_named() {
+    // Pins: a file lost in copying is named.
+    let (_folder, set) = copy();
+    std::fs::remove_file(set.join(DATA)).unwrap();
+    refused_everywhere(&set, &[DATA]);
+}
+
+#[test]
+fn a_changed_byte_is_found_by_inspect() {
+    // Pins: damage that keeps the size is found by its checksum.
+    let (_folder, set) = copy();
+    let mut bytes = std::fs::read(set.join(DATA)).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x10;
+    std::fs::write(set.join(DATA), bytes).unwrap();
+    underbrush!["inspect", set].refused(&[DATA]);
+}
+
+#[test]
+fn changed_ground_truth_is_named_by_every_command() {
+    // Pins: the small files are checked by hash whenever a set is opened.
+    let (_folder, set) = copy();
+    let name = "meta/provenance.json";
+    let text = std::fs::read_to_string(set.join(name)).unwrap();
+    let changed = text.replacen("cody-2013", "cody-2014", 1);
+    assert_ne!(text, changed);
+    std::fs::write(set.join(name), changed).unwrap();
+    refused_everywhere(&set, &[name, "checksum"]);
+}

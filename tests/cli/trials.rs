@@ -1,0 +1,149 @@
+//! `underbrush trials`.
+
+use std::collections::BTreeMap;
+
+use underbrush_recording::disk::{Dataset, read_recording, read_trials};
+
+use crate::support::fixture::{fixture, recording_with_trials};
+use crate::support::{table, underbrush};
+
+#[test]
+fn csv_and_parquet_hold_the_same_rows() {
+    // Pins: both tables read back as the same trials, down to the last bit, and the CSV has the columns promised.
+    let fixture = fixture();
+    let text = std::fs::read_to_string(fixture.table_csv()).unwrap();
+    assert_eq!(
+        text.lines().next(),
+        Some("trial,category,reach,patch,taxel,time_s,force_n,motion_m")
+    );
+    let (csv, parquet) = (
+        read_trials(fixture.table_csv()).unwrap(),
+        read_trials(fixture.table_parquet()).unwrap(),
+    );
+    assert_eq!(csv, parquet);
+    let samples: usize = csv.iter().map(|trial| trial.samples.len()).sum();
+    assert_eq!(text.lines().count(), 1 + samples);
+}
+
+#[test]
+fn rows_are_what_the_taxels_sensed() {
+    // Pins: each row's force is the sensed force of its taxel in the frame of its time, each sensed force of the patch
+    // is in exactly one row, and the category is that of an object the taxel touched.
+    let fixture = fixture();
+    let dataset = Dataset::open(fixture.dataset()).unwrap();
+    let rows = table::rows(&std::fs::read_to_string(fixture.table_csv()).unwrap());
+    let mut by_reach: BTreeMap<usize, Vec<_>> = BTreeMap::new();
+    for row in rows {
+        assert_eq!(row["patch"], "forearm");
+        by_reach.entry(row["reach"].parse().unwrap()).or_default().push(row);
+    }
+    for episode in 0..dataset.episodes().len() {
+        let recording = dataset.read_reach(episode).unwrap();
+        let mut sensed = BTreeMap::new();
+        for frame in &recording.frames {
+            for reading in frame
+                .taxels
+                .iter()
+                .filter(|reading| reading.patch == 0 && reading.sensed_force_n > 0.0)
+            {
+                sensed.insert(
+                    (frame.time_s.to_bits(), u32::from(reading.taxel)),
+                    reading.sensed_force_n,
+                );
+            }
+        }
+        for row in by_reach.remove(&episode).unwrap_or_default() {
+            let key = (
+                row["time_s"].parse::<f64>().unwrap().to_bits(),
+                row["taxel"].parse().unwrap(),
+            );
+            assert_eq!(sensed.remove(&key), Some(row["force_n"].parse().unwrap()), "{row:?}");
+            let categories: Vec<&str> = recording.objects.iter().map(|object| object.category.name()).collect();
+            assert!(
+                row["category"].is_empty() || categories.contains(&row["category"].as_str()),
+                "{row:?}"
+            );
+        }
+        assert!(
+            sensed.is_empty(),
+            "{} sensed forces of reach {episode} are in no trial",
+            sensed.len()
+        );
+    }
+    assert!(
+        by_reach.is_empty(),
+        "reaches that are not in the data set: {:?}",
+        by_reach.keys()
+    );
+}
+
+#[test]
+fn motion_begins_at_zero() {
+    // Pins: contact motion is the distance from where the contact began, in the world frame.
+    for trial in read_trials(fixture().table_csv()).unwrap() {
+        assert_eq!(trial.samples[0].motion_m, Some(0.0), "trial {}", trial.trial);
+        assert!(
+            trial.samples.iter().all(|sample| sample.motion_m.unwrap() < 2.0),
+            "trial {}",
+            trial.trial
+        );
+    }
+}
+
+#[test]
+fn components_are_fewer_and_options_hold() {
+    // Pins: a component joins taxels; --min-samples and --threshold-n leave trials out; components of the flipper, whose
+    // taxels form no grid, are refused.
+    let fixture = fixture();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trials.csv");
+    let taxels = read_trials(fixture.table_csv()).unwrap();
+    underbrush!["trials", fixture.dataset(), "--out", file, "--by", "component"].success();
+    let components = read_trials(&file).unwrap();
+    assert!(
+        (1..taxels.len()).contains(&components.len()),
+        "{} components",
+        components.len()
+    );
+    underbrush!["trials", fixture.dataset(), "--out", file, "--min-samples", "5"].success();
+    let long = taxels.iter().filter(|trial| trial.samples.len() >= 5).count();
+    assert_eq!(read_trials(&file).unwrap().len(), long);
+    underbrush!["trials", fixture.dataset(), "--out", file, "--threshold-n", "0.1"].success();
+    let strong = read_trials(&file).unwrap();
+    assert!(
+        strong
+            .iter()
+            .flat_map(|trial| &trial.samples)
+            .all(|sample| sample.force_n > 0.1)
+    );
+    underbrush![
+        "trials",
+        fixture.dataset(),
+        "--out",
+        file,
+        "--by",
+        "component",
+        "--patch",
+        "flipper"
+    ]
+    .refused(&["flipper", "grid", "cut its trials by taxel"]);
+}
+
+#[test]
+fn a_recording_gives_the_trials_of_its_reach() {
+    // Pins: trials can be cut from a single recording, numbered from 0.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("reach.parquet");
+    let trials = recording_with_trials(&fixture().trunk_scene(), &file);
+    assert!(trials.iter().map(|trial| trial.trial).eq(0..trials.len() as u64));
+    let frames = read_recording(file).unwrap().frames;
+    let sensed = |frame: &underbrush_recording::Frame| {
+        frame
+            .taxels
+            .iter()
+            .filter(|reading| reading.patch == 0 && reading.sensed_force_n > 0.0)
+            .count()
+    };
+    let samples: usize = trials.iter().map(|trial| trial.samples.len()).sum();
+    assert_eq!(samples, frames.iter().map(sensed).sum::<usize>());
+}

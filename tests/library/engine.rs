@@ -1,0 +1,21 @@
+//! The engine named in every data set.
+
+#[test]
+fn provenance_names_the_engine_of_the_lock_file() {
+    // Pins: a data set names the engine version that Cargo.lock resolves, so an update cannot forget it.
+    let lock = include_str!("../../Cargo.lock");
+    let package = lock
+        .split("[[package]]")
+        .find(|package| package.contains("\nname = \"rapier3d-f64\"\n"))
+        .unwrap();
+    let version = package
+        .lines()
+        .find_map(|line| line.strip_prefix("version = \"")?.strip_suffix('"'))
+        .unwrap();
+    let named = format!("rapier3d-f64 {version},");
+    assert!(
+        underbrush_sim::physics::ENGINE.starts_with(&named),
+        "{} is not {named}",
+        underbrush_sim::physics::ENGINE
+    );
+}

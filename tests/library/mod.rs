@@ -1,0 +1,4 @@
+//! What the libraries promise beyond the command line.
+
+mod engine;
+mod scenes;

@@ -1,0 +1,163 @@
+//! The scenes that ship.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use underbrush_recording::Category;
+use underbrush_sim::clutter::{Clutter, Standing};
+use underbrush_sim::object::Footprint;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+use underbrush_sim::world::World;
+
+/// Every scene file below `folder`, sorted.
+fn scene_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(scene_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "toml") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+fn scenes() -> Vec<PathBuf> {
+    scene_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"))
+}
+
+fn plan(path: &Path, seed: u64) -> ReachPlan {
+    ReachPlan::new(Scene::load(path).unwrap(), None, seed).unwrap()
+}
+
+#[test]
+fn all_that_the_readers_are_told_of_are_there() {
+    // Pins: the four environments of the paper and the ten engineered ones, five a category.
+    let names: Vec<String> = scenes()
+        .iter()
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    for name in ["leaf", "trunk", "mixed", "outlier"] {
+        assert!(names.iter().any(|found| found == name), "no scene {name}");
+    }
+    for prefix in ["leaf-", "trunk-"] {
+        assert_eq!(
+            names.iter().filter(|name| name.starts_with(prefix)).count(),
+            5,
+            "{names:?}"
+        );
+    }
+}
+
+#[test]
+fn every_scene_draws_and_stands_free() {
+    // Pins: each scene finds room in each of six draws; no two objects overlap but what stands in or goes through foam;
+    // nothing touches the arm in the first frame, with every object in the solver.
+    let draws: Vec<(PathBuf, u64)> = scenes()
+        .into_iter()
+        .flat_map(|path| (0..6).map(move |seed| (path.clone(), seed)))
+        .collect();
+    draws.par_iter().for_each(|(path, seed)| {
+        let plan = plan(path, *seed);
+        let clutter = plan.draw(0).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(clutter.goals.len(), plan.scene.file.goals.count as usize);
+        for (index, a) in clutter.objects.iter().enumerate() {
+            for b in &clutter.objects[..index] {
+                assert!(apart(a, b), "{}, seed {seed}: {a:?} overlaps {b:?}", path.display());
+            }
+        }
+        let contacts = contacts_at_start(&plan, &clutter);
+        assert_eq!(contacts, 0, "{}, seed {seed}", path.display());
+    });
+}
+
+/// Whether two footprints are apart, told by points on the edge of each that lie within the other: another way than
+/// the program's own test of axes.
+fn apart(a: &Standing, b: &Standing) -> bool {
+    let foam = |standing: &Standing| standing.object.foam_top().is_some();
+    if foam(a) != foam(b) {
+        return true;
+    }
+    let enters = |from: &Standing, into: &Standing| edge(from).into_iter().any(|point| holds(into, point));
+    !enters(a, b) && !enters(b, a)
+}
+
+/// Points along the edge of a footprint, 1 mm within it, m, world frame; its centre too.
+fn edge(standing: &Standing) -> Vec<[f64; 2]> {
+    let inset_m = 0.001;
+    let round = |index: usize| std::f64::consts::TAU * index as f64 / 400.0;
+    let local = (0..400).map(round).map(|angle| match standing.object.footprint() {
+        Footprint::Disc(radius) => [(radius - inset_m) * angle.cos(), (radius - inset_m) * angle.sin()],
+        Footprint::Rectangle(x, y) => {
+            let (x, y) = (x - inset_m, y - inset_m);
+            let scale = (angle.cos().abs() / x).max(angle.sin().abs() / y);
+            [angle.cos() / scale, angle.sin() / scale]
+        }
+    });
+    let (sine, cosine) = standing.yaw_rad.sin_cos();
+    let foot = standing.foot_world;
+    local
+        .chain([[0.0, 0.0]])
+        .map(|[x, y]| [foot.x + cosine * x - sine * y, foot.y + sine * x + cosine * y])
+        .collect()
+}
+
+/// Whether a point of the ground, m, world frame, lies in a footprint.
+fn holds(standing: &Standing, [x, y]: [f64; 2]) -> bool {
+    let (x, y) = (x - standing.foot_world.x, y - standing.foot_world.y);
+    let (sine, cosine) = standing.yaw_rad.sin_cos();
+    let (along, across) = (cosine * x + sine * y, cosine * y - sine * x);
+    match standing.object.footprint() {
+        Footprint::Disc(radius) => along.hypot(across) < radius,
+        Footprint::Rectangle(half_x, half_y) => along.abs() < half_x && across.abs() < half_y,
+    }
+}
+
+/// Contacts between arm and clutter in the first frame.
+fn contacts_at_start(plan: &ReachPlan, clutter: &Clutter) -> usize {
+    let posture = plan.arm.start_posture_rad();
+    let mut world = World::new(&plan.arm, &posture, clutter, plan.scene.file.physics.options(), false);
+    world.advance_frame(&plan.arm, &posture, clutter);
+    world.contacts().len()
+}
+
+#[test]
+fn engineered_scenes_touch_their_own_category() {
+    // Pins: from ground truth, the arm in a leaf scene feels leaves or foam, in a trunk scene trunks or foam, and over
+    // the five scenes of a category it does feel that category.
+    for (prefix, own) in [("leaf-", Category::Leaf), ("trunk-", Category::Trunk)] {
+        let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+        let engineered: Vec<PathBuf> = scenes()
+            .into_iter()
+            .filter(|path| name(path).starts_with(prefix))
+            .collect();
+        let touched: Vec<Category> = engineered.par_iter().flat_map_iter(|path| touched(path)).collect();
+        let strange: Vec<_> = touched
+            .iter()
+            .filter(|found| ![own, Category::Block].contains(found))
+            .collect();
+        assert_eq!(strange, Vec::<&Category>::new(), "in {engineered:?}");
+        assert!(touched.contains(&own), "{own:?} is not touched in {engineered:?}");
+    }
+}
+
+/// Categories that arm or skin touch on the way to the first goal of a scene.
+fn touched(path: &Path) -> Vec<Category> {
+    let mut plan = plan(path, 0);
+    // One goal shows what there is to touch, and a reach to one is quick.
+    plan.scene.file.goals.count = 1;
+    let recording = plan.run(0, &mut |_, _, _| {}).unwrap();
+    let felt = recording
+        .frames
+        .iter()
+        .flat_map(|frame| &frame.taxels)
+        .filter_map(|reading| reading.object);
+    let objects = felt.chain(recording.contacts.iter().map(|contact| contact.object));
+    let categories: std::collections::BTreeSet<_> = objects
+        .map(|object| recording.objects[usize::from(object)].category)
+        .collect();
+    categories.into_iter().collect()
+}

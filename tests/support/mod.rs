@@ -1,0 +1,112 @@
+//! What the tests share: calls of the program, small scenes and one small data set.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+pub mod fixture;
+pub mod scenes;
+pub mod table;
+
+/// What a call of the program ended with.
+#[derive(Debug)]
+pub struct Answer {
+    /// Exit status; −1 where a signal ended the program.
+    pub status: i32,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+impl Answer {
+    /// The standard output of a call that must have worked.
+    #[track_caller]
+    pub fn success(self) -> String {
+        assert_eq!(self.status, 0, "{}", self.stderr);
+        self.stdout
+    }
+
+    /// The standard output of a call with `--json` that must have worked.
+    #[track_caller]
+    pub fn json(self) -> serde_json::Value {
+        serde_json::from_str(&self.success()).unwrap()
+    }
+
+    /// Demands exit status 2, nothing on stdout, no panic, and an error text that holds every one of `parts`.
+    #[track_caller]
+    pub fn refused(&self, parts: &[&str]) {
+        let Answer { status, stdout, stderr } = self;
+        assert_eq!(*status, 2, "{stdout}\n{stderr}");
+        assert_eq!(stdout, "", "results beside an error");
+        assert!(!stderr.contains("panicked at"), "{stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "no {part:?} in:\n{stderr}");
+        }
+    }
+}
+
+/// Calls the program; `stdin` is its standard input.
+pub fn call(arguments: Vec<OsString>, stdin: &str) -> Answer {
+    let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_underbrush"))
+        .args(arguments)
+        .write_stdin(stdin)
+        // No call takes half a minute; a hang must end as a failure.
+        .timeout(Duration::from_secs(300))
+        .output()
+        .unwrap();
+    Answer {
+        status: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Calls the program with these arguments (text or paths) and an empty standard input.
+macro_rules! underbrush {
+    ($($argument:expr),* $(,)?) => {
+        $crate::support::call(
+            vec![$(<_ as AsRef<std::ffi::OsStr>>::as_ref(&$argument).to_os_string()),*], "")
+    };
+}
+pub(crate) use underbrush;
+
+/// Every file below a folder with its bytes, by relative path.
+pub fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_path_buf();
+                files.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    files
+}
+
+/// Copies a folder.
+pub fn copy_tree(from: &Path, to: &Path) {
+    for (name, bytes) in tree(from) {
+        let path = to.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+}
+
+/// Demands that two folders hold the same files with the same bytes.
+#[track_caller]
+pub fn assert_same_trees(left: &Path, right: &Path) {
+    let (left, right) = (tree(left), tree(right));
+    let names = |files: &BTreeMap<PathBuf, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&left), names(&right));
+    assert!(!left.is_empty(), "no files to compare");
+    for (name, bytes) in &left {
+        assert!(*bytes == right[name], "{} differs", name.display());
+    }
+}
