@@ -52,7 +52,7 @@ fn score(criterion: &mut Criterion) {
     let model = &models.models()["leaf"];
     let mut group = criterion.benchmark_group("hmm/score");
     group.throughput(Throughput::Elements(u64::from(SAMPLES)));
-    // Data of the model's own category, and of the other: there sums fall back to log space.
+    // The model's own category, and the other, which no path through the states fits.
     for (name, trial) in [("own", press("leaf", 0.5, 7)), ("foreign", press("trunk", 3.0, 7))] {
         let sequence = FeatureSet::Force
             .observations(&trial, None)

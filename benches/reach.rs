@@ -12,9 +12,6 @@ summary = "A short reach through a dozen leaves"
 [goals]
 count = 1
 retries = 0
-x_m = 0.65
-y_m = -0.2
-z_m = -0.3
 [[objects.foam_block]]
 count = 4
 place = { x_m = { uniform = [0.35, 0.65] }, y_m = { uniform = [-0.4, 0.0] }, yaw_deg = 0 }
@@ -28,9 +25,6 @@ summary = "A short reach between four trunks"
 [goals]
 count = 1
 retries = 0
-x_m = 0.65
-y_m = -0.2
-z_m = -0.3
 [[objects.trunk]]
 count = 4
 place = { x_m = { uniform = [0.4, 0.65] }, y_m = { uniform = [-0.5, 0.1] } }
@@ -42,9 +36,15 @@ fn reach(criterion: &mut Criterion) {
     for (name, text) in [("leaf", LEAF), ("trunk", TRUNK)] {
         let scene = Scene::parse(format!("{name}.toml"), text.into()).expect("the scene is sound");
         let plan = ReachPlan::new(scene, None, 0).expect("the plan is sound");
-        let run = || plan.run(0, &mut |_, _, _| {}).expect("there is room for the clutter");
-        let recording = run();
-        assert!(!recording.contacts.is_empty(), "the {name} reach touches nothing");
+        let run = |index| {
+            plan.run(index, &mut |_, _, _| {})
+                .expect("there is room for the clutter")
+        };
+        // The first reach that touches something: an empty one would say nothing, and which one it is may change.
+        let (index, recording) = (0..20)
+            .map(|index| (index, run(index)))
+            .find(|(_, recording)| !recording.contacts.is_empty())
+            .expect("one reach in twenty touches something");
         group.throughput(Throughput::Elements(recording.frames.len() as u64));
         group.bench_function(
             format!(
@@ -52,7 +52,7 @@ fn reach(criterion: &mut Criterion) {
                 recording.frames.len() as f64 / recording.rate_hz
             ),
             |bencher| {
-                bencher.iter(run);
+                bencher.iter(|| run(index));
             },
         );
     }

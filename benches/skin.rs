@@ -50,18 +50,29 @@ fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
 
 fn spread(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("skin/spread_one_contact");
-    for force_n in [1.0, 10.0] {
+    for (name, force_n) in [("trunk", 10.0), ("leaf", 1.0)] {
         let (patch, contact) = forearm(force_n);
-        for (name, (shape, pose)) in [("trunk", trunk(&contact)), ("leaf", leaf(&contact))] {
-            let taxels = patch.spread(&[contact], shape.as_ref(), &pose);
-            assert!(taxels.len() > 1, "the contact lights {} taxels", taxels.len());
-            group.bench_function(
-                BenchmarkId::new(name, format!("{force_n} N on {} taxels", taxels.len())),
-                |bencher| {
-                    bencher.iter(|| patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose)));
-                },
-            );
-        }
+        let (shape, pose) = if name == "trunk" {
+            trunk(&contact)
+        } else {
+            leaf(&contact)
+        };
+        let forces = patch.spread(&[contact], shape.as_ref(), &pose);
+        assert!(forces.len() > 1, "the {name} touches {} taxels", forces.len());
+        let sum: DVec3 = forces
+            .iter()
+            .map(|force| force.shear_link - patch.normals_link[force.taxel] * force.normal_force_n)
+            .sum();
+        assert!(
+            sum.distance(contact.force_link) < 1e-9 * force_n,
+            "{sum} N of {force_n} N"
+        );
+        group.bench_function(
+            BenchmarkId::new(name, format!("{force_n} N on {} taxels", forces.len())),
+            |bencher| {
+                bencher.iter(|| patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose)));
+            },
+        );
     }
 }
 

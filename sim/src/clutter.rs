@@ -104,23 +104,23 @@ impl Clutter {
     /// When the scene is impossible: a group has no room, leaves have no foam to stand in, or no goal leads through
     /// the clutter within the arm's reach.
     pub fn draw(scene: &Scene, arm: &ArmAtStart, seed: u64, reach_index: u64) -> Result<Clutter, InputError> {
-        let mut random = stream(seed, &scene.name, reach_index, "clutter");
-        // Objects placed one by one can shut each other out where together they would fit: then all start again.
-        let mut objects = place_all(scene, arm, &mut random);
+        let mut for_objects = stream(seed, &scene.name, reach_index, "clutter");
+        let mut for_goals = stream(seed, &scene.name, reach_index, "goals");
+        let mut attempt = || {
+            let objects = place_all(scene, arm, &mut for_objects)?;
+            let goals = draw_goals(scene, arm, &objects, &mut for_goals)?;
+            Ok(Clutter { objects, goals })
+        };
+        // Objects placed one by one can shut each other out where together they would fit, and a few that all stand
+        // aside leave no way through them: then all start again.
+        let mut drawn = attempt();
         for _ in 1..ATTEMPTS {
-            if objects.is_ok() {
+            if drawn.is_ok() {
                 break;
             }
-            objects = place_all(scene, arm, &mut random);
+            drawn = attempt();
         }
-        let objects = objects?;
-        let goals = draw_goals(
-            scene,
-            arm,
-            &objects,
-            &mut stream(seed, &scene.name, reach_index, "goals"),
-        )?;
-        Ok(Clutter { objects, goals })
+        drawn
     }
 }
 

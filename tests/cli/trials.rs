@@ -2,10 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::TaxelReading;
 use underbrush_recording::disk::{Dataset, read_recording, read_trials};
 
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{table, underbrush};
+
+/// Whether a taxel senses more than the threshold that the program takes where none is given.
+fn is_in_contact(reading: &TaxelReading) -> bool {
+    reading.sensed_force_n > TrialOptions::default().threshold_n
+}
 
 #[test]
 fn csv_and_parquet_hold_the_same_rows() {
@@ -44,7 +51,7 @@ fn rows_are_what_the_taxels_sensed() {
             for reading in frame
                 .taxels
                 .iter()
-                .filter(|reading| reading.patch == 0 && reading.sensed_force_n > 0.0)
+                .filter(|reading| reading.patch == 0 && is_in_contact(reading))
             {
                 sensed.insert(
                     (frame.time_s.to_bits(), u32::from(reading.taxel)),
@@ -108,13 +115,13 @@ fn components_are_fewer_and_options_hold() {
     underbrush!["trials", fixture.dataset(), "--out", file, "--min-samples", "5"].success();
     let long = taxels.iter().filter(|trial| trial.samples.len() >= 5).count();
     assert_eq!(read_trials(&file).unwrap().len(), long);
-    underbrush!["trials", fixture.dataset(), "--out", file, "--threshold-n", "0.1"].success();
+    underbrush!["trials", fixture.dataset(), "--out", file, "--threshold-n", "0.2"].success();
     let strong = read_trials(&file).unwrap();
     assert!(
         strong
             .iter()
             .flat_map(|trial| &trial.samples)
-            .all(|sample| sample.force_n > 0.1)
+            .all(|sample| sample.force_n > 0.2)
     );
     underbrush![
         "trials",
@@ -141,7 +148,7 @@ fn a_recording_gives_the_trials_of_its_reach() {
         frame
             .taxels
             .iter()
-            .filter(|reading| reading.patch == 0 && reading.sensed_force_n > 0.0)
+            .filter(|reading| reading.patch == 0 && is_in_contact(reading))
             .count()
     };
     let samples: usize = trials.iter().map(|trial| trial.samples.len()).sum();
