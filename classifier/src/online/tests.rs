@@ -5,8 +5,8 @@ use underbrush_recording::{Recording, Trial};
 use super::*;
 use crate::decision::Rule;
 use crate::recipe::{Recipe, ScalingKind};
-use crate::trial::tests::recording;
-use crate::trial::{TrialOptions, taxel_trials};
+use crate::trial::taxel_trials;
+use crate::trial::tests::{any_force, recording};
 
 /// A reach of 60 frames in which three taxels touch a leaf and a trunk with breaks between.
 fn reach() -> Recording {
@@ -31,7 +31,7 @@ fn reach() -> Recording {
 }
 
 fn models(recording: &Recording, recipe: &Recipe) -> ModelSet {
-    let trials: Vec<Trial> = taxel_trials(recording, &TrialOptions::default())
+    let trials: Vec<Trial> = taxel_trials(recording, &any_force())
         .unwrap()
         .into_iter()
         .map(|contact| contact.trial)
@@ -67,7 +67,7 @@ fn running_scores_are_those_of_the_trial_so_far() {
         let models = models(&recording, &recipe);
         for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
             let mut open: BTreeMap<usize, Trial> = BTreeMap::new();
-            let trials = taxel_trials(&recording, &TrialOptions::default()).unwrap();
+            let trials = taxel_trials(&recording, &any_force()).unwrap();
             let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, &options(kind)).unwrap();
             let mut compared = 0;
             for frame in &recording.frames {

@@ -3,6 +3,14 @@ use underbrush_recording::{Category, Grid, Patch, Pose, SkinLayout, Taxel, Taxel
 
 use super::*;
 
+/// Options under which every taxel that senses anything is in contact: the hand-made recordings hold small forces.
+pub(crate) fn any_force() -> TrialOptions {
+    TrialOptions {
+        threshold_n: 0.0,
+        ..TrialOptions::default()
+    }
+}
+
 const PITCH_M: f64 = 0.01;
 
 /// A flat 3 × 6 patch in the link's x-y plane, taxel (row, column) at (0.01 column, 0.01 row, 0) m.
@@ -112,7 +120,7 @@ fn a_taxel_makes_one_trial_per_contact() {
         (0.004, &[(2, 0.2, Some(1))]),
         (0.009, &[(2, 0.3, Some(1)), (7, 0.7, Some(1))]),
     ]);
-    let trials = taxel_trials(&recording, &TrialOptions::default()).unwrap();
+    let trials = taxel_trials(&recording, &any_force()).unwrap();
     let summary: Vec<_> = trials
         .iter()
         .map(|contact| {
@@ -150,7 +158,7 @@ fn threshold_and_length_leave_out_trials() {
     ]);
     let options = TrialOptions {
         threshold_n: 0.2,
-        ..TrialOptions::default()
+        ..any_force()
     };
     assert_eq!(
         taxel_trials(&recording, &options)
@@ -184,7 +192,7 @@ fn truth_is_the_object_of_most_samples() {
         (0.0, &[(0, 1.0, Some(0))]),
         (0.0, &[(0, 1.0, Some(1))]),
     ]);
-    let trials = taxel_trials(&recording, &TrialOptions::default()).unwrap();
+    let trials = taxel_trials(&recording, &any_force()).unwrap();
     assert_eq!(
         (trials[0].object, trials[0].trial.category.as_deref()),
         (Some(1), Some("trunk"))
@@ -200,10 +208,7 @@ fn components_wrap_around_only_where_asked() {
         &[(0, 1.0, Some(0)), (5, 2.0, Some(0)), (7, 3.0, Some(0)), (14, 4.0, None)],
     )]);
     let largest = |wrap| -> Vec<f64> {
-        let options = TrialOptions {
-            wrap,
-            ..TrialOptions::default()
-        };
+        let options = TrialOptions { wrap, ..any_force() };
         component_trials(&recording, &options)
             .unwrap()
             .iter()
@@ -221,7 +226,7 @@ fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
         (0.000, &[(7, 0.5, None), (8, 0.9, None)]),
         (0.001, &[(7, 0.4, Some(1)), (8, 0.8, Some(1)), (9, 1.1, None)]),
     ]);
-    let trials = component_trials(&recording, &TrialOptions::default()).unwrap();
+    let trials = component_trials(&recording, &any_force()).unwrap();
     assert_eq!(trials.len(), 1);
     assert_eq!(forces(&trials[0]), [0.9, 1.1]);
     assert_eq!(motions_mm(&trials[0]), [0.0, 6.0]);
@@ -234,7 +239,7 @@ fn of_two_merging_components_the_nearer_goes_on() {
     // Pins merging: columns 0–1 and column 3 become 0–3 (centre 1.5): the first was 10 mm away, the second 15 mm.
     let options = TrialOptions {
         wrap: Some(false),
-        ..TrialOptions::default()
+        ..any_force()
     };
     let recording = recording(&[
         (0.0, &[(0, 1.0, Some(0)), (1, 1.0, Some(0)), (3, 2.0, Some(1))]),
@@ -261,7 +266,7 @@ fn of_a_splitting_component_the_nearer_piece_goes_on() {
     // Pins splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm off) and 3 (15 mm off), which starts from zero motion.
     let options = TrialOptions {
         wrap: Some(false),
-        ..TrialOptions::default()
+        ..any_force()
     };
     let recording = recording(&[
         (
@@ -295,7 +300,7 @@ fn tracking_is_greedy_by_world_distance() {
     ]);
     let options = TrialOptions {
         wrap: Some(false),
-        ..TrialOptions::default()
+        ..any_force()
     };
     let trials = component_trials(&recording, &options).unwrap();
     let expected = [vec![1.0, 2.0, 3.0], vec![5.0, 6.0], vec![4.0]];
@@ -309,7 +314,7 @@ fn bad_input_is_named() {
     let sound = recording(&[(0.0, &[(0, 1.0, Some(0))])]);
     let unknown = TrialOptions {
         patch: "elbow".into(),
-        ..TrialOptions::default()
+        ..any_force()
     };
     assert!(matches!(
         taxel_trials(&sound, &unknown),
@@ -317,7 +322,7 @@ fn bad_input_is_named() {
     ));
     let negative = TrialOptions {
         threshold_n: -1.0,
-        ..TrialOptions::default()
+        ..any_force()
     };
     assert!(matches!(
         taxel_trials(&sound, &negative),
@@ -325,7 +330,7 @@ fn bad_input_is_named() {
     ));
     let endless = TrialOptions {
         association_distance_m: f64::NAN,
-        ..TrialOptions::default()
+        ..any_force()
     };
     assert!(matches!(
         component_trials(&sound, &endless),
@@ -339,10 +344,10 @@ fn bad_input_is_named() {
         wraps: false,
     });
     assert!(matches!(
-        component_trials(&gridless, &TrialOptions::default()),
+        component_trials(&gridless, &any_force()),
         Err(TrialError::NoGrid { .. })
     ));
-    assert!(taxel_trials(&gridless, &TrialOptions::default()).is_ok());
+    assert!(taxel_trials(&gridless, &any_force()).is_ok());
 
     let breakages: [fn(&mut Recording); 4] = [
         |recording| recording.frames[0].taxels[0].taxel = 18,
@@ -354,7 +359,7 @@ fn bad_input_is_named() {
         let mut broken = sound.clone();
         breakage(&mut broken);
         for cut in [taxel_trials, component_trials] {
-            let error = cut(&broken, &TrialOptions::default()).unwrap_err();
+            let error = cut(&broken, &any_force()).unwrap_err();
             assert!(matches!(error, TrialError::BadFrame { frame: 0, .. }), "{error}");
         }
     }
