@@ -1,5 +1,6 @@
 //! Hidden Markov models of the paper's online size, ten states over force: a trial's score, training, and the verdicts
 //! on a hundred taxels in one frame. Frames come at 100 Hz: an update may take 10 ms.
+#![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::hint::black_box;
 

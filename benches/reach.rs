@@ -1,6 +1,7 @@
 //! Whole reaches, from the draw of the clutter to the recording: how much faster than real time they run.
 //!
 //! One element is one frame of 10 ms, so 100 elements a second are real time.
+#![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use underbrush_sim::reach::ReachPlan;

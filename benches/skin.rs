@@ -1,4 +1,5 @@
 //! One contact spread over the taxels of the forearm: the work that every contact costs in every frame.
+#![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;

@@ -1,5 +1,6 @@
 //! What a user would notice: the command line end to end, bad input, the scenes that ship, and agreement with
 //! log-likelihoods that another program computed.
+#![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 mod bad_input;
 mod cli;
