@@ -7,7 +7,6 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use sweep::Sweep;
 use underbrush_sim::scene::PhysicsSection;
-use underbrush_sim::seed::stream;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::skin::SkinPatch;
 use underbrush_sim::touch::feel;
@@ -28,7 +27,7 @@ fn foliage(criterion: &mut Criterion) {
         let patches = SkinPatch::of_arm(&sweep.arm);
         let mut felt = 0;
         let mut with_skin = |world: &mut _| {
-            let mut sensor = Sensor::new(SensorOptions::default(), stream(0, "sweep", 0, "sensor"));
+            let mut sensor = Sensor::new(&SensorOptions::default(), &sweep.arm.skin, 0, "sweep", 0);
             sweep.run(world, |world| {
                 let touch = feel(world, &sweep.arm.skin.layout, &patches, &mut sensor);
                 felt += usize::from(touch.largest_force_n() > 0.0);

@@ -10,7 +10,6 @@ use crate::controller::{self, Controller, ControllerInput, Goal, ModelPredictive
 use crate::geometry::Capsule;
 use crate::monitor::Monitor;
 use crate::scene::Scene;
-use crate::seed::stream;
 use crate::sensor::Sensor;
 use crate::skin::SkinPatch;
 use crate::touch::{Touch, feel};
@@ -47,6 +46,7 @@ impl ReachPlan {
             let allowed = format!("one of {}", controller::NAMES.join(", "));
             return Err(scene.fault("controller", format!("`{name}`"), allowed));
         }
+        scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
         Ok(ReachPlan {
             scene,
             arm,
@@ -130,7 +130,7 @@ impl<'a> Reach<'a> {
             world: World::new(&plan.arm, &posture, clutter, physics.options(), physics.dormancy),
             control_period: (1.0 / FRAME_PERIOD_S / controller.preset().rate_hz).round().max(1.0) as usize,
             controller,
-            sensor: Sensor::new(scene.file.sensor, stream(plan.seed, &scene.name, reach_index, "sensor")),
+            sensor: Sensor::new(&scene.file.sensor, &plan.arm.skin, plan.seed, &scene.name, reach_index),
             contacts: ContactLog::default(),
             recording,
             equilibrium_rad: posture,

@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The stream for one purpose (`"clutter"`, `"goals"`, `"sensor"`) of one reach of one scene.
+/// The stream for one purpose (`"clutter"`, `"goals"`, `"sensor"`, `"dead taxels"`) of one reach of one scene.
 ///
 /// A reach's streams depend on nothing but these four, so neither threads nor shards nor other scenes change them.
 pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha8Rng {

@@ -89,12 +89,16 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
             }
         }
     }
+    for ((patch, taxel), load) in &loads {
+        sensor.press(*patch, *taxel, load.normal_n);
+    }
+    sensor.sample();
     touch.force_residual = residual(world, patches, &loads, &touch.contact_force_world);
     for (patch, described) in layout.patches.iter().enumerate() {
         for (taxel, place) in described.taxels.iter().enumerate() {
             let load = loads.get(&(patch, taxel));
             let true_normal_force_n = load.map_or(0.0, |load| load.normal_n);
-            let sensed_force_n = sensor.read(true_normal_force_n);
+            let sensed_force_n = sensor.reading_n(patch, taxel);
             let shear = load.map_or(DVec3::ZERO, |load| load.shear_link);
             if load.is_none() && sensed_force_n == 0.0 {
                 continue;
@@ -141,7 +145,6 @@ mod tests {
     use crate::clutter::{Clutter, Standing};
     use crate::object::{Object, leaf::Leaf, trunk::Trunk};
     use crate::physics::PhysicsOptions;
-    use crate::seed::stream;
     use crate::sensor::SensorOptions;
     use nalgebra::DVector;
 
@@ -181,7 +184,7 @@ mod tests {
             perfect: true,
             ..SensorOptions::default()
         };
-        let mut sensor = Sensor::new(options, stream(0, "test", 0, "sensor"));
+        let mut sensor = Sensor::new(&options, &arm.skin, 0, "test", 0);
         let touch = feel(&world, &arm.skin.layout, &SkinPatch::of_arm(&arm), &mut sensor);
         (arm, world, equilibrium, touch)
     }

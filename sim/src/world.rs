@@ -2,6 +2,8 @@
 //! untouched.
 
 use glam::DVec3;
+use rapier3d::parry::bounding_volume::Aabb;
+use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::prelude::*;
 
 use crate::arm::Arm;
@@ -14,13 +16,13 @@ use crate::physics::{Physics, PhysicsOptions, groups};
 /// Period of the skin and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
 
-/// A resting object is put into the solver when a link of the arm comes this near to it, m: ten frames of the fastest
-/// preset's hand speed.
-const WAKE_NEAR_ARM_M: f64 = 0.05;
-/// The same for parts of other objects that move: two frames of a leaf's tip at 1 m/s.
-const WAKE_NEAR_OBJECTS_M: f64 = 0.02;
+/// A resting object is put into the solver when a link of the arm comes this near to it, m: the centimetre at which the
+/// engine makes contacts, and one frame at 1 m/s, twice the fastest preset's hand speed.
+const WAKE_NEAR_ARM_M: f64 = 0.02;
+/// The same for parts of other objects that move: less, because a blade's capsule is already as thick as it is wide.
+const WAKE_NEAR_OBJECTS_M: f64 = 0.01;
 /// An object at rest is taken out when everything that moves is farther than those distances and this, m.
-const SLEEP_MARGIN_M: f64 = 0.02;
+const SLEEP_MARGIN_M: f64 = 0.01;
 
 /// One contact point between arm and clutter in one step of the last frame, as the solver left it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +50,8 @@ pub struct World {
     contacts: Vec<SolverContact>,
     mechanisms: Vec<Option<Mechanism>>,
     hulls: Vec<Capsule>,
+    /// Boxes around the hulls: finds what is near without a look at all.
+    standing: Bvh,
     dormancy: bool,
 }
 
@@ -56,12 +60,15 @@ impl World {
     pub fn new(arm: &Arm, posture_rad: &[f64], clutter: &Clutter, options: PhysicsOptions, dormancy: bool) -> Self {
         let mut physics = Physics::new(options);
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
+        let hulls: Vec<Capsule> = clutter.objects.iter().map(|standing| standing.hull()).collect();
+        let boxes: Vec<Aabb> = hulls.iter().map(Capsule::bounds).collect();
         let mut world = World {
             physics,
             arm: handles,
             contacts: Vec::new(),
             mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
-            hulls: clutter.objects.iter().map(|standing| standing.hull()).collect(),
+            standing: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            hulls,
             dormancy,
         };
         for index in 0..clutter.objects.len() {
@@ -167,10 +174,22 @@ impl World {
     /// Inserts every absent object that something moving has come near to.
     fn wake(&mut self, clutter: &Clutter) {
         let moving = self.moving_capsules();
-        for index in 0..self.mechanisms.len() {
-            if self.mechanisms[index].is_none() && self.is_near(&moving, index, 0.0) {
-                self.insert(clutter, index);
-            }
+        let mut near: Vec<usize> = moving
+            .iter()
+            .flat_map(|capsule| {
+                let bounds = capsule.bounds();
+                let found: Vec<u32> = self.standing.intersect_aabb(&bounds).collect();
+                found
+                    .into_iter()
+                    .map(|index| index as usize)
+                    .filter(|index| self.mechanisms[*index].is_none() && capsule.distance(&self.hulls[*index]) < 0.0)
+            })
+            .collect();
+        // In the order of the clutter, whatever the tree's.
+        near.sort_unstable();
+        near.dedup();
+        for index in near {
+            self.insert(clutter, index);
         }
     }
 

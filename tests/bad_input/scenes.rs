@@ -113,6 +113,29 @@ fn not_a_number() {
         Some(4),
         &["sensor.noise_n: found NaN", "a finite number of zero or more"],
     );
+    let text = format!("{HEAD}[sensor]\nnoise_n = 0.01\n[sensor.fabric]\nnoise_n = nan\n");
+    refuses(
+        &text,
+        Some(6),
+        &["sensor.fabric.noise_n: found NaN", "a finite number of zero or more"],
+    );
+}
+
+#[test]
+fn dead_taxels_that_are_not_there() {
+    // Pins: dead taxels are checked against the arm's skin.
+    let text = format!("{HEAD}[sensor]\ndead_taxels = {{ forearm = [0, 384] }}\n");
+    refuses(
+        &text,
+        Some(4),
+        &["sensor.dead_taxels: found 384", "0 to 383 on forearm"],
+    );
+    let text = format!("{HEAD}[sensor]\ndead_taxels = {{ elbow = [0] }}\n");
+    refuses(
+        &text,
+        Some(4),
+        &["sensor.dead_taxels: found \"elbow\"", "forearm, flipper"],
+    );
 }
 
 #[test]

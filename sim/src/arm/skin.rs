@@ -1,6 +1,7 @@
 //! The skin: patches of taxels on links, the surfaces under them, and the elastic layer they lie in.
 
 use glam::DVec3;
+use serde::Deserialize;
 use underbrush_recording::SkinLayout;
 
 /// All tactile skin of an arm.
@@ -14,13 +15,26 @@ pub struct Skin {
     pub stiffness_n_per_m3: f64,
 }
 
-/// The surface under one patch.
+/// The surface under one patch, and what senses there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchSurface {
     /// The link that carries the patch, index in [`crate::arm::Arm::links`].
     pub link: usize,
     /// Its form.
     pub form: SurfaceForm,
+    /// What its taxels are made of.
+    pub technology: Technology,
+}
+
+/// What a patch's taxels are made of; [`crate::sensor`] says what follows from it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Technology {
+    /// Capacitors under a continuous cover, as on Cody's forearm.
+    #[default]
+    Capacitive,
+    /// Separate pieces of piezoresistive fabric, as on Cody's flipper.
+    Fabric,
 }
 
 /// The form of the surface under a patch.

@@ -7,7 +7,7 @@ use toml::Spanned;
 use underbrush_recording::{Grid, InputError, Patch, SkinLayout, Taxel};
 
 use super::file::known_links;
-use super::skin::{PatchSurface, Skin, SurfaceForm};
+use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
 use super::source::Source;
 use super::urdf::Chain;
 
@@ -24,6 +24,8 @@ struct SkinFile {
 struct PatchTable {
     name: String,
     link: String,
+    #[serde(default)]
+    technology: Technology,
     cylinder: Option<Spanned<CylinderTable>>,
     points: Option<Spanned<PointsTable>>,
 }
@@ -97,7 +99,11 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
             grid,
             taxels,
         });
-        skin.surfaces.push(PatchSurface { link, form });
+        skin.surfaces.push(PatchSurface {
+            link,
+            form,
+            technology: table.technology,
+        });
     }
     Ok(skin)
 }

@@ -41,7 +41,7 @@ pub struct LeafSpecification {
     /// How deep the stem is stuck into the foam, m.
     #[serde(default = "default_root_depth")]
     pub root_depth_m: Quantity,
-    /// Number of segments.
+    /// Number of elastic segments, each with one hinge.
     #[serde(default = "default_segments")]
     pub segments: u32,
 }
@@ -78,8 +78,10 @@ fn default_root_depth() -> Quantity {
     Quantity::uniform(0.03, 0.05)
 }
 
+/// Four: pushed at a third of its height or higher, the leaf is within 4 % of the continuum, far under what is known of
+/// a plant's stiffness; the engine's cost grows with the cube.
 fn default_segments() -> u32 {
-    8
+    4
 }
 
 /// Largest number of segments: the cost of a leaf grows with its cube.
@@ -193,8 +195,16 @@ pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
     foam_modulus_pa * depth_m.powi(3) / 3.0
 }
 
-/// One leaf: a chain of rigid segments with hinges at the segments' midpoints of stiffness E I / h, on a root that
-/// turns in the foam about both horizontal axes and twists a little.
+/// One leaf: a chain of rigid pieces on a root that turns in the foam about both horizontal axes and twists a little.
+///
+/// Its n bending hinges stand at the nodes of Gauss-Legendre quadrature over the height and have the stiffness
+/// E I / (w H), w their weight. The deflection by a load at height a, P ∫ (a − x)² dx / E I, is then a sum over the hinges
+/// below it that is exact for a load at the tip; hinges at the middles of equal segments are 1/(4n²) off. With four
+/// hinges the first frequency is within 0.02 % of the beam's (eight at the middles: 0.4 %), and the deflection by a load
+/// anywhere over 0.3 of the height within 4 % (eight at the middles: 4 %).
+///
+/// The root's turn about the blade's weak axis and the lowest hinge, not a segment apart, are one
+/// ([`Leaf::lowest_hinge`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
     /// Height, m.
@@ -209,7 +219,7 @@ pub struct Leaf {
     pub loss_factor: f64,
     /// Rotational stiffness of the root in the foam, Nm/rad; `None` for a clamped root.
     pub root_stiffness_nm_per_rad: Option<f64>,
-    /// Number of segments.
+    /// Number of elastic segments, each with one hinge.
     pub segments: u32,
 }
 
@@ -272,6 +282,27 @@ impl Leaf {
         in_series(blade, self.root_stiffness_nm_per_rad)
     }
 
+    /// Places over the foam, m, and compliances, rad/Nm, of the bending hinges of the blade, lowest first.
+    pub fn blade_hinges(&self) -> Vec<(f64, f64)> {
+        gauss_legendre(self.segments)
+            .into_iter()
+            .map(|(node, weight)| {
+                let place = self.height_m * node;
+                (place, self.height_m * weight / self.flexural_rigidity_n_m2)
+            })
+            .collect()
+    }
+
+    /// The blade's lowest hinge (place, m, and compliance, rad/Nm) made one with the root in the foam: in series, at the
+    /// mean of their places weighted by compliance.
+    ///
+    /// So a load's moment turns the leaf as both would; its deflection by a tip load P is less by P x² c₁ c₂ / (c₁ + c₂)
+    /// with compliances c and the lowest node's place x: under a thousandth of the whole at four segments, in any foam.
+    pub fn lowest_hinge(&self, (place_m, blade): (f64, f64)) -> (f64, f64) {
+        let root = self.root_stiffness_nm_per_rad.map_or(0.0, |stiffness| 1.0 / stiffness);
+        (place_m * blade / (blade + root), blade + root)
+    }
+
     /// A spring damped in proportion to its stiffness so that the first mode's damping ratio is η/2.
     fn damped(&self, stiffness: f64) -> Spring {
         Spring::elastic(
@@ -286,6 +317,27 @@ impl Leaf {
             ..self.damped(stiffness)
         }
     }
+}
+
+/// Nodes in 0..1 and weights (sum 1) of Gauss-Legendre quadrature of order `n`, lowest first: zeros of the Legendre
+/// polynomial by Newton's method from Tricomi's estimate.
+fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
+    let order = f64::from(n);
+    let node = |k: u32| {
+        let mut x = -(std::f64::consts::PI * (f64::from(k) + 0.75) / (order + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..10 {
+            let (mut value, mut before) = (x, 1.0);
+            for j in 2..=n {
+                let j = f64::from(j);
+                (value, before) = (((2.0 * j - 1.0) * x * value - (j - 1.0) * before) / j, value);
+            }
+            slope = order * (x * value - before) / (x * x - 1.0);
+            x -= value / slope;
+        }
+        ((1.0 + x) / 2.0, 1.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..n).map(node).collect()
 }
 
 fn in_series(stiffness: f64, other: Option<f64>) -> f64 {
@@ -330,35 +382,24 @@ impl Object for Leaf {
         // The engine has no joint of two free rotations, so the root is a stack of one-axis hinges.
         let sideways = self.at_root(self.sideways_stiffness_nm_per_rad());
         parent = mechanism.jointed(physics, parent, DVec3::ZERO, massless(), &[(3, sideways)]);
-        if let Some(stiffness) = self.root_stiffness_nm_per_rad {
-            parent = mechanism.jointed(
-                physics,
-                parent,
-                DVec3::ZERO,
-                massless(),
-                &[(4, self.at_root(stiffness))],
-            );
-        }
         let twist = self.at_root(self.twist_stiffness_nm_per_rad());
-        let segment_m = self.height_m / f64::from(self.segments);
-        let bend = self.damped(self.flexural_rigidity_n_m2 / segment_m);
-        // Pieces lie between hinges: half a segment, n − 1 whole ones, half a segment.
-        for piece in 0..=self.segments {
-            let length = if piece == 0 || piece == self.segments {
-                segment_m / 2.0
-            } else {
-                segment_m
-            };
+        let mut hinges = self.blade_hinges();
+        if let Some(lowest) = hinges.first_mut() {
+            *lowest = self.lowest_hinge(*lowest);
+        }
+        let bend = |(_, compliance): &(f64, f64)| (4, self.damped(1.0 / compliance));
+        let joints = std::iter::once((5, twist)).chain(hinges.iter().map(bend));
+        let bottoms = std::iter::once(0.0).chain(hinges.iter().map(|hinge| hinge.0));
+        let tops = hinges.iter().map(|hinge| hinge.0).chain([self.height_m]);
+        // Pieces lie between hinges, the first from the foot to the lowest hinge, the last up to the tip.
+        let mut origin = DVec3::ZERO;
+        for (piece, ((joint, bottom), top)) in joints.zip(bottoms).zip(tops).enumerate() {
+            let length = top - bottom;
             let size = DVec3::new(COLLISION_THICKNESS_M, self.width_m, length);
             let center = DVec3::Z * (length / 2.0);
             let mass = box_mass(self.mass_per_length_kg_per_m() * length, center, size);
-            let origin = match piece {
-                0 => DVec3::ZERO,
-                1 => DVec3::Z * (segment_m / 2.0),
-                _ => DVec3::Z * segment_m,
-            };
-            let hinge = if piece == 0 { (5, twist) } else { (4, bend) };
-            parent = mechanism.jointed(physics, parent, origin, mass, &[hinge]);
+            parent = mechanism.jointed(physics, parent, origin, mass, &[joint]);
+            origin = DVec3::Z * length;
             let group = if piece <= 1 {
                 groups::rooted()
             } else {
@@ -390,7 +431,7 @@ mod tests {
         let mut physics = Physics::new(options);
         let mechanism = leaf.build(&mut physics, DVec3::ZERO, 0.0);
         let last = mechanism.bodies()[mechanism.bodies().len() - 1];
-        let tip_local = DVec3::Z * (leaf.height_m / f64::from(leaf.segments) / 2.0);
+        let tip_local = DVec3::Z * (leaf.height_m - leaf.blade_hinges()[leaf.segments as usize - 1].0);
         for _ in 0..4000 {
             let body = &mut physics.bodies[last];
             let tip = body.position().transform_point(tip_local);
@@ -415,16 +456,26 @@ mod tests {
         }
     }
 
-    /// Pins the leaf's stiffness under a small tip load: the discrete sum Σ P (L − x_k)² h / EI to 0.1 %, both ways.
+    /// Pins the quadrature on what it must integrate exactly, all powers under 2n, and on the published nodes of n = 3.
     #[test]
-    fn small_tip_load_bends_by_the_discrete_sum() {
-        let leaf = example(8, None);
-        let segment = leaf.height_m / 8.0;
+    fn quadrature_is_exact_to_its_order() {
+        for n in [2, 4, 7, 40] {
+            for power in 0..(2 * n as i32) {
+                let sum: f64 = gauss_legendre(n).iter().map(|(x, w)| w * x.powi(power)).sum();
+                let exact = 1.0 / f64::from(power + 1);
+                assert!((sum - exact).abs() < 1e-13, "order {n}, power {power}: {sum}, {exact}");
+            }
+        }
+        let (lowest, weight) = gauss_legendre(3)[0];
+        assert!((lowest - (0.5 - 0.6_f64.sqrt() / 2.0)).abs() < 1e-15 && (weight - 5.0 / 18.0).abs() < 1e-15);
+    }
+
+    /// Pins the leaf's stiffness under a small tip load: the beam's P L³ / 3 E I to 0.1 %, both ways.
+    #[test]
+    fn small_tip_load_bends_as_a_beam() {
+        let leaf = example(4, None);
         let load = 0.002;
-        let expected: f64 = (0..8)
-            .map(|k| leaf.height_m - (f64::from(k) + 0.5) * segment)
-            .map(|lever| load * lever * lever * segment / leaf.flexural_rigidity_n_m2)
-            .sum();
+        let expected = load * leaf.height_m.powi(3) / 3.0 / leaf.flexural_rigidity_n_m2;
         for sign in [1.0, -1.0] {
             let found = tip_deflection(&leaf, DVec3::X * load * sign).x * sign;
             assert!(
@@ -432,21 +483,20 @@ mod tests {
                 "found {found} m, expected {expected} m"
             );
         }
-        // The discrete sum itself is 1/(4n²) under the continuum's P L³ / 3 E I.
-        let continuum = load * leaf.height_m.powi(3) / 3.0 / leaf.flexural_rigidity_n_m2;
-        assert!((expected / continuum - 1.0 + 1.0 / 256.0).abs() < 1e-9);
     }
 
-    /// Pins that the foam under the root adds P L² / k, and that sideways the leaf leans on stem and foam in series.
+    /// Pins that the foam under the root adds P L² / k, less at most 0.07² of it (the lowest of four nodes over the
+    /// height, squared, by which the lowest hinge and the root are apart), and that sideways the leaf leans on stem and
+    /// foam in series.
     #[test]
     fn root_compliance_adds_its_own_deflection() {
         let load = 0.002;
-        let clamped = tip_deflection(&example(8, None), DVec3::X * load).x;
-        let leaf = example(8, Some(2.0));
+        let clamped = tip_deflection(&example(4, None), DVec3::X * load).x;
+        let leaf = example(4, Some(2.0));
         let rooted = tip_deflection(&leaf, DVec3::X * load).x;
         let expected = load * leaf.height_m.powi(2) / 2.0;
         assert!(
-            ((rooted - clamped) / expected - 1.0).abs() < 2e-3,
+            ((rooted - clamped) / expected - 1.0).abs() < 0.07 * 0.07 + 1e-3,
             "found {}, expected {expected}",
             rooted - clamped
         );

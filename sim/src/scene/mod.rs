@@ -9,7 +9,7 @@ use underbrush_recording::InputError;
 
 use crate::object::{Limited, Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
-use crate::sensor::SensorOptions;
+use crate::sensor::{Fault, SensorOptions};
 
 pub mod quantity;
 
@@ -262,9 +262,7 @@ impl Scene {
             return Err(self.fault("workspace.table_height_m", workspace.table_height_m, "a finite height"));
         }
         self.check_physics()?;
-        file.sensor.fault().map_or(Ok(()), |(key, found, allowed)| {
-            Err(self.fault(&format!("sensor.{key}"), found, allowed))
-        })?;
+        self.sensor_fault(file.sensor.fault())?;
         if file.goals.count == 0 || file.goals.count > 1000 {
             return Err(self.fault("goals.count", file.goals.count, "1 to 1000 goals"));
         }
@@ -310,6 +308,13 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    /// The error about an option of the sensor, if there is a fault.
+    pub(crate) fn sensor_fault(&self, fault: Option<Fault>) -> Result<(), InputError> {
+        fault.map_or(Ok(()), |(key, found, allowed)| {
+            Err(self.fault(&format!("sensor.{key}"), found, allowed))
+        })
     }
 
     fn check_physics(&self) -> Result<(), InputError> {

@@ -65,6 +65,7 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.urdf", "<sphere radius=\"0.06\"/>", "<mesh filename=\"a.stl\"/>", "link shoulder, collision", "hull"),
         ("cody.urdf", "<link name=\"flipper_tip\"/>", "<link name=\"wrist\"/>", "link wrist, name", "second"),
         ("cody.urdf", "</robot>", "", "robot", ""),
+        ("cody.skin.toml", "technology = \"fabric\"", "technology = \"wool\"", "TOML", "wool"),
         ("cody.skin.toml", "stiffness_n_per_m3 = 3e7", "stiffness_n_per_m3 = 0", "stiffness_n_per_m3", "0"),
         ("cody.skin.toml", "link = \"forearm\"", "link = \"thigh\"", "patch.link", "thigh"),
         ("cody.skin.toml", "name = \"flipper\"", "name = \"forearm\"", "patch.name", "forearm"),

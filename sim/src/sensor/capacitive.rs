@@ -1,0 +1,91 @@
+//! The capacitive skin: a continuous cover over capacitors (crosstalk, creep) and the authors' driver behind them.
+
+use rand_chacha::ChaCha8Rng;
+use underbrush_recording::{Grid, Patch};
+
+use super::converter::{Converter, Noise};
+use super::options::SensorOptions;
+use crate::world::FRAME_PERIOD_S;
+
+/// The capacitive taxels of one patch.
+pub struct Capacitive {
+    /// Four neighbours of each taxel; the taxel itself stands for one that the grid does not have.
+    neighbours: Vec<[usize; 4]>,
+    crosstalk_share: f64,
+    creep_share: f64,
+    /// Share of the way to its end that the creep goes in a frame.
+    creep_advance: f64,
+    /// The force that each taxel has crept to, N.
+    crept_n: Vec<f64>,
+    noise: Noise,
+    gate_n: f64,
+    floor_n: f64,
+    saturation_n: f64,
+    converter: Converter,
+}
+
+impl Capacitive {
+    /// The taxels of a patch, at rest.
+    pub fn new(options: &SensorOptions, patch: &Patch) -> Self {
+        Capacitive {
+            neighbours: neighbours(patch),
+            crosstalk_share: options.crosstalk_share,
+            creep_share: options.creep_share,
+            creep_advance: -(-FRAME_PERIOD_S / options.creep_time_s).exp_m1(),
+            crept_n: vec![0.0; patch.taxels.len()],
+            noise: Noise::new(options.noise_n),
+            gate_n: options.gate_sigmas * options.noise_n,
+            floor_n: options.floor_n,
+            saturation_n: options.saturation_n,
+            converter: Converter::with_quantum(options.quantum_n),
+        }
+    }
+
+    /// Reads all taxels once: true forces in, readings out, N.
+    pub fn read(&mut self, true_force_n: &[f64], reading_n: &mut [f64], random: &mut ChaCha8Rng) {
+        for (taxel, reading) in reading_n.iter_mut().enumerate() {
+            let felt = self.felt(true_force_n, taxel);
+            // Exact for a force that is constant over the frame: dz/dt = (f − z)/τ.
+            let crept = &mut self.crept_n[taxel];
+            *crept += (felt - *crept) * self.creep_advance;
+            let analog = felt + self.creep_share * *crept + self.noise.draw(random);
+            *reading = if analog.abs() < self.gate_n || analog < self.floor_n {
+                0.0
+            } else {
+                self.converter.convert(analog).clamp(0.0, self.saturation_n)
+            };
+        }
+    }
+
+    /// The force on a taxel's capacitor, N: what the cover leaves it of its own and hands it from its neighbours.
+    ///
+    /// Where a taxel has fewer than four neighbours it keeps their parts, so each column of the kernel sums to 1: force
+    /// is moved, none is lost.
+    fn felt(&self, force_n: &[f64], taxel: usize) -> f64 {
+        let around: f64 = self.neighbours[taxel].iter().map(|next| force_n[*next]).sum();
+        force_n[taxel] + self.crosstalk_share * (around / 4.0 - force_n[taxel])
+    }
+}
+
+/// The four neighbours in the patch's grid, around the sleeve where it wraps; without a grid a taxel has none.
+fn neighbours(patch: &Patch) -> Vec<[usize; 4]> {
+    let count = patch.taxels.len();
+    let Some(Grid { rows, columns, wraps }) = patch.grid else {
+        return (0..count).map(|taxel| [taxel; 4]).collect();
+    };
+    let of = |taxel: usize| {
+        let (row, column) = (taxel / columns, taxel % columns);
+        let or_itself = |exists: bool, next: usize| if exists { next } else { taxel };
+        let first = row * columns;
+        let last = first + columns - 1;
+        let before = if column > 0 { taxel - 1 } else { last };
+        let behind = if column + 1 < columns { taxel + 1 } else { first };
+        [
+            or_itself(row > 0, taxel.wrapping_sub(columns)),
+            or_itself(row + 1 < rows, taxel + columns),
+            or_itself(wraps || column > 0, before),
+            or_itself(wraps || column + 1 < columns, behind),
+        ]
+    };
+    (0..count).map(of).collect()
+}

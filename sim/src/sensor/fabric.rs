@@ -1,0 +1,50 @@
+//! Piezoresistive fabric: a voltage divider that saturates, and fabric that opens later than it closed.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::converter::{Converter, Noise};
+use super::options::FabricOptions;
+
+/// The fabric taxels of one patch. They are separate pieces: no crosstalk.
+pub struct Fabric {
+    full_scale_n: f64,
+    /// Reading over force while the fabric opens: 1 / (1 − hysteresis share).
+    opening_gain: f64,
+    /// The force that each piece stands at, N.
+    memory_n: Vec<f64>,
+    noise: Noise,
+    gate_n: f64,
+    converter: Converter,
+}
+
+impl Fabric {
+    /// So many taxels, at rest.
+    pub fn new(options: &FabricOptions, taxels: usize) -> Self {
+        Fabric {
+            full_scale_n: options.full_scale_n,
+            opening_gain: 1.0 / (1.0 - options.hysteresis_share),
+            memory_n: vec![0.0; taxels],
+            noise: Noise::new(options.noise_n),
+            gate_n: options.gate_sigmas * options.noise_n,
+            converter: Converter::with_steps_per_n(options.counts_per_n),
+        }
+    }
+
+    /// Reads all taxels once: true forces in, readings out, N.
+    pub fn read(&mut self, true_force_n: &[f64], reading_n: &mut [f64], random: &mut ChaCha8Rng) {
+        for ((force, memory), reading) in true_force_n.iter().zip(&mut self.memory_n).zip(reading_n) {
+            // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling
+            // one only when it is the hysteresis share below. Without force nothing remains.
+            *memory = memory.clamp(*force, force * self.opening_gain);
+            // The fabric's conductance is proportional to force; in a voltage divider it gives F S / (F + S). The
+            // driver knows only the slope at small forces.
+            let divided = *memory / (1.0 + *memory / self.full_scale_n);
+            let analog = divided + self.noise.draw(random);
+            *reading = if analog.abs() < self.gate_n {
+                0.0
+            } else {
+                self.converter.convert(analog).clamp(0.0, self.full_scale_n)
+            };
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! What the skin's electronics make of the taxels' true forces, frame by frame.
+//!
+//! | patch | the force passes |
+//! |---|---|
+//! | capacitive | crosstalk → creep → noise → gate and floor → quantum → saturation |
+//! | fabric | hysteresis → saturating response → noise → gate → counts |
+//! | both | → dead taxels → delay |
+
+use std::ops::Range;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use underbrush_recording::SkinLayout;
+
+mod capacitive;
+mod converter;
+mod fabric;
+mod options;
+#[cfg(test)]
+mod tests;
+
+use crate::arm::Skin;
+use crate::arm::skin::Technology;
+use crate::seed::stream;
+use capacitive::Capacitive;
+use fabric::Fabric;
+pub use options::{FabricOptions, Fault, SensorOptions};
+
+/// The electronics of one patch.
+enum Electronics {
+    Perfect,
+    Capacitive(Capacitive),
+    Fabric(Fabric),
+}
+
+/// The sensor of one reach: press taxels, sample a frame, read.
+///
+/// Every taxel is sampled in every frame, in the same order, so that the noise of one does not depend on what touches
+/// another.
+pub struct Sensor {
+    /// Electronics of each patch, in the layout's order, and where its taxels are below.
+    patches: Vec<(Electronics, Range<usize>)>,
+    dead: Vec<bool>,
+    true_force_n: Vec<f64>,
+    /// The last frames of readings, one more than the delay, as a ring.
+    readings_n: Vec<Vec<f64>>,
+    newest: usize,
+    random: ChaCha8Rng,
+}
+
+impl Sensor {
+    /// The sensor of reach number `reach_index`; it draws from the streams `sensor` and `dead taxels`.
+    pub fn new(options: &SensorOptions, skin: &Skin, seed: u64, scene: &str, reach_index: u64) -> Self {
+        let mut taxels = 0;
+        let mut patches = Vec::with_capacity(skin.layout.patches.len());
+        for (patch, surface) in skin.layout.patches.iter().zip(&skin.surfaces) {
+            let electronics = match surface.technology {
+                _ if options.perfect => Electronics::Perfect,
+                Technology::Capacitive => Electronics::Capacitive(Capacitive::new(options, patch)),
+                Technology::Fabric => Electronics::Fabric(Fabric::new(&options.fabric, patch.taxels.len())),
+            };
+            let first = taxels;
+            taxels += patch.taxels.len();
+            patches.push((electronics, first..taxels));
+        }
+        let frames = if options.perfect {
+            1
+        } else {
+            1 + options.delay_frames as usize
+        };
+        let mut drawn = stream(seed, scene, reach_index, "dead taxels");
+        Sensor {
+            patches,
+            dead: dead_taxels(options, &skin.layout, &mut drawn),
+            true_force_n: vec![0.0; taxels],
+            readings_n: vec![vec![0.0; taxels]; frames],
+            newest: 0,
+            random: stream(seed, scene, reach_index, "sensor"),
+        }
+    }
+
+    /// Adds to the true normal force of a taxel in the frame to be sampled, N.
+    pub fn press(&mut self, patch: usize, taxel: usize, normal_force_n: f64) {
+        self.true_force_n[self.patches[patch].1.start + taxel] += normal_force_n;
+    }
+
+    /// Samples all taxels once and forgets what pressed them.
+    pub fn sample(&mut self) {
+        self.newest = (self.newest + 1) % self.readings_n.len();
+        let newest = &mut self.readings_n[self.newest];
+        for (electronics, span) in &mut self.patches {
+            let (force, reading) = (&self.true_force_n[span.clone()], &mut newest[span.clone()]);
+            match electronics {
+                Electronics::Perfect => reading.copy_from_slice(force),
+                Electronics::Capacitive(taxels) => taxels.read(force, reading, &mut self.random),
+                Electronics::Fabric(taxels) => taxels.read(force, reading, &mut self.random),
+            }
+        }
+        for (reading, dead) in newest.iter_mut().zip(&self.dead) {
+            if *dead {
+                *reading = 0.0;
+            }
+        }
+        self.true_force_n.fill(0.0);
+    }
+
+    /// What a taxel reports after the last sample, N.
+    pub fn reading_n(&self, patch: usize, taxel: usize) -> f64 {
+        // The slot behind the newest holds the oldest.
+        let oldest = (self.newest + 1) % self.readings_n.len();
+        self.readings_n[oldest][self.patches[patch].1.start + taxel]
+    }
+}
+
+/// The dead taxels of all patches: those listed, and those that `drawn` picks.
+fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8Rng) -> Vec<bool> {
+    let of_patch = layout.patches.iter().flat_map(|patch| {
+        let listed = options.dead_taxels.get(&patch.name);
+        (0..patch.taxels.len())
+            .map(move |taxel| listed.is_some_and(|listed| listed.iter().any(|dead| usize::from(*dead) == taxel)))
+    });
+    of_patch
+        .map(|listed| (listed || drawn.random_bool(options.dead_share)) && !options.perfect)
+        .collect()
+}

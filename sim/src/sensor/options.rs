@@ -1,0 +1,170 @@
+//! Options of the sensor: the `[sensor]` section of a scene file.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::SkinLayout;
+
+/// What the skin's electronics do to the true force.
+///
+/// `delay_frames` and the dead taxels are of all skin, `fabric` of the patches that the arm's skin file calls fabric,
+/// every other key of those that it calls capacitive. `perfect = true` switches all of it off; each effect also goes by
+/// itself, at 0 or, for the two saturations, at `inf`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorOptions {
+    /// The sensed force is the true force.
+    pub perfect: bool,
+    /// Standard deviation of a taxel's noise, N.
+    pub noise_n: f64,
+    /// Deviations under this many standard deviations of the noise read 0 (the authors' driver: 6).
+    pub gate_sigmas: f64,
+    /// Smallest step of a reading, N (the authors' driver: counts / 1000).
+    pub quantum_n: f64,
+    /// Largest force that a taxel can tell, N (17 on the robot); larger ones read as this.
+    pub saturation_n: f64,
+    /// Readings under this many newtons read 0; off at 0 (the authors' optional floor: 1.0).
+    pub floor_n: f64,
+    /// Share of a taxel's force that its cover hands to the neighbours in the patch's grid, in equal parts to the four.
+    pub crosstalk_share: f64,
+    /// What a force held for long adds to its own reading by creep, as a share of the force.
+    pub creep_share: f64,
+    /// Time constant of the creep, s.
+    pub creep_time_s: f64,
+    /// Frames of 10 ms that readings are late.
+    pub delay_frames: u32,
+    /// Share of all taxels that are dead in a reach, drawn anew for each; a dead taxel reads 0.
+    pub dead_share: f64,
+    /// Taxels that are dead in every reach: lists of indices by patch name.
+    pub dead_taxels: BTreeMap<String, Vec<u16>>,
+    /// Fabric taxels.
+    pub fabric: FabricOptions,
+}
+
+impl Default for SensorOptions {
+    /// Gate, quantum and saturation are the authors'. The others are choices:
+    ///
+    /// * noise: it puts the gate at 30 mN, just above the smallest stray readings (20–100 mN) of a stored frame of the
+    ///   real skin;
+    /// * crosstalk: a twelfth in all, so that the strongest taxel of that frame (1.5 N) lifts a neighbour by 30 mN, to
+    ///   the gate; the cover is continuous, but 3 mm thin against the 9 mm of a taxel;
+    /// * creep: slow creep over tens of seconds is documented, its size is not; elastomers creep by some per cent. 3 %
+    ///   leave at most 90 mN when 3 N (the controller's limit) are let go after long, which again is a stray's size;
+    /// * delay: one frame, which the electronics fill before they send it;
+    /// * no dead taxels.
+    fn default() -> Self {
+        SensorOptions {
+            perfect: false,
+            noise_n: 0.005,
+            gate_sigmas: 6.0,
+            quantum_n: 0.001,
+            saturation_n: 17.0,
+            floor_n: 0.0,
+            crosstalk_share: 0.08,
+            creep_share: 0.03,
+            creep_time_s: 20.0,
+            delay_frames: 1,
+            dead_share: 0.0,
+            dead_taxels: BTreeMap::new(),
+            fabric: FabricOptions::default(),
+        }
+    }
+}
+
+/// What a taxel of piezoresistive fabric makes of the true force.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FabricOptions {
+    /// Steps of a reading per newton (about 30 on the robot); no steps at 0.
+    pub counts_per_n: f64,
+    /// The reading S that an infinite force tends to, N: a force F reads F S / (F + S).
+    pub full_scale_n: f64,
+    /// Share of the largest force that must be taken away before the reading begins to fall.
+    pub hysteresis_share: f64,
+    /// Standard deviation of a taxel's noise, N.
+    pub noise_n: f64,
+    /// Deviations under this many standard deviations of the noise read 0.
+    pub gate_sigmas: f64,
+}
+
+impl Default for FabricOptions {
+    /// About 30 counts per newton of a 10 bit converter are the authors' figures, so the full scale is 1023 / 30 N.
+    /// Choices: a hysteresis of a quarter ("strong"); noise of half a count, as of a converter whose last bit flickers;
+    /// the gate of the other skin.
+    fn default() -> Self {
+        FabricOptions {
+            counts_per_n: 30.0,
+            full_scale_n: 34.1,
+            hysteresis_share: 0.25,
+            noise_n: 1.0 / 60.0,
+            gate_sigmas: 6.0,
+        }
+    }
+}
+
+/// What is wrong with an option: `(key, found, allowed)`.
+pub type Fault = (String, String, String);
+
+/// A delay of more frames than this, two seconds, is a slip of the keyboard.
+const LONGEST_DELAY_FRAMES: u32 = 200;
+
+impl SensorOptions {
+    /// What is wrong with the options, if anything.
+    pub fn fault(&self) -> Option<Fault> {
+        let fabric = &self.fabric;
+        let not_negative = |key, value: f64| {
+            (
+                key,
+                value,
+                value.is_finite() && value >= 0.0,
+                "a finite number of zero or more",
+            )
+        };
+        let positive = |key, value: f64| (key, value, value > 0.0, "a positive number");
+        let share = |key, value: f64| (key, value, (0.0..=1.0).contains(&value), "0 to 1");
+        let delay = f64::from(self.delay_frames);
+        let late = delay <= f64::from(LONGEST_DELAY_FRAMES);
+        let lasting = self.creep_time_s.is_finite() && self.creep_time_s > 0.0;
+        let loops = (0.0..1.0).contains(&fabric.hysteresis_share);
+        let checks = [
+            not_negative("noise_n", self.noise_n),
+            not_negative("gate_sigmas", self.gate_sigmas),
+            not_negative("quantum_n", self.quantum_n),
+            positive("saturation_n", self.saturation_n),
+            not_negative("floor_n", self.floor_n),
+            share("crosstalk_share", self.crosstalk_share),
+            not_negative("creep_share", self.creep_share),
+            ("creep_time_s", self.creep_time_s, lasting, "a finite positive number"),
+            ("delay_frames", delay, late, "0 to 200"),
+            share("dead_share", self.dead_share),
+            not_negative("fabric.counts_per_n", fabric.counts_per_n),
+            positive("fabric.full_scale_n", fabric.full_scale_n),
+            (
+                "fabric.hysteresis_share",
+                fabric.hysteresis_share,
+                loops,
+                "0 to less than 1",
+            ),
+            not_negative("fabric.noise_n", fabric.noise_n),
+            not_negative("fabric.gate_sigmas", fabric.gate_sigmas),
+        ];
+        let broken = checks.into_iter().find(|(_, _, holds, _)| !holds);
+        broken.map(|(key, value, _, allowed)| (key.into(), value.to_string(), allowed.into()))
+    }
+
+    /// What is wrong with the list of dead taxels on this skin, if anything.
+    pub fn fault_on(&self, layout: &SkinLayout) -> Option<Fault> {
+        self.dead_taxels.iter().find_map(|(name, taxels)| {
+            let Some(patch) = layout.patch_index(name) else {
+                let names: Vec<&str> = layout.patches.iter().map(|patch| patch.name.as_str()).collect();
+                let allowed = format!("patches of the arm's skin: {}", names.join(", "));
+                return Some(("dead_taxels".into(), format!("{name:?}"), allowed));
+            };
+            let count = layout.patches[patch].taxels.len();
+            let beyond = taxels.iter().find(|taxel| usize::from(**taxel) >= count)?;
+            let allowed = format!("0 to {} on {name}", count - 1);
+            Some(("dead_taxels".into(), beyond.to_string(), allowed))
+        })
+    }
+}
