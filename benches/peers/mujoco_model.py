@@ -76,6 +76,9 @@ class Builder:
         self.actuator = self.add(self.root, "actuator")
         self.solver = solver_parameters(setup, impedance)
         self.arm = set(setup["arm"]["bodies"])
+        shapes = [shape for tree in setup["trees"] for link in tree if link["body"] not in self.arm
+                  for shape in link["colliders"]]
+        self.leaf_friction = shapes[0]["friction"] if shapes else 0.0
         for tree in setup["trees"]:
             self.tree(tree)
 
@@ -169,19 +172,11 @@ class Builder:
             name = f"hull{len(self.assets)}"
             self.add(self.assets, "mesh", name=name, vertex=text(shape["points_m"]))
             given = {"type": "mesh", "mesh": name, **pose.attributes()}
-        # This project's engine takes the mean of both coefficients, MuJoCo that of the geom of higher priority.
-        friction = (collider["friction"] + self.friction_of_others(is_arm)) / 2
+        # This project's engine takes the mean of both coefficients; in MuJoCo the geom of higher priority decides.
+        friction = (collider["friction"] + self.leaf_friction) / 2
         self.add(body, "geom", contype=collider["memberships"], conaffinity=collider["filter"] & 0x7FFFFFFF,
                  condim=3, priority=int(is_arm), friction=text([friction, 0.005, 0.0001]), mass=0, **self.solver,
                  **given)
-
-    def friction_of_others(self, is_arm):
-        if not is_arm:
-            # Only other leaves: against the arm, the arm's geom decides.
-            is_arm = True
-        leaf = [c["friction"] for tree in self.setup["trees"] for link in tree for c in link["colliders"]
-                if link["body"] not in self.arm]
-        return leaf[0] if leaf else 0.4
 
 
 def joint_of(link, axis):

@@ -174,7 +174,6 @@ fn setup(leaves: usize) -> Value {
         "gravity_m_per_s2": options.gravity_m_per_s2,
         "contact_natural_frequency_hz": soft.natural_frequency,
         "contact_damping_ratio": soft.damping_ratio,
-        "contact_slop_m": physics.parameters.allowed_linear_error(),
         "default_step_s": options.step_s,
         "default_substeps": options.substeps,
         "arm": arm(&sweep, &world),
