@@ -58,6 +58,8 @@ enum Command {
     Trials(command::trials::Options),
     /// Print the log-likelihood of each trial under each model, as CSV
     Score(command::score::Options),
+    /// Run the physics checks and print closed form, simulation, residual and tolerance
+    Validate(command::validate::Options),
     /// Say what is in a scene, data set, recording, trials table or model, and check it
     Inspect(command::inspect::Options),
     /// Print the JSON Schema of the scene file, for editors
@@ -96,6 +98,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Evaluate(options) => command::evaluate::run(options, shared.json),
         Command::Trials(options) => command::trials::run(options, shared.json),
         Command::Score(options) => command::score::run(options, shared.json),
+        Command::Validate(options) => command::validate::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
         Command::Schema => command::schema::run(),
     }

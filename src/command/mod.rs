@@ -10,3 +10,4 @@ pub mod schema;
 pub mod score;
 pub mod train;
 pub mod trials;
+pub mod validate;

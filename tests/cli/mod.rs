@@ -10,3 +10,4 @@ mod resume;
 mod torn;
 mod train;
 mod trials;
+mod validate;

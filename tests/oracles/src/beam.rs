@@ -1,0 +1,99 @@
+//! Cantilevers under small loads (Timoshenko, *Strength of Materials*), and the chain that stands for one.
+
+/// Places, m from the clamp, and compliances, rad/Nm, of the hinges at the middles of `segments` equal segments that
+/// stand for a cantilever: h / E I each.
+pub fn midpoint_hinges(length_m: f64, flexural_rigidity_n_m2: f64, segments: u32) -> Vec<(f64, f64)> {
+    let segment_m = length_m / f64::from(segments);
+    let hinge = |index| {
+        let place_m = (f64::from(index) + 0.5) * segment_m;
+        (place_m, segment_m / flexural_rigidity_n_m2)
+    };
+    (0..segments).map(hinge).collect()
+}
+
+/// Deflection, m, of a clamped chain of rigid pieces under a load across it at `height_m`, where the load acts:
+/// Σ P (a − x_k)² c_k over the hinges below it, of places x_k (m from the clamp) and compliances c_k (rad/Nm).
+pub fn chain_deflection_m(load_n: f64, height_m: f64, hinges: &[(f64, f64)]) -> f64 {
+    let deflection_m = |(place_m, compliance): &(f64, f64)| {
+        let lever_m = (height_m - place_m).max(0.0);
+        load_n * lever_m * lever_m * compliance
+    };
+    hinges.iter().map(deflection_m).sum()
+}
+
+/// Deflection, m, of a clamped beam where a load across it acts, `height_m` from the clamp: P a³ / 3 E I.
+pub fn beam_deflection_m(load_n: f64, height_m: f64, flexural_rigidity_n_m2: f64) -> f64 {
+    load_n * height_m.powi(3) / (3.0 * flexural_rigidity_n_m2)
+}
+
+/// The first root of cos β cosh β = −1, times the length the first mode's wave number of a clamped beam.
+pub const FIRST_ROOT: f64 = 1.875_104_068_711_961;
+
+/// First natural frequency, rad/s, of a clamped beam: β² √(E I / ρA L⁴).
+pub fn first_frequency_rad_per_s(length_m: f64, flexural_rigidity_n_m2: f64, mass_per_length_kg_per_m: f64) -> f64 {
+    FIRST_ROOT.powi(2) * (flexural_rigidity_n_m2 / (mass_per_length_kg_per_m * length_m.powi(4))).sqrt()
+}
+
+/// Shape of the first mode of a clamped beam at `share` of its length (0 to 1), 1 at the tip.
+pub fn first_mode(share: f64) -> f64 {
+    let sigma = (FIRST_ROOT.sinh() - FIRST_ROOT.sin()) / (FIRST_ROOT.cosh() + FIRST_ROOT.cos());
+    let x = FIRST_ROOT * share;
+    ((x.cosh() - x.cos()) - sigma * (x.sinh() - x.sin())) / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Pins the first root of cos β cosh β = −1.
+    #[test]
+    fn first_root_solves_its_equation() {
+        assert!((FIRST_ROOT.cos() * FIRST_ROOT.cosh() + 1.0).abs() < 1e-14);
+    }
+
+    /// Pins that the chain is 1 / 4n² softer or stiffer than nothing but the midpoint rule says: Σ (L − x_k)² h is
+    /// L³ / 3 · (1 − 1 / 4n²).
+    #[test]
+    fn chain_misses_the_beam_by_the_midpoint_rule() {
+        for segments in [1, 2, 5, 8, 40] {
+            let chain = chain_deflection_m(0.7, 0.3, &midpoint_hinges(0.3, 0.02, segments));
+            let beam = beam_deflection_m(0.7, 0.3, 0.02);
+            let n = f64::from(segments);
+            assert_relative_eq!(chain / beam, 1.0 - 1.0 / (4.0 * n * n), epsilon = 1e-12);
+        }
+    }
+
+    /// Pins that only hinges below the load bend: a load at the first hinge bends nothing, halfway up a half beam.
+    #[test]
+    fn load_below_the_tip_bends_what_is_below_it() {
+        let whole = midpoint_hinges(0.4, 0.02, 4);
+        assert_eq!(chain_deflection_m(1.0, 0.05, &whole), 0.0);
+        let half = chain_deflection_m(1.0, 0.2, &midpoint_hinges(0.2, 0.02, 2));
+        assert_relative_eq!(chain_deflection_m(1.0, 0.2, &whole), half, epsilon = 1e-15);
+    }
+
+    /// Pins the first frequency against the table of Blevins (*Formulas for Natural Frequency and Mode Shape*, table
+    /// 8-1: β² = 3.51602), and against Rayleigh's quotient of the mode by numerical integration.
+    #[test]
+    fn first_frequency_is_rayleighs_quotient_of_its_mode() {
+        assert_relative_eq!(FIRST_ROOT.powi(2), 3.516_02, epsilon = 1e-5);
+        let steps = 2000;
+        let spacing = 1.0 / f64::from(steps);
+        let (mut bent, mut moved) = (0.0, 0.0);
+        for index in 0..steps {
+            let s = (f64::from(index) + 0.5) * spacing;
+            let step = 1e-4;
+            let second = (first_mode(s + step) - 2.0 * first_mode(s) + first_mode(s - step)) / (step * step);
+            bent += second * second * spacing;
+            moved += first_mode(s).powi(2) * spacing;
+        }
+        assert_relative_eq!((bent / moved).sqrt(), FIRST_ROOT.powi(2), max_relative = 1e-5);
+        assert_relative_eq!(first_mode(1.0), 1.0, epsilon = 1e-12);
+        assert_relative_eq!(
+            first_frequency_rad_per_s(0.3, 0.02, 0.024),
+            3.516_02 * 10.143,
+            max_relative = 1e-4
+        );
+    }
+}

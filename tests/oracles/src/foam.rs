@@ -1,0 +1,122 @@
+//! Foam: bars and blocks, and the standard linear solid (Findley, Lai and Onaran, *Creep and Relaxation of Nonlinear
+//! Viscoelastic Materials*, chapter 5).
+
+use std::f64::consts::PI;
+
+/// Force, N, of a bar of modulus E, area A and height H pressed in by `depth_m`: E A δ / H.
+pub fn bar_force_n(modulus_pa: f64, area_m2: f64, height_m: f64, depth_m: f64) -> f64 {
+    modulus_pa * area_m2 * depth_m / height_m
+}
+
+/// How far the top of a standing bar sinks under its own weight, m: ρ g H² / 2 E.
+pub fn sag_m(density_kg_per_m3: f64, gravity_m_per_s2: f64, height_m: f64, modulus_pa: f64) -> f64 {
+    density_kg_per_m3 * gravity_m_per_s2 * height_m * height_m / (2.0 * modulus_pa)
+}
+
+/// A standard linear solid in Maxwell's form: a spring beside a spring and a dashpot in series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandardLinearSolid {
+    /// Stiffness felt at once, k₀ (any unit of force over displacement).
+    pub stiffness: f64,
+    /// Share of it that relaxes away.
+    pub relaxing_share: f64,
+    /// Relaxation time τ at constant displacement, s.
+    pub relaxation_time_s: f64,
+}
+
+impl StandardLinearSolid {
+    /// Stiffness that remains in the end.
+    pub fn final_stiffness(&self) -> f64 {
+        self.stiffness * (1.0 - self.relaxing_share)
+    }
+
+    /// Force over displacement at `time_s` after a step of displacement: k∞ + k₁ e^(−t/τ).
+    pub fn relaxation(&self, time_s: f64) -> f64 {
+        let relaxing = self.stiffness * self.relaxing_share;
+        self.final_stiffness() + relaxing * (-time_s / self.relaxation_time_s).exp()
+    }
+
+    /// Retardation time at constant force, s: τ k₀ / k∞.
+    pub fn retardation_time_s(&self) -> f64 {
+        self.relaxation_time_s / (1.0 - self.relaxing_share)
+    }
+
+    /// Displacement over force at `time_s` after a step of force: 1/k∞ − (1/k∞ − 1/k₀) e^(−t/τ_r).
+    pub fn creep(&self, time_s: f64) -> f64 {
+        let (first, last) = (1.0 / self.stiffness, 1.0 / self.final_stiffness());
+        last - (last - first) * (-time_s / self.retardation_time_s()).exp()
+    }
+
+    /// Work lost in one cycle of a displacement of `amplitude` at `frequency_rad_per_s`: π x² k₁ ωτ / (1 + ω²τ²).
+    pub fn loop_area(&self, amplitude: f64, frequency_rad_per_s: f64) -> f64 {
+        let phase = frequency_rad_per_s * self.relaxation_time_s;
+        let relaxing = self.stiffness * self.relaxing_share;
+        PI * amplitude * amplitude * relaxing * phase / (1.0 + phase * phase)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const EXAMPLE: StandardLinearSolid = StandardLinearSolid {
+        stiffness: 5000.0,
+        relaxing_share: 0.45,
+        relaxation_time_s: 1.7,
+    };
+
+    /// Pins relaxation, creep and loop area against the dashpot's equation ż = (x − z)/τ integrated in small steps.
+    #[test]
+    fn closed_forms_solve_the_dashpot() {
+        let (k0, share, tau) = (5000.0, 0.45, 1.7);
+        let force = |x: f64, z: f64| k0 * (1.0 - share) * x + k0 * share * (x - z);
+        let step = 1e-5;
+        // Displacement held: only the dashpot moves.
+        let mut z = 0.0;
+        for _ in 0..200_000 {
+            z += step * (1.0 - z) / tau;
+        }
+        assert_relative_eq!(force(1.0, z), EXAMPLE.relaxation(2.0), max_relative = 1e-4);
+        // Force held: x follows from the balance.
+        z = 0.0;
+        let balance = |z: f64| (1.0 + k0 * share * z) / k0;
+        for _ in 0..200_000 {
+            z += step * (balance(z) - z) / tau;
+        }
+        assert_relative_eq!(balance(z), EXAMPLE.creep(2.0), max_relative = 1e-4);
+        assert_relative_eq!(EXAMPLE.creep(0.0), 1.0 / k0, epsilon = 1e-18);
+        // Cycled until it repeats: the work of one cycle.
+        let frequency = 2.0;
+        let period = std::f64::consts::TAU / frequency;
+        let count = (period / step).round() as u64;
+        z = 0.0;
+        let mut area = 0.0;
+        for cycle in 0..6 {
+            area = 0.0;
+            for index in 0..count {
+                let phase = std::f64::consts::TAU * index as f64 / count as f64;
+                let x = phase.sin();
+                area += force(x, z) * phase.cos() * std::f64::consts::TAU / count as f64;
+                z += period / count as f64 * (x - z) / tau;
+            }
+            assert!(cycle < 5 || area > 0.0);
+        }
+        assert_relative_eq!(area, EXAMPLE.loop_area(1.0, frequency), max_relative = 1e-3);
+    }
+
+    /// Pins sag as the integral of the strain under the weight above, ∫ ρ g (H − z) / E dz, and a bar's stiffness.
+    #[test]
+    fn sag_is_the_integral_of_strain() {
+        let (density, gravity, height, modulus) = (30.0, 9.81, 0.1, 5e4);
+        let steps = 1000;
+        let spacing = height / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|index| (f64::from(index) + 0.5) * spacing)
+            .map(|z| density * gravity * (height - z) / modulus * spacing)
+            .sum();
+        assert_relative_eq!(sum, sag_m(density, gravity, height, modulus), max_relative = 1e-9);
+        // A block of 25 × 10 × 8 cm of 2 MPa: 625 kN/m.
+        assert_relative_eq!(bar_force_n(2e6, 0.025, 0.08, 1e-3), 625.0, epsilon = 1e-9);
+    }
+}

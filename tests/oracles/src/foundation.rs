@@ -1,0 +1,55 @@
+//! A thin elastic layer over a hard body, each place pressed by itself (Winkler; Johnson, *Contact Mechanics*, section
+//! 4.3). The stiffness k is per volume: pressure over indentation.
+
+use std::f64::consts::PI;
+
+/// Force, N, of a sphere of radius `radius_m` pressed `depth_m` into the layer: π k R d².
+pub fn sphere_force_n(stiffness_n_per_m3: f64, radius_m: f64, depth_m: f64) -> f64 {
+    PI * stiffness_n_per_m3 * radius_m * depth_m * depth_m
+}
+
+/// Force, N, of a cylinder pressed `depth_m` across another, radii R₁ and R₂: π k √(R₁ R₂) d².
+pub fn crossed_cylinders_force_n(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64) -> f64 {
+    PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt() * depth_m * depth_m
+}
+
+/// Depth, m, at which two bodies that part as x²/2R₁ + y²/2R₂ press with `force_n`.
+pub fn depth_m(stiffness_n_per_m3: f64, radii_m: [f64; 2], force_n: f64) -> f64 {
+    (force_n / (PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt())).sqrt()
+}
+
+/// Pressure, Pa, at `place_m` of the contact plane between bodies that part as x²/2R₁ + y²/2R₂:
+/// k (d − x²/2R₁ − y²/2R₂) where that is positive.
+pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, place_m: [f64; 2]) -> f64 {
+    let gap = place_m[0].powi(2) / (2.0 * radii_m[0]) + place_m[1].powi(2) / (2.0 * radii_m[1]);
+    stiffness_n_per_m3 * (depth_m - gap).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Pins the forces against the integral of the pressure over the contact, by the midpoint rule.
+    #[test]
+    fn force_is_the_integral_of_pressure() {
+        let (stiffness, depth) = (3e7_f64, 1e-3_f64);
+        for radii in [[0.01_f64, 0.01], [0.046, 0.015]] {
+            let side = 2.0 * (2.0 * radii[0].max(radii[1]) * depth).sqrt();
+            let steps = 800;
+            let spacing = side / f64::from(steps);
+            let at = |index: u32| (f64::from(index) + 0.5) * spacing - side / 2.0;
+            let sum: f64 = (0..steps)
+                .flat_map(|i| (0..steps).map(move |j| (i, j)))
+                .map(|(i, j)| pressure_pa(stiffness, radii, depth, [at(i), at(j)]) * spacing * spacing)
+                .sum();
+            let force = crossed_cylinders_force_n(stiffness, radii, depth);
+            assert_relative_eq!(sum, force, max_relative = 1e-4);
+            assert_relative_eq!(depth_m(stiffness, radii, force), depth, epsilon = 1e-15);
+        }
+        assert_eq!(
+            sphere_force_n(stiffness, 0.01, depth),
+            crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth)
+        );
+    }
+}

@@ -1,0 +1,24 @@
+//! Closed-form solutions that judge the simulation and the models.
+//!
+//! Formulas only: nothing here knows simulator, engine or classifier, so agreement with it is agreement with mechanics.
+//! Each is tested against published figures or a second way of computing it.
+//!
+//! | what | where |
+//! |---|---|
+//! | cantilevers under small loads, as chains and as continua; first frequency | [`beam`] |
+//! | cantilevers under large loads | [`elastica`] |
+//! | damped oscillators, exact and as an implicit Euler step sees them | [`oscillator`] |
+//! | an elastic layer over a hard body (Winkler) | [`foundation`] |
+//! | foam: bars, sag, standard linear solids | [`foam`] |
+//! | friction on a slope, stiffnesses in series | [`statics`] |
+//! | probability of a sequence as the sum over all paths | [`markov`] |
+//! | orders of convergence | [`order`] |
+
+pub mod beam;
+pub mod elastica;
+pub mod foam;
+pub mod foundation;
+pub mod markov;
+pub mod order;
+pub mod oscillator;
+pub mod statics;

@@ -1,0 +1,137 @@
+//! A mass on a spring and a damper: its step response, and what an implicit Euler step makes of it.
+
+use std::f64::consts::{PI, TAU};
+
+/// A damped oscillator with damping ratio below 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillator {
+    /// Undamped natural frequency ω₀, rad/s.
+    pub frequency_rad_per_s: f64,
+    /// Damping ratio ζ, 0 to below 1.
+    pub damping_ratio: f64,
+}
+
+impl Oscillator {
+    /// Of an inertia (kg m² or kg), a stiffness (Nm/rad or N/m) and a damping (Nm s/rad or N s/m).
+    pub fn new(inertia: f64, stiffness: f64, damping: f64) -> Self {
+        Oscillator {
+            frequency_rad_per_s: (stiffness / inertia).sqrt(),
+            damping_ratio: damping / (2.0 * (stiffness * inertia).sqrt()),
+        }
+    }
+
+    /// Frequency of the damped vibration, rad/s: ω₀ √(1 − ζ²).
+    pub fn damped_frequency_rad_per_s(&self) -> f64 {
+        self.frequency_rad_per_s * (1.0 - self.damping_ratio.powi(2)).sqrt()
+    }
+
+    /// Period of the damped vibration, s.
+    pub fn period_s(&self) -> f64 {
+        TAU / self.damped_frequency_rad_per_s()
+    }
+
+    /// Natural logarithm of the ratio of two successive peaks: 2π ζ / √(1 − ζ²).
+    pub fn log_decrement(&self) -> f64 {
+        TAU * self.damping_ratio / (1.0 - self.damping_ratio.powi(2)).sqrt()
+    }
+
+    /// Overshoot of the step response, in steps: exp(−π ζ / √(1 − ζ²)).
+    pub fn overshoot(&self) -> f64 {
+        (-PI * self.damping_ratio / (1.0 - self.damping_ratio.powi(2)).sqrt()).exp()
+    }
+
+    /// Response at `time_s` to a unit step of the rest position, from rest.
+    pub fn step_response(&self, time_s: f64) -> f64 {
+        let decay = self.damping_ratio * self.frequency_rad_per_s;
+        let damped = self.damped_frequency_rad_per_s();
+        1.0 - (-decay * time_s).exp() * ((damped * time_s).cos() + decay / damped * (damped * time_s).sin())
+    }
+
+    /// What an implicit Euler step of `step_s` makes of it: the eigenvalue s = −ζω₀ ± iω_d becomes the factor
+    /// 1 / (1 − s Δt) a step, which is an oscillator too.
+    pub fn under_implicit_euler(&self, step_s: f64) -> Oscillator {
+        let decay = self.damping_ratio * self.frequency_rad_per_s;
+        let (real, imaginary) = (1.0 + decay * step_s, self.damped_frequency_rad_per_s() * step_s);
+        let seen_decay = real.hypot(imaginary).ln() / step_s;
+        let seen_frequency = imaginary.atan2(real) / step_s;
+        let natural = seen_decay.hypot(seen_frequency);
+        Oscillator {
+            frequency_rad_per_s: natural,
+            damping_ratio: seen_decay / natural,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const EXAMPLE: Oscillator = Oscillator {
+        frequency_rad_per_s: 11.5,
+        damping_ratio: 0.12,
+    };
+
+    /// Pins the step response against a fine Runge-Kutta integration of ẍ + 2ζω ẋ + ω² (x − 1) = 0.
+    #[test]
+    fn step_response_solves_its_equation() {
+        let (w, z) = (EXAMPLE.frequency_rad_per_s, EXAMPLE.damping_ratio);
+        let slope = |[x, v]: [f64; 2]| [v, w * w * (1.0 - x) - 2.0 * z * w * v];
+        let (mut state, step) = ([0.0, 0.0], 1e-4);
+        for index in 1..=10_000 {
+            let add = |s: [f64; 2], k: [f64; 2], by: f64| [s[0] + by * k[0], s[1] + by * k[1]];
+            let a = slope(state);
+            let b = slope(add(state, a, step / 2.0));
+            let c = slope(add(state, b, step / 2.0));
+            let d = slope(add(state, c, step));
+            state = [0, 1].map(|i| state[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+            let expected = EXAMPLE.step_response(f64::from(index) * step);
+            assert!((state[0] - expected).abs() < 1e-10);
+        }
+    }
+
+    /// Pins overshoot and decrement as extremes of the step response half a period apart.
+    #[test]
+    fn overshoot_is_the_first_extreme() {
+        let half = EXAMPLE.period_s() / 2.0;
+        assert_relative_eq!(EXAMPLE.step_response(half) - 1.0, EXAMPLE.overshoot(), epsilon = 1e-12);
+        let third = EXAMPLE.step_response(3.0 * half) - 1.0;
+        assert_relative_eq!(
+            (EXAMPLE.overshoot() / third).ln(),
+            EXAMPLE.log_decrement(),
+            epsilon = 1e-9
+        );
+    }
+
+    /// Pins the implicit Euler map against running one: successive factors of the free vibration.
+    #[test]
+    fn implicit_euler_is_an_oscillator_of_its_own() {
+        let (w, z, step) = (EXAMPLE.frequency_rad_per_s, EXAMPLE.damping_ratio, 0.01);
+        let (mut x, mut v) = (0.0, 1.0);
+        let mut crossings = Vec::new();
+        let mut at = Vec::new();
+        for index in 0..2000 {
+            let next = (v - step * w * w * x) / (1.0 + 2.0 * z * w * step + w * w * step * step);
+            let moved = x + step * next;
+            if x < 0.0 && moved >= 0.0 {
+                crossings.push(f64::from(index) * step - x / (moved - x) * step);
+            }
+            (x, v) = (moved, next);
+            at.push(x * x + (v / w).powi(2));
+        }
+        let seen = EXAMPLE.under_implicit_euler(step);
+        let periods = crossings.len() as f64 - 1.0;
+        let period = (crossings[crossings.len() - 1] - crossings[0]) / periods;
+        assert_relative_eq!(period, seen.period_s(), max_relative = 1e-3);
+        // Amplitudes 1000 steps apart; the phase changes their ratio by less than a period's decrement.
+        let decay = (at[500] / at[1500]).ln() / 2.0 / (1000.0 * step);
+        assert_relative_eq!(
+            decay,
+            seen.damping_ratio * seen.frequency_rad_per_s,
+            max_relative = 0.05
+        );
+        // To first order the step adds ω Δt / 2 to the damping ratio.
+        let small = EXAMPLE.under_implicit_euler(1e-5);
+        assert_relative_eq!(small.damping_ratio - z, w * 1e-5 / 2.0, max_relative = 0.05);
+    }
+}

@@ -1,0 +1,101 @@
+//! Check 7: dry friction.
+
+use glam::DVec3;
+use rapier3d::prelude::*;
+use underbrush_oracles::statics;
+use underbrush_sim::physics::{Physics, PhysicsOptions};
+
+use crate::{Check, CheckError, Comparison, Simulated};
+
+/// Check 7.
+pub const CHECK: Check = Check {
+    number: 7,
+    name: "friction",
+    summary: "A box slips at the slope atan μ and slides as Coulomb says",
+    falsification: "friction of the simulated box 10 % too low",
+    compare,
+};
+
+const GRAVITY_M_PER_S2: f64 = 9.81;
+const FRICTION: f64 = 0.4;
+const OPTIONS: PhysicsOptions = PhysicsOptions {
+    step_s: 0.005,
+    substeps: 4,
+    gravity_m_per_s2: GRAVITY_M_PER_S2,
+};
+
+fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let friction = FRICTION * simulated.with(1.0, 0.9);
+    let mut comparisons = Vec::new();
+    for (name, may_turn) in [("box that cannot turn", false), ("free box", true)] {
+        comparisons.push(Comparison::absolute(
+            format!("slope at which a {name} slips"),
+            "deg",
+            statics::slip_angle_rad(FRICTION).to_degrees(),
+            slip_slope_rad(friction, may_turn).to_degrees(),
+            0.5,
+            "0.5°: the search ends at 0.01°; a slip is told from creep within a second",
+        ));
+        for slope_deg in [30.0_f64, 45.0] {
+            let slope = slope_deg.to_radians();
+            let speeds = sliding_speeds(slope, friction, may_turn);
+            // The first half second lets the soft contact settle.
+            let half = speeds.len() / 2;
+            let seconds = (speeds.len() - 1 - half) as f64 * OPTIONS.step_s;
+            comparisons.push(Comparison::relative(
+                format!("acceleration of a {name} at {slope_deg}°"),
+                "m/s²",
+                statics::sliding_acceleration_m_per_s2(GRAVITY_M_PER_S2, slope, FRICTION),
+                (speeds[speeds.len() - 1] - speeds[half]) / seconds,
+                1e-2,
+                "1 %: a constant force has no error of the step; what remains is the solver's, shared by four points",
+            ));
+        }
+    }
+    Ok(comparisons)
+}
+
+/// The slope at which a box begins to slide, by bisection.
+fn slip_slope_rad(friction: f64, may_turn: bool) -> f64 {
+    let (mut holds, mut slips) = (0.1, 0.8);
+    for _ in 0..12 {
+        let slope = 0.5 * (holds + slips);
+        // What still slides after a second slips: 5 mm/s is a slope 0.03° too steep.
+        let speeds = sliding_speeds(slope, friction, may_turn);
+        if speeds.last().is_some_and(|speed| *speed > 5e-3) {
+            slips = slope;
+        } else {
+            holds = slope;
+        }
+    }
+    0.5 * (holds + slips)
+}
+
+/// Speed of a box down a slope after each step of one second, m/s.
+fn sliding_speeds(slope_rad: f64, friction: f64, may_turn: bool) -> Vec<f64> {
+    let mut physics = Physics::new(OPTIONS);
+    let tilt = Pose::rotation(DVec3::Y * slope_rad);
+    let ground = physics.bodies.insert(RigidBodyBuilder::fixed().pose(tilt));
+    let plate = ColliderBuilder::cuboid(5.0, 0.5, 0.05)
+        .translation(DVec3::Z * -0.05)
+        .friction(friction);
+    physics.colliders.insert_with_parent(plate, ground, &mut physics.bodies);
+    let pose = tilt * Pose::translation(0.0, 0.0, 0.02);
+    let sliding = physics.bodies.insert(
+        RigidBodyBuilder::dynamic()
+            .pose(pose)
+            .enabled_rotations(may_turn, may_turn, may_turn)
+            .can_sleep(false),
+    );
+    let shape = ColliderBuilder::cuboid(0.06, 0.05, 0.02).mass(0.5).friction(friction);
+    physics
+        .colliders
+        .insert_with_parent(shape, sliding, &mut physics.bodies);
+    let down = tilt.transform_vector(DVec3::X);
+    (0..(1.0 / OPTIONS.step_s).round() as usize)
+        .map(|_| {
+            physics.step();
+            physics.bodies[sliding].linvel().dot(down)
+        })
+        .collect()
+}

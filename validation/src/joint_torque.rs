@@ -1,0 +1,58 @@
+//! Check 6: springs at rest hold what the skin feels.
+
+use nalgebra::DVector;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::object::Object;
+use underbrush_sim::object::trunk::Trunk;
+
+use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::{Check, CheckError, Comparison, Simulated};
+
+/// Check 6.
+pub const CHECK: Check = Check {
+    number: 6,
+    name: "joint-torque",
+    summary: "At rest the joints' springs balance the contact forces, K (φ − q) = −Σ Jᵀ f",
+    falsification: "stiffness of the simulated joints 1 % too high",
+    compare,
+};
+
+fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let trunk = || -> Box<dyn Object> {
+        Box::new(Trunk {
+            diameter_m: 0.03,
+            height_m: 0.6,
+        })
+    };
+    let mut comparisons = Vec::new();
+    for (name, object, gap_m, force_n) in [("trunk, 2 N", trunk(), 0.017, 2.0), ("trunk, 9 N", trunk(), 0.017, 9.0)] {
+        let arm = Arm::cody()?;
+        let mut wrong = arm.clone();
+        for joint in &mut wrong.joints {
+            joint.stiffness_nm_per_rad *= simulated.with(1.0, 1.01);
+        }
+        let mut pressed = PressedArm::new(arm, wrong, object, gap_m, 0.3, OPTIONS)?;
+        let equilibrium = pressed.pressing_rad(force_n);
+        pressed.hold(&equilibrium, 8.0);
+        let springs = pressed
+            .arm
+            .joints
+            .iter()
+            .zip(equilibrium.iter().zip(pressed.angles_rad()));
+        let springs = springs.map(|(joint, (rest, angle))| joint.stiffness_nm_per_rad * (rest - angle));
+        let springs = DVector::from_vec(springs.collect());
+        let contacts = pressed.contact_torque_nm();
+        comparisons.push(Comparison {
+            residual: (&springs + &contacts).norm() / contacts.norm(),
+            ..Comparison::relative(
+                format!("joint torques, {name} (norm)"),
+                "Nm",
+                contacts.norm(),
+                springs.norm(),
+                1e-3,
+                "0.1 %: a state of rest has no error of the step; what remains is creep of the contact under friction",
+            )
+        });
+    }
+    Ok(comparisons)
+}

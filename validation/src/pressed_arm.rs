@@ -1,0 +1,128 @@
+//! Cody's arm pressed with its forearm against one object.
+
+use glam::DVec3;
+use nalgebra::{DVector, Matrix3xX, Vector3};
+use rapier3d::prelude::Pose;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::clutter::{Clutter, Standing};
+use underbrush_sim::object::Object;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::world::{FRAME_PERIOD_S, World};
+
+use crate::CheckError;
+
+/// The step that scenes use unless they say otherwise.
+pub const OPTIONS: PhysicsOptions = PhysicsOptions {
+    step_s: 0.005,
+    substeps: 4,
+    gravity_m_per_s2: 9.81,
+};
+
+/// Where on the forearm's axis the object is touched, m, link frame: under its skin.
+const PLACE_LINK: DVec3 = DVec3::new(0.0, 0.0, 0.10);
+/// Radius of the forearm's collision shape, m.
+pub const FOREARM_RADIUS_M: f64 = 0.04604;
+
+/// The arm in its start posture, an object beside its forearm, and equilibrium angles that press one on the other.
+pub struct PressedArm {
+    /// The arm as the closed form describes it.
+    pub arm: Arm,
+    /// The engine.
+    pub world: World,
+    /// The one object.
+    pub clutter: Clutter,
+    /// The start posture, rad.
+    pub posture_rad: Vec<f64>,
+    /// Index of the forearm.
+    pub forearm: usize,
+    /// The pushing direction: horizontal, across the forearm, unit.
+    pub across_world: DVec3,
+    simulated: Arm,
+}
+
+impl PressedArm {
+    /// `gap_m` from the forearm's surface to the object's middle, which stands with its foot `drop_m` under the
+    /// forearm's axis and, if it is a leaf, faces the forearm. The engine gets the arm `simulated`, `arm` stays what the
+    /// closed form describes.
+    ///
+    /// # Errors
+    /// When the arm has no forearm.
+    pub fn new(
+        arm: Arm,
+        simulated: Arm,
+        object: Box<dyn Object>,
+        gap_m: f64,
+        drop_m: f64,
+        options: PhysicsOptions,
+    ) -> Result<Self, CheckError> {
+        let posture_rad = arm.start_posture_rad();
+        let poses = arm.forward_kinematics(&posture_rad);
+        let forearm = arm
+            .link_index("forearm")
+            .ok_or_else(|| CheckError::Case("the arm has no forearm".into()))?;
+        let place = poses[forearm].transform_point(PLACE_LINK);
+        let along = poses[forearm].transform_vector(DVec3::Z);
+        let across_world = DVec3::Z.cross(along).normalize();
+        let foot_world = place + across_world * (FOREARM_RADIUS_M + gap_m) - DVec3::Z * drop_m;
+        let objects = vec![Standing {
+            object,
+            foot_world,
+            yaw_rad: across_world.y.atan2(across_world.x),
+        }];
+        let clutter = Clutter {
+            objects,
+            goals: Vec::new(),
+        };
+        let world = World::new(&simulated, &posture_rad, &clutter, options, false);
+        Ok(PressedArm {
+            arm,
+            world,
+            clutter,
+            posture_rad,
+            forearm,
+            across_world,
+            simulated,
+        })
+    }
+
+    /// Equilibrium angles that would press with `force_n` across the forearm if nothing moved, rad.
+    pub fn pressing_rad(&self, force_n: f64) -> Vec<f64> {
+        let poses = self.arm.forward_kinematics(&self.posture_rad);
+        let place = poses[self.forearm].transform_point(PLACE_LINK);
+        let torque = self.jacobian(&poses, place).transpose() * Vector3::from(self.across_world.to_array()) * force_n;
+        let springs = self.posture_rad.iter().zip(&self.arm.joints).zip(torque.iter());
+        springs
+            .map(|((angle, joint), torque)| angle + torque / joint.stiffness_nm_per_rad)
+            .collect()
+    }
+
+    /// Holds equilibrium angles for some time.
+    pub fn hold(&mut self, equilibrium_rad: &[f64], seconds: f64) {
+        for _ in 0..(seconds / FRAME_PERIOD_S).round() as usize {
+            self.world
+                .advance_frame(&self.simulated, equilibrium_rad, &self.clutter);
+        }
+    }
+
+    /// Jacobian of a point on the forearm, world frame.
+    pub fn jacobian(&self, poses: &[Pose], point_world: DVec3) -> Matrix3xX<f64> {
+        self.arm.position_jacobian(poses, self.forearm, point_world)
+    }
+
+    /// Joint angles, rad.
+    pub fn angles_rad(&self) -> Vec<f64> {
+        self.world.arm.joint_angle_rad(&self.world.physics)
+    }
+
+    /// Σ Jᵀ f of the contacts, Nm, one per joint.
+    pub fn contact_torque_nm(&self) -> DVector<f64> {
+        let poses = self.arm.forward_kinematics(&self.angles_rad());
+        let mut torque = DVector::zeros(self.arm.joints.len());
+        for contact in self.world.contacts() {
+            let point = poses[contact.link].transform_point(contact.position_link);
+            let jacobian = self.arm.position_jacobian(&poses, contact.link, point);
+            torque += jacobian.transpose() * Vector3::from(contact.force_world.to_array());
+        }
+        torque
+    }
+}
