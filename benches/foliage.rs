@@ -23,7 +23,7 @@ fn foliage(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(Sweep::frames() as u64));
     let options = PhysicsSection::default().options();
     for leaves in LEAVES {
-        let sweep = Sweep::new(leaves);
+        let sweep = Sweep::new(leaves, 0);
         let patches = SkinPatch::of_arm(&sweep.arm);
         let mut felt = 0;
         let mut with_skin = |world: &mut _| {

@@ -1,7 +1,7 @@
 """The sweep of `benches/peers/sweep.rs` here and in MuJoCo: the same statics, the force error over the step, the speed.
 
     pip install -r benches/peers/requirements.txt
-    python benches/peers/compare.py [--leaves 24 48]
+    python benches/peers/compare.py [--leaves 24 48] [--layouts 3]
 
 Run it from the workspace. Each engine's forces are compared with its own run at a fine step, so that speeds can be
 compared at equal error; a speed is simulated seconds per second of processor time of one core, physics alone, the
@@ -56,8 +56,8 @@ def ours(*words):
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 
-def our_run(leaves, step_s, substeps, dormancy):
-    return ours("run", leaves, step_s, substeps, str(dormancy).lower())
+def our_run(leaves, layout, step_s, substeps, dormancy):
+    return ours("run", leaves, layout, step_s, substeps, str(dormancy).lower())
 
 
 class Peer:
@@ -132,14 +132,10 @@ def errors(forces, reference):
     return math.sqrt(middle / own.mean()), math.sqrt(squares.mean() / own.mean()), peak
 
 
-def quickest(run, repeats, simulated_s):
-    return simulated_s / min(run() for _ in range(repeats))
-
-
 def compare_statics():
     """The same pushes on one leaf and on the arm in both engines."""
     expected = ours("statics")
-    setup = ours("setup", 1)
+    setup = ours("setup", 1, 0)
     peer = Peer(setup, expected["step_s"], {"integrator": "implicitfast"}, {"sleep": "disable"})
     model = peer.model
     data = peer.start()
@@ -196,50 +192,64 @@ def frequency(swing, step_s):
     return (len(crossings) - 1) / (crossings[-1] - crossings[0])
 
 
-def compare_sweep(leaves, repeats):
-    setup = ours("setup", leaves)
-    simulated_s = len(setup["equilibrium_rad"]) * setup["frame_period_s"]
+def compare_sweep(leaves, layouts, repeats):
+    setups = [ours("setup", leaves, layout) for layout in range(layouts)]
+    default = (setups[0]["default_step_s"], setups[0]["default_substeps"])
     print(f"| {leaves} leaves | step | middle error | RMS error | peak error | simulated s/s |\n|---|---|---|---|---|---|")
-    our_rows, peer_rows = [], []
-    reference = np.array(our_run(leaves, *OUR_REFERENCE, False)["force_on_links_n"])
-    for step_s, substeps in OUR_STEPS:
-        runs = [our_run(leaves, step_s, substeps, True) for _ in range(repeats)]
-        speed = simulated_s / min(run["processor_time_s"] for run in runs)
-        name = f"{1e3 * step_s:g} ms × {substeps}"
-        if (step_s, substeps) == (setup["default_step_s"], setup["default_substeps"]):
-            name += " (default)"
-        our_rows.append((name, *errors(np.array(runs[0]["force_on_links_n"]), reference), speed))
+    references = [forces_of(our_run(leaves, layout, *OUR_REFERENCE, False)) for layout in range(layouts)]
+    our_rows = []
+    for step in OUR_STEPS:
+        runs = [[our_run(leaves, layout, *step, True) for _ in range(repeats)] for layout in range(layouts)]
+        found = [errors(forces_of(of_layout[0]), reference) for of_layout, reference in zip(runs, references)]
+        cost_s = [min(run["processor_time_s"] for run in of_layout) for of_layout in runs]
+        name = f"{1e3 * step[0]:g} ms × {step[1]}{' (default)' if step == default else ''}"
+        our_rows.append(row(name, found, cost_s, setups))
         show("underbrush", our_rows[-1])
-    peer_references = {}
+    peer_references, peer_rows = {}, []
     for name, (options, flags) in PEER_SETTINGS.items():
         # Integrators and solvers converge to the same; cones and numbers of contacts are another physics each.
         physics = (options["cone"], flags.get("multiccd", "enable"))
         if physics not in peer_references:
-            fine = {"integrator": "implicitfast", "solver": "Newton", "cone": physics[0]}
-            peer_references[physics] = Peer(setup, PEER_REFERENCE_STEP, fine,
-                                            {"sleep": "disable", "multiccd": physics[1]}).forces()
+            fine = ({"integrator": "implicitfast", "solver": "Newton", "cone": physics[0]},
+                    {"sleep": "disable", "multiccd": physics[1]})
+            peer_references[physics] = [Peer(setup, PEER_REFERENCE_STEP, *fine).forces() for setup in setups]
         for step_s in PEER_STEPS:
-            peer = Peer(setup, step_s, options, flags)
-            found = errors(peer.forces(), peer_references[physics])
-            speed = quickest(peer.processor_time_s, repeats, simulated_s)
-            peer_rows.append((f"{1e3 * step_s:.3g} ms, {name}", *found, speed))
+            peers = [Peer(setup, step_s, options, flags) for setup in setups]
+            found = [errors(peer.forces(), reference) for peer, reference in zip(peers, peer_references[physics])]
+            cost_s = [min(peer.processor_time_s() for _ in range(repeats)) for peer in peers]
+            peer_rows.append(row(f"{1e3 * step_s:.3g} ms, {name}", found, cost_s, setups))
             show("MuJoCo", peer_rows[-1])
-    there = peer_references["elliptic", "enable"]
-    middle, rms, _ = errors(there, reference)
-    print(f"\nMuJoCo's reference against ours: {middle:.2f} in the middle window, {rms:.2f} RMS. Mean force:")
-    for link, name in enumerate(setup["arm"]["links"]):
-        if reference[:, link].any() or there[:, link].any():
-            print(f"- {name}: {mean_force(reference, link):.3f} N here, {mean_force(there, link):.3f} N there")
-    print()
+    compare_references(setups[0]["arm"]["links"], references, peer_references["elliptic", "enable"])
     summary(leaves, our_rows, peer_rows)
+
+
+def forces_of(run):
+    return np.array(run["force_on_links_n"])
+
+
+def row(name, found, cost_s, setups):
+    """Errors averaged over the layouts, simulated seconds of all layouts over their costs."""
+    simulated_s = sum(len(setup["equilibrium_rad"]) * setup["frame_period_s"] for setup in setups)
+    return (name, *np.mean(found, axis=0), simulated_s / sum(cost_s))
+
+
+def compare_references(links, here, there):
+    """How far the forces of the two engines agree, both at the fine step."""
+    middle, rms, _ = np.mean([errors(b, a) for a, b in zip(here, there)], axis=0)
+    print(f"\nMuJoCo's reference against ours: {middle:.2f} in the middle window, {rms:.2f} RMS. Mean force:")
+    for link, name in enumerate(links):
+        forces = [np.mean([mean_force(run, link) for run in runs]) for runs in (here, there)]
+        if max(forces) > 0:
+            print(f"- {name}: {forces[0]:.3f} N here, {forces[1]:.3f} N there")
+    print()
 
 
 def mean_force(forces, link):
     return np.linalg.norm(forces[:, link], axis=1).mean()
 
 
-def show(engine, row):
-    name, middle, rms, peak, speed = row
+def show(engine, measured):
+    name, middle, rms, peak, speed = measured
     print(f"| {engine} | {name} | {middle:.3f} | {rms:.3f} | {peak:.3f} | {speed:.1f} |", flush=True)
 
 
@@ -258,17 +268,18 @@ def summary(leaves, our_rows, peer_rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--leaves", type=int, nargs="+", default=[24, 48])
-    parser.add_argument("--repeats", type=int, default=5, help="runs of which the quickest counts")
+    parser.add_argument("--layouts", type=int, default=3, help="layouts of the leaves, averaged over")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of which the quickest counts")
     given = parser.parse_args()
     subprocess.run(["cargo", "build", "--release", "--example", "foliage_peer"], check=True)
     if hasattr(os, "sched_setaffinity"):
         # One core for both; the last, as interrupts prefer the first.
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    print(f"{ours('setup', 0)['engine']} against MuJoCo {mujoco.__version__}, Python {platform.python_version()}, "
+    print(f"{ours('setup', 0, 0)['engine']} against MuJoCo {mujoco.__version__}, Python {platform.python_version()}, "
           f"{processor()}, {time.strftime('%Y-%m-%d')}\n")
     compare_statics()
     for leaves in given.leaves:
-        compare_sweep(leaves, given.repeats)
+        compare_sweep(leaves, given.layouts, given.repeats)
 
 
 def processor():

@@ -50,15 +50,16 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// The sweep through `leaves` leaves. Fewer are the first of more: the near ones are the same whatever the number.
-    pub fn new(leaves: usize) -> Self {
+    /// The sweep through `leaves` leaves, drawn from the seed `layout`. Fewer are the first of more: the near ones are
+    /// the same whatever the number.
+    pub fn new(leaves: usize, layout: u64) -> Self {
         let mut arm = Arm::cody().expect("Cody's files are sound");
         for (joint, degrees) in arm.joints.iter_mut().zip(START_DEG) {
             joint.start_rad = degrees.to_radians();
         }
         let links = arm_at_start(&arm).links;
         let scene = Scene::parse("sweep.toml", SCENE.into()).expect("the scene is sound");
-        let mut random = stream(0, "sweep", 0, "clutter");
+        let mut random = stream(layout, "sweep", 0, "clutter");
         let block = scene.file.objects.foam_block[0]
             .draw(
                 &mut random,

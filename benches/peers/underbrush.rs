@@ -1,8 +1,8 @@
 //! This project's side of `benches/peers/mujoco_foliage.py`: writes the sweep as JSON, read back from the engine, or
 //! runs it and writes the forces on the arm and the processor time.
 //!
-//!     foliage_peer setup LEAVES
-//!     foliage_peer run LEAVES STEP_S SUBSTEPS DORMANCY(true|false)
+//!     foliage_peer setup LEAVES LAYOUT
+//!     foliage_peer run LEAVES LAYOUT STEP_S SUBSTEPS DORMANCY(true|false)
 //!     foliage_peer statics
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
@@ -24,24 +24,27 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words[..] {
-        ["setup", leaves] => setup(leaves.parse().unwrap()),
-        ["run", leaves, step_s, substeps, dormancy] => {
+        ["setup", leaves, layout] => setup(&sweep_of(leaves, layout)),
+        ["run", leaves, layout, step_s, substeps, dormancy] => {
             let options = PhysicsOptions {
                 step_s: step_s.parse().unwrap(),
                 substeps: substeps.parse().unwrap(),
                 ..PhysicsSection::default().options()
             };
-            run(leaves.parse().unwrap(), options, dormancy.parse().unwrap())
+            run(&sweep_of(leaves, layout), options, dormancy.parse().unwrap())
         }
         ["statics"] => statics(),
-        _ => panic!("give `setup LEAVES`, `run LEAVES STEP_S SUBSTEPS DORMANCY` or `statics`"),
+        _ => panic!("see the head of benches/peers/underbrush.rs"),
     };
     serde_json::to_writer(std::io::stdout().lock(), &result).unwrap();
     std::io::stdout().flush().unwrap();
 }
 
-fn run(leaves: usize, options: PhysicsOptions, dormancy: bool) -> Value {
-    let sweep = Sweep::new(leaves);
+fn sweep_of(leaves: &str, layout: &str) -> Sweep {
+    Sweep::new(leaves.parse().unwrap(), layout.parse().unwrap())
+}
+
+fn run(sweep: &Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
     let mut world = sweep.world(options, dormancy);
     let mut forces = Vec::with_capacity(Sweep::frames());
     let mut active = 0;
@@ -70,7 +73,7 @@ fn statics() -> Value {
     };
     // The softest leaf's damping ratio is over 0.05 at some 3 Hz: after this time e^-9 of a swing is left.
     let settle = (10.0 / options.step_s) as usize;
-    let sweep = Sweep::new(1);
+    let sweep = Sweep::new(1, 0);
     let mut world = sweep.world(options, false);
     let physics = &mut world.physics;
     let (tip, _) = physics
@@ -148,8 +151,7 @@ fn processor_time_s() -> f64 {
 }
 
 /// Everything that another engine needs to run the same sweep, read from the engine's own bodies and joints.
-fn setup(leaves: usize) -> Value {
-    let sweep = Sweep::new(leaves);
+fn setup(sweep: &Sweep) -> Value {
     let options = PhysicsSection::default().options();
     // Without dormancy, so that every leaf is in the engine to be read.
     let mut world = sweep.world(options, false);
@@ -169,14 +171,13 @@ fn setup(leaves: usize) -> Value {
     let soft = &physics.parameters.contact_softness;
     json!({
         "engine": ENGINE,
-        "leaves": leaves,
         "frame_period_s": underbrush_sim::world::FRAME_PERIOD_S,
         "gravity_m_per_s2": options.gravity_m_per_s2,
         "contact_natural_frequency_hz": soft.natural_frequency,
         "contact_damping_ratio": soft.damping_ratio,
         "default_step_s": options.step_s,
         "default_substeps": options.substeps,
-        "arm": arm(&sweep, &world),
+        "arm": arm(sweep, &world),
         "trees": trees,
         "equilibrium_rad": (0..Sweep::frames()).map(|frame| sweep.equilibrium_rad(frame)).collect::<Vec<_>>(),
     })
