@@ -1,9 +1,14 @@
-//! Whole reaches, from the draw of the clutter to the recording: how much faster than real time they run.
+//! Whole reaches, from the draw of the clutter to the recording on disk: how much faster than real time they run, one
+//! alone and many on all cores.
 //!
 //! One element is one frame of 10 ms, so 100 elements a second are real time.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use underbrush_recording::disk::{DiskError, write_recording};
+use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
@@ -31,12 +36,17 @@ count = 4
 place = { x_m = { uniform = [0.4, 0.65] }, y_m = { uniform = [-0.5, 0.1] } }
 "#;
 
+fn plan(name: &str, text: &str) -> ReachPlan {
+    let scene = Scene::parse(format!("{name}.toml"), text.into()).expect("the scene is sound");
+    ReachPlan::new(scene, None, 0).expect("the plan is sound")
+}
+
 fn reach(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("reach");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    let folder = tempfile::tempdir().unwrap();
     for (name, text) in [("leaf", LEAF), ("trunk", TRUNK)] {
-        let scene = Scene::parse(format!("{name}.toml"), text.into()).expect("the scene is sound");
-        let plan = ReachPlan::new(scene, None, 0).expect("the plan is sound");
+        let plan = plan(name, text);
         let run = |index| {
             plan.run(index, &mut |_, _, _| {})
                 .expect("there is room for the clutter")
@@ -47,17 +57,50 @@ fn reach(criterion: &mut Criterion) {
             .find(|(_, recording)| !recording.contacts.is_empty())
             .expect("one reach in twenty touches something");
         group.throughput(Throughput::Elements(recording.frames.len() as u64));
+        let file = folder.path().join(format!("{name}.parquet"));
         group.bench_function(
             format!(
                 "{name}/{:.2} simulated s",
                 recording.frames.len() as f64 / recording.rate_hz
             ),
             |bencher| {
-                bencher.iter(|| run(index));
+                bencher.iter(|| write_recording(&file, &run(index)).unwrap());
             },
         );
     }
+    group.finish();
 }
 
-criterion_group!(benches, reach);
+/// Reaches of a campaign, half of them among leaves: enough to keep a few cores busy to near the end.
+const JOBS: u64 = 8;
+
+fn campaign(criterion: &mut Criterion) {
+    let plans = [plan("leaf", LEAF), plan("trunk", TRUNK)];
+    let jobs: Vec<Job> = (0..JOBS)
+        .map(|number| Job {
+            plan: number as usize % plans.len(),
+            reach_index: number / plans.len() as u64,
+        })
+        .collect();
+    let folder = tempfile::tempdir().unwrap();
+    let run = || {
+        let frames = AtomicU64::new(0);
+        campaign::run::<DiskError>(&plans, &jobs, |position, recording| {
+            frames.fetch_add(recording.frames.len() as u64, Ordering::Relaxed);
+            write_recording(folder.path().join(format!("{position}.parquet")), &recording)
+        })
+        .expect("there is room for the clutter");
+        frames.into_inner()
+    };
+    let mut group = criterion.benchmark_group("campaign");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(run()));
+    let threads = rayon::current_num_threads();
+    group.bench_function(format!("{JOBS} reaches on {threads} threads"), |bencher| {
+        bencher.iter(run)
+    });
+    group.finish();
+}
+
+criterion_group!(benches, reach, campaign);
 criterion_main!(benches);

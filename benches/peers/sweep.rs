@@ -1,0 +1,160 @@
+//! A fixed motion that drags the forearm through leaves on a grid: the scene of the bench `foliage` and of the
+//! comparison with another engine.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use underbrush_sim::arm::Arm;
+use underbrush_sim::clutter::{Clutter, Standing};
+use underbrush_sim::object::{Footing, Specification};
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::reach::arm_at_start;
+use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::quantity::Quantity;
+use underbrush_sim::seed::stream;
+use underbrush_sim::world::{FRAME_PERIOD_S, World};
+
+/// Equilibrium angles at the start, degrees: upper arm hanging, forearm forward at half the leaves' height, turned
+/// inward.
+const START_DEG: [f64; 7] = [10.0, 12.0, -35.0, 75.0, 0.0, 0.0, 0.0];
+/// How far they go, degrees: shoulder and upper arm carry the forearm outward. Choice: it then meets about ten leaves, as
+/// in a reach of `scenes/leaf.toml`.
+const SWEEP_DEG: [f64; 7] = [0.0, 15.0, 35.0, 0.0, 0.0, 0.0, 0.0];
+/// Time there and back, s: the tip moves at up to 0.25 m/s, as fast as the slower preset lets it.
+pub const DURATION_S: f64 = 6.0;
+
+/// Distance of neighbouring leaves, m: as dense as the forty of `scenes/leaf.toml` in its 0.55 m × 0.80 m.
+const SPACING_M: f64 = 0.105;
+/// The foam's top, m, world frame, and its modulus, Pa (wet floral foam): the defaults of scene files.
+const FOAM_TOP_M: f64 = -0.50;
+/// The grid's middle, m, world frame: in the middle of what the forearm and the hand pass.
+const CENTER_WORLD: DVec2 = DVec2::new(0.32, -0.33);
+/// Room between the arm at its start and a leaf, m.
+const CLEARANCE_M: f64 = 0.02;
+
+/// The leaves are those that a scene file with nothing but a count would draw.
+const SCENE: &str = r#"
+summary = "Leaves on a grid for a fixed sweep of the arm"
+[[objects.foam_block]]
+count = 1
+[[objects.leaf]]
+count = 1
+"#;
+
+/// The arm, the leaves and the motion.
+pub struct Sweep {
+    /// Cody's arm, starting where the sweep does.
+    pub arm: Arm,
+    /// The leaves, those nearest to the sweep first.
+    pub clutter: Clutter,
+}
+
+impl Sweep {
+    /// The sweep through `leaves` leaves, drawn from the seed `layout`. Fewer are the first of more: the near ones are
+    /// the same whatever the number.
+    pub fn new(leaves: usize, layout: u64) -> Self {
+        let mut arm = Arm::cody().expect("Cody's files are sound");
+        for (joint, degrees) in arm.joints.iter_mut().zip(START_DEG) {
+            joint.start_rad = degrees.to_radians();
+        }
+        let links = arm_at_start(&arm).links;
+        let scene = Scene::parse("sweep.toml", SCENE.into()).expect("the scene is sound");
+        let mut random = stream(layout, "sweep", 0, "clutter");
+        let block = scene.file.objects.foam_block[0]
+            .draw(
+                &mut random,
+                &Footing {
+                    height_m: 0.0,
+                    foam_modulus_pa: None,
+                },
+            )
+            .expect("the block is sound");
+        let footing = Footing {
+            height_m: FOAM_TOP_M,
+            foam_modulus_pa: block.foam_top().map(|(modulus_pa, _)| modulus_pa),
+        };
+        let leaf = &scene.file.objects.leaf[0];
+        let turn = Quantity::uniform(-180.0, 180.0);
+        let mut objects = Vec::new();
+        for foot in grid() {
+            if objects.len() == leaves {
+                break;
+            }
+            let standing = Standing {
+                object: leaf.draw(&mut random, &footing).expect("the leaf stands"),
+                foot_world: foot.extend(FOAM_TOP_M),
+                yaw_rad: turn.draw(&mut random, (-180.0, 180.0)).expect("a turn").to_radians(),
+            };
+            let hull = standing.hull();
+            if links.iter().all(|link| link.distance(&hull) > CLEARANCE_M) {
+                objects.push(standing);
+            }
+        }
+        Sweep {
+            arm,
+            clutter: Clutter {
+                objects,
+                goals: Vec::new(),
+            },
+        }
+    }
+
+    /// The world at the start.
+    pub fn world(&self, options: PhysicsOptions, dormancy: bool) -> World {
+        World::new(
+            &self.arm,
+            &self.arm.start_posture_rad(),
+            &self.clutter,
+            options,
+            dormancy,
+        )
+    }
+
+    /// Number of frames.
+    pub fn frames() -> usize {
+        (DURATION_S / FRAME_PERIOD_S).round() as usize
+    }
+
+    /// Equilibrium angles during one frame, rad: out and back as half a cosine each.
+    pub fn equilibrium_rad(&self, frame: usize) -> Vec<f64> {
+        let phase = frame as f64 / Sweep::frames() as f64;
+        let share = (1.0 - (TAU * phase).cos()) / 2.0;
+        let start = self.arm.start_posture_rad();
+        start
+            .iter()
+            .zip(SWEEP_DEG)
+            .map(|(start, sweep)| start + share * sweep.to_radians())
+            .collect()
+    }
+
+    /// Runs the whole motion; `look` sees the world after each frame.
+    pub fn run(&self, world: &mut World, mut look: impl FnMut(&World)) {
+        for frame in 0..Sweep::frames() {
+            world.advance_frame(&self.arm, &self.equilibrium_rad(frame), &self.clutter);
+            look(world);
+        }
+    }
+}
+
+/// Points of a square grid, those nearest to the sweep's middle first, for as many leaves as anybody asks for.
+fn grid() -> Vec<DVec2> {
+    let half = 16_i32;
+    let mut points: Vec<(i32, i32)> = (-half..=half)
+        .flat_map(|i| (-half..=half).map(move |j| (i, j)))
+        .collect();
+    points.sort_by_key(|(i, j)| (i * i + j * j, *i, *j));
+    points
+        .into_iter()
+        .map(|(i, j)| CENTER_WORLD + DVec2::new(f64::from(i), f64::from(j)) * SPACING_M)
+        .collect()
+}
+
+/// Force of all contacts on each link in the last frame, N, world frame, one for each link.
+#[allow(dead_code, reason = "the bench looks at no forces")]
+pub fn force_on_links(arm: &Arm, world: &World) -> Vec<DVec3> {
+    let mut forces = vec![DVec3::ZERO; arm.links.len()];
+    for contact in world.contacts() {
+        forces[contact.link] += contact.force_world;
+    }
+    forces
+}
