@@ -117,19 +117,24 @@ class Peer:
         return forces
 
 
-def errors(forces, reference):
-    """Of the forces on all links, relative to the reference's RMS (its peak for the last): middle over the windows with
-    contact of the RMS in each, RMS over the whole sweep, peak.
+def errors(runs, references):
+    """Of the forces on all links, runs against references layout by layout, relative to each reference's RMS (its peak
+    for the last): middle over all windows with contact of the RMS in each, RMS, peak.
 
     The middle tells of the step. A leaf that slips off the arm another way is off for the rest of the sweep, in the
     other two.
     """
-    squares = ((forces - reference)**2).sum(axis=(1, 2))
-    own = (reference**2).sum(axis=(1, 2))
-    windows = [slice(first, first + WINDOW) for first in range(0, len(own), WINDOW)]
-    middle = np.median([squares[window].mean() for window in windows if own[window].any()])
-    peak = np.linalg.norm(forces - reference, axis=2).max() / np.linalg.norm(reference, axis=2).max()
-    return math.sqrt(middle / own.mean()), math.sqrt(squares.mean() / own.mean()), peak
+    in_windows, whole, peaks = [], [], []
+    for forces, reference in zip(runs, references):
+        squares = ((forces - reference)**2).sum(axis=(1, 2))
+        own = (reference**2).sum(axis=(1, 2))
+        for first in range(0, len(own), WINDOW):
+            window = slice(first, first + WINDOW)
+            if own[window].any():
+                in_windows.append(squares[window].mean() / own.mean())
+        whole.append(squares.mean() / own.mean())
+        peaks.append(np.linalg.norm(forces - reference, axis=2).max() / np.linalg.norm(reference, axis=2).max())
+    return math.sqrt(np.median(in_windows)), math.sqrt(np.mean(whole)), np.mean(peaks)
 
 
 def compare_statics():
@@ -200,7 +205,7 @@ def compare_sweep(leaves, layouts, repeats):
     our_rows = []
     for step in OUR_STEPS:
         runs = [[our_run(leaves, layout, *step, True) for _ in range(repeats)] for layout in range(layouts)]
-        found = [errors(forces_of(of_layout[0]), reference) for of_layout, reference in zip(runs, references)]
+        found = errors([forces_of(of_layout[0]) for of_layout in runs], references)
         cost_s = [min(run["processor_time_s"] for run in of_layout) for of_layout in runs]
         name = f"{1e3 * step[0]:g} ms × {step[1]}{' (default)' if step == default else ''}"
         our_rows.append(row(name, found, cost_s, setups))
@@ -215,7 +220,7 @@ def compare_sweep(leaves, layouts, repeats):
             peer_references[physics] = [Peer(setup, PEER_REFERENCE_STEP, *fine).forces() for setup in setups]
         for step_s in PEER_STEPS:
             peers = [Peer(setup, step_s, options, flags) for setup in setups]
-            found = [errors(peer.forces(), reference) for peer, reference in zip(peers, peer_references[physics])]
+            found = errors([peer.forces() for peer in peers], peer_references[physics])
             cost_s = [min(peer.processor_time_s() for _ in range(repeats)) for peer in peers]
             peer_rows.append(row(f"{1e3 * step_s:.3g} ms, {name}", found, cost_s, setups))
             show("MuJoCo", peer_rows[-1])
@@ -228,14 +233,14 @@ def forces_of(run):
 
 
 def row(name, found, cost_s, setups):
-    """Errors averaged over the layouts, simulated seconds of all layouts over their costs."""
+    """Simulated seconds of all layouts over their costs."""
     simulated_s = sum(len(setup["equilibrium_rad"]) * setup["frame_period_s"] for setup in setups)
-    return (name, *np.mean(found, axis=0), simulated_s / sum(cost_s))
+    return (name, *found, simulated_s / sum(cost_s))
 
 
 def compare_references(links, here, there):
     """How far the forces of the two engines agree, both at the fine step."""
-    middle, rms, _ = np.mean([errors(b, a) for a, b in zip(here, there)], axis=0)
+    middle, rms, _ = errors(there, here)
     print(f"\nMuJoCo's reference against ours: {middle:.2f} in the middle window, {rms:.2f} RMS. Mean force:")
     for link, name in enumerate(links):
         forces = [np.mean([mean_force(run, link) for run in runs]) for runs in (here, there)]
