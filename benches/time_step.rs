@@ -1,5 +1,6 @@
-//! What the engine's step costs in accuracy: three reaches, their equilibrium angles replayed at many steps, against a
-//! reference at 0.1 ms. Prints the table from which the default step is chosen; see `benches/README.md`.
+//! What the engine's step and dormancy cost in accuracy: three reaches, their equilibrium angles replayed at many steps,
+//! against a reference at 0.1 ms, and with nothing left out of the solver. Prints the table from which the default step
+//! is chosen; see `benches/README.md`.
 //!
 //! Replayed open loop: with the controller in the loop, two runs would part ways and differ by their motions.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
@@ -38,14 +39,19 @@ const STEPS: [(f64, usize); 11] = [
 /// Force on each skinned link in each frame, N, world frame.
 type Trace = Vec<Vec<DVec3>>;
 
-fn replay(plan: &ReachPlan, equilibrium_rad: &[Vec<f64>], (step_ms, substeps): (f64, usize)) -> (Trace, Duration) {
+fn replay(
+    plan: &ReachPlan,
+    equilibrium_rad: &[Vec<f64>],
+    (step_ms, substeps): (f64, usize),
+    dormancy: bool,
+) -> (Trace, Duration) {
     let options = PhysicsOptions {
         step_s: step_ms * 1e-3,
         substeps,
         ..plan.scene.file.physics.options()
     };
     let clutter = plan.draw(0).unwrap();
-    let mut world = World::new(&plan.arm, &plan.arm.start_posture_rad(), &clutter, options, true);
+    let mut world = World::new(&plan.arm, &plan.arm.start_posture_rad(), &clutter, options, dormancy);
     let start = Instant::now();
     let trace = equilibrium_rad
         .iter()
@@ -87,24 +93,32 @@ fn main() {
             (plan, frames.map(|frame| frame.equilibrium_angle_rad).collect())
         })
         .collect();
-    println!(
-        "| scene | RMS force / N | step / ms | substeps | median error / N | RMS error / N | peak error / N | simulated s / s |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
-    let jobs: Vec<(usize, usize)> = (0..plans.len())
-        .flat_map(|plan| (0..STEPS.len()).map(move |step| (step, plan)))
-        .collect();
-    let results: Vec<(Trace, Duration)> = jobs
-        .par_iter()
-        .map(|(step, plan)| replay(&plans[*plan].0, &plans[*plan].1, STEPS[*step]))
-        .collect();
-    for ((step, plan), (trace, took)) in jobs.iter().zip(&results) {
-        let [median, rms, peak, own] = compare(&results[plan * STEPS.len()].0, trace);
-        let (step_ms, substeps) = STEPS[*step];
-        println!(
-            "| {} | {own:.2} | {step_ms} | {substeps} | {median:.3} | {rms:.2} | {peak:.1} | {:.0} |",
-            SCENES[*plan],
-            trace.len() as f64 * 0.01 / took.as_secs_f64()
-        );
+    let head = "| scene | RMS force / N | step / ms | substeps | dormancy | median error / N | RMS error / N | peak error / N \
+                | simulated s / s |";
+    println!("{head}\n|---|---|---|---|---|---|---|---|---|");
+    for ((plan, equilibrium_rad), name) in plans.iter().zip(SCENES) {
+        // Without dormancy at the default step, and with it at all steps.
+        let physics = &plan.scene.file.physics;
+        let default = (physics.step_s * 1e3, physics.substeps as usize);
+        let jobs: Vec<((f64, usize), bool)> = STEPS
+            .into_iter()
+            .map(|step| (step, true))
+            .chain([(default, false)])
+            .collect();
+        let results: Vec<(Trace, Duration)> = jobs
+            .par_iter()
+            .map(|(step, dormancy)| replay(plan, equilibrium_rad, *step, *dormancy))
+            .collect();
+        for (((step_ms, substeps), dormancy), (trace, took)) in jobs.iter().zip(&results) {
+            let [median, rms, peak, own] = compare(&results[0].0, trace);
+            let speed = trace.len() as f64 * 0.01 / took.as_secs_f64();
+            println!(
+                "| {name} | {own:.2} | {step_ms} | {substeps} | {dormancy} | {median:.3} | {rms:.2} | {peak:.1} | {speed:.0} |"
+            );
+        }
+        if let Some(with) = jobs.iter().position(|job| *job == (default, true)) {
+            let [median, rms, peak, _] = compare(&results[jobs.len() - 1].0, &results[with].0);
+            println!("\n{name}: dormancy alone: median {median:.3} N, RMS {rms:.2} N, peak {peak:.1} N\n");
+        }
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 use rand_chacha::ChaCha8Rng;
+use rapier3d::prelude::{Cuboid, Pose};
 use underbrush_recording::{Category, InputError, ObjectRecord};
 
 use crate::geometry::{Capsule, LaidFootprint, segment_distance};
@@ -56,6 +57,17 @@ impl Standing {
             position_world: self.foot_world,
             parameters,
         }
+    }
+
+    /// The object at rest as an upright box, and its pose in the world frame.
+    pub fn outline(&self) -> (Cuboid, Pose) {
+        let [x, y] = self.object.half_sizes_m();
+        let half_height = self.object.height_m() / 2.0;
+        let center = self.foot_world + DVec3::Z * half_height;
+        (
+            Cuboid::new(DVec3::new(x, y, half_height)),
+            Pose::new(center, DVec3::Z * self.yaw_rad),
+        )
     }
 
     /// The upright capsule around the object at rest.

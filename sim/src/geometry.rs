@@ -1,7 +1,6 @@
 //! Distances between segments, and ground areas that must not overlap.
 
 use glam::{DVec2, DVec3};
-use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::{Pose, Shape};
 
 use crate::object::Footprint;
@@ -35,12 +34,6 @@ impl Capsule {
             end: pose.transform_point(bounds.center() + reach),
             radius_m,
         }
-    }
-
-    /// The box around the capsule, along the axes.
-    pub fn bounds(&self) -> Aabb {
-        let radius = DVec3::splat(self.radius_m);
-        Aabb::new(self.start.min(self.end) - radius, self.start.max(self.end) + radius)
     }
 
     /// Distance between the surfaces of two capsules, m; negative where they overlap.

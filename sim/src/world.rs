@@ -2,14 +2,14 @@
 //! untouched.
 
 use glam::DVec3;
-use rapier3d::parry::bounding_volume::Aabb;
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
+use rapier3d::parry::query::distance;
 use rapier3d::prelude::*;
 
 use crate::arm::Arm;
 use crate::arm::engine::{self, ArmHandles};
-use crate::clutter::Clutter;
-use crate::geometry::Capsule;
+use crate::clutter::{Clutter, Standing};
 use crate::object::Mechanism;
 use crate::physics::{Physics, PhysicsOptions, groups};
 
@@ -19,7 +19,7 @@ pub const FRAME_PERIOD_S: f64 = 0.01;
 /// A resting object is put into the solver when a link of the arm comes this near to it, m: the centimetre at which the
 /// engine makes contacts, and one frame at 1 m/s, twice the fastest preset's hand speed.
 const WAKE_NEAR_ARM_M: f64 = 0.02;
-/// The same for parts of other objects that move: less, because a blade's capsule is already as thick as it is wide.
+/// The same for parts of other objects that move, m.
 const WAKE_NEAR_OBJECTS_M: f64 = 0.01;
 /// An object at rest is taken out when everything that moves is farther than those distances and this, m.
 const SLEEP_MARGIN_M: f64 = 0.01;
@@ -49,8 +49,9 @@ pub struct World {
     pub arm: ArmHandles,
     contacts: Vec<SolverContact>,
     mechanisms: Vec<Option<Mechanism>>,
-    hulls: Vec<Capsule>,
-    /// Boxes around the hulls: finds what is near without a look at all.
+    /// The objects at rest.
+    outlines: Vec<(Cuboid, Pose)>,
+    /// Boxes around the outlines: finds what is near without a look at all.
     standing: Bvh,
     dormancy: bool,
 }
@@ -60,15 +61,15 @@ impl World {
     pub fn new(arm: &Arm, posture_rad: &[f64], clutter: &Clutter, options: PhysicsOptions, dormancy: bool) -> Self {
         let mut physics = Physics::new(options);
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
-        let hulls: Vec<Capsule> = clutter.objects.iter().map(|standing| standing.hull()).collect();
-        let boxes: Vec<Aabb> = hulls.iter().map(Capsule::bounds).collect();
+        let outlines: Vec<(Cuboid, Pose)> = clutter.objects.iter().map(Standing::outline).collect();
+        let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.aabb(pose)).collect();
         let mut world = World {
             physics,
             arm: handles,
             contacts: Vec::new(),
             mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
             standing: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
-            hulls,
+            outlines,
             dormancy,
         };
         for index in 0..clutter.objects.len() {
@@ -173,21 +174,17 @@ impl World {
 
     /// Inserts every absent object that something moving has come near to.
     fn wake(&mut self, clutter: &Clutter) {
-        let moving = self.moving_capsules();
-        let mut near: Vec<usize> = moving
-            .iter()
-            .flat_map(|capsule| {
-                let bounds = capsule.bounds();
-                let found: Vec<u32> = self.standing.intersect_aabb(&bounds).collect();
-                found
-                    .into_iter()
-                    .map(|index| index as usize)
-                    .filter(|index| self.mechanisms[*index].is_none() && capsule.distance(&self.hulls[*index]) < 0.0)
-            })
-            .collect();
+        let mut near: Vec<usize> = Vec::new();
+        for mover in self.movers() {
+            for index in self.standing.intersect_aabb(&mover.bounds) {
+                let index = index as usize;
+                if self.mechanisms[index].is_none() && !near.contains(&index) && self.is_near(&mover, index, 0.0) {
+                    near.push(index);
+                }
+            }
+        }
         // In the order of the clutter, whatever the tree's.
         near.sort_unstable();
-        near.dedup();
         for index in near {
             self.insert(clutter, index);
         }
@@ -195,13 +192,13 @@ impl World {
 
     /// Takes out every object that rests with nothing moving near it.
     fn retire(&mut self) {
-        let moving = self.moving_capsules();
+        let movers: Vec<Mover> = self.movers().collect();
         for index in 0..self.mechanisms.len() {
             let resting = self.mechanisms[index]
                 .as_ref()
                 .is_some_and(|mechanism| mechanism.is_movable() && mechanism.is_at_rest(&self.physics));
             if resting
-                && !self.is_near(&moving, index, SLEEP_MARGIN_M)
+                && !movers.iter().any(|mover| self.is_near(mover, index, SLEEP_MARGIN_M))
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
                 mechanism.remove(&mut self.physics);
@@ -209,37 +206,42 @@ impl World {
         }
     }
 
-    /// Capsules around the arm's links and around the parts of every object that is not at rest, each grown by the
-    /// distance at which it wakes others.
-    fn moving_capsules(&self) -> Vec<Capsule> {
-        let around = |collider: ColliderHandle, distance_m: f64| {
-            let collider = &self.physics.colliders[collider];
-            let capsule = Capsule::around(collider.shape(), collider.position());
-            Capsule {
-                radius_m: capsule.radius_m + distance_m,
-                ..capsule
-            }
+    /// The arm's collision shapes and those of every object that is not at rest.
+    fn movers(&self) -> impl Iterator<Item = Mover> {
+        let mover = |collider: ColliderHandle, distance_m: f64| Mover {
+            collider,
+            bounds: self.physics.colliders[collider].compute_aabb().loosened(distance_m),
+            distance_m,
         };
-        let arm = self
-            .arm
-            .colliders
-            .iter()
-            .map(|(collider, _)| around(*collider, WAKE_NEAR_ARM_M));
+        let arm = self.arm.colliders.iter();
         let objects = self
             .mechanisms
             .iter()
             .flatten()
             .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.physics))
-            .flat_map(|mechanism| mechanism.colliders())
-            .map(|collider| around(*collider, WAKE_NEAR_OBJECTS_M));
-        arm.chain(objects).collect()
+            .flat_map(|mechanism| mechanism.colliders());
+        arm.map(move |(collider, _)| mover(*collider, WAKE_NEAR_ARM_M))
+            .chain(objects.map(move |collider| mover(*collider, WAKE_NEAR_OBJECTS_M)))
     }
 
-    fn is_near(&self, moving: &[Capsule], index: usize, margin_m: f64) -> bool {
-        moving
-            .iter()
-            .any(|capsule| capsule.distance(&self.hulls[index]) < margin_m)
+    /// Whether a mover is nearer to an object at rest than its waking distance and a margin.
+    fn is_near(&self, mover: &Mover, index: usize, margin_m: f64) -> bool {
+        let (outline, pose) = &self.outlines[index];
+        let collider = &self.physics.colliders[mover.collider];
+        mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
+            // A pair that the engine cannot measure counts as near.
+            && distance(collider.position(), collider.shape(), pose, outline)
+                .map_or(true, |found| found.distance < mover.distance_m + margin_m)
     }
+}
+
+/// A collision shape that may touch what rests.
+struct Mover {
+    collider: ColliderHandle,
+    /// The box within which it wakes.
+    bounds: Aabb,
+    /// How near it must come to wake, m.
+    distance_m: f64,
 }
 
 /// The object that a collision shape belongs to: its mark is the object's index plus one, the arm's shapes have none.

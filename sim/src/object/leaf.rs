@@ -357,6 +357,10 @@ impl Object for Leaf {
         Footprint::Disc(self.width_m / 2.0)
     }
 
+    fn half_sizes_m(&self) -> [f64; 2] {
+        [COLLISION_THICKNESS_M / 2.0, self.width_m / 2.0]
+    }
+
     fn height_m(&self) -> f64 {
         self.height_m
     }

@@ -109,6 +109,13 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn category(&self) -> Category;
     /// Its ground area at rest.
     fn footprint(&self) -> Footprint;
+    /// Half its thickness along its own x and y, m, for questions of nearness.
+    fn half_sizes_m(&self) -> [f64; 2] {
+        match self.footprint() {
+            Footprint::Disc(radius) => [radius, radius],
+            Footprint::Rectangle(x, y) => [x, y],
+        }
+    }
     /// Its height over its foot, m.
     fn height_m(&self) -> f64;
     /// Its drawn parameters by name, SI units in the names.
