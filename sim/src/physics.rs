@@ -127,6 +127,17 @@ impl Physics {
     }
 }
 
+/// The points of a manifold that the solver pressed on in the last step.
+///
+/// The solver takes four points of a manifold at most; the others keep the impulse of the step in which they were last
+/// taken, which would be counted again: a blade on the forearm then seems to press with up to twice its force.
+pub fn pressed_points(manifold: &ContactManifold) -> impl Iterator<Item = &TrackedContact<ContactData>> {
+    let taken = manifold.data.solver_contacts.iter();
+    taken
+        .filter_map(|contact| manifold.points.get(contact.contact_indices()[0] as usize))
+        .filter(|point| point.data.impulse > 0.0)
+}
+
 /// Which things collide with which: every collider is in one of these groups.
 pub mod groups {
     use rapier3d::prelude::{Group, InteractionGroups, InteractionTestMode};

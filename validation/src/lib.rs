@@ -17,7 +17,9 @@ mod leaf_case;
 mod leaf_vibration;
 mod pressed_arm;
 mod resting_load;
+mod series;
 mod shortfall;
+mod skin_layer;
 
 pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
@@ -48,6 +50,8 @@ pub const CHECKS: &[Check] = &[
     friction::CHECK,
     free_arm::CHECK,
     joint_step::CHECK,
+    skin_layer::CHECK,
+    series::CHECK,
     hmm::CHECK,
 ];
 

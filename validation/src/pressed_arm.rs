@@ -1,7 +1,7 @@
 //! Cody's arm pressed with its forearm against one object.
 
 use glam::DVec3;
-use nalgebra::{DVector, Matrix3xX, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rapier3d::prelude::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, Standing};
@@ -94,6 +94,33 @@ impl PressedArm {
         springs
             .map(|((angle, joint), torque)| angle + torque / joint.stiffness_nm_per_rad)
             .collect()
+    }
+
+    /// Equilibrium angles that move the place on the forearm by `distance_m` across it and nowhere else if nothing is in
+    /// the way, with the least energy of the springs, rad.
+    pub fn moving_rad(&self, distance_m: f64) -> Vec<f64> {
+        let mut moved = self.posture_rad.clone();
+        let start = self.arm.forward_kinematics(&moved)[self.forearm].transform_point(PLACE_LINK);
+        let goal = start + self.across_world * distance_m;
+        // Newton's method: the way is short, three steps would do.
+        for _ in 0..6 {
+            let poses = self.arm.forward_kinematics(&moved);
+            let place = poses[self.forearm].transform_point(PLACE_LINK);
+            let jacobian = self.jacobian(&poses, place);
+            let softness = self.arm.joints.iter().map(|joint| 1.0 / joint.stiffness_nm_per_rad);
+            let softness = DMatrix::from_diagonal(&DVector::from_iterator(moved.len(), softness));
+            let back = &softness * jacobian.transpose();
+            let missing = Vector3::from((goal - place).to_array());
+            let Some(force) = (&jacobian * &back).lu().solve(&missing) else {
+                return moved;
+            };
+            let step = back * force;
+            moved
+                .iter_mut()
+                .zip(step.iter())
+                .for_each(|(angle, step)| *angle += step);
+        }
+        moved
     }
 
     /// Holds equilibrium angles for some time.
