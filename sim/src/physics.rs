@@ -53,6 +53,26 @@ pub struct Physics {
     continuous_collision: CCDSolver,
 }
 
+/// A copy goes on as the original does, bit for bit: the pipeline holds nothing from one step to the next.
+impl Clone for Physics {
+    fn clone(&self) -> Self {
+        Physics {
+            options: self.options,
+            parameters: self.parameters,
+            bodies: self.bodies.clone(),
+            colliders: self.colliders.clone(),
+            joints: self.joints.clone(),
+            narrow_phase: self.narrow_phase.clone(),
+            pipeline: PhysicsPipeline::new(),
+            islands: self.islands.clone(),
+            broad_phase: self.broad_phase.clone(),
+            impulse_joints: self.impulse_joints.clone(),
+            soft_bodies: self.soft_bodies.clone(),
+            continuous_collision: self.continuous_collision.clone(),
+        }
+    }
+}
+
 impl Physics {
     /// An empty world.
     pub fn new(options: PhysicsOptions) -> Self {

@@ -41,7 +41,8 @@ pub struct SolverContact {
     pub force_world: DVec3,
 }
 
-/// The engine with one arm and one clutter.
+/// The engine with one arm and one clutter. A copy goes on as the original does, bit for bit.
+#[derive(Clone)]
 pub struct World {
     /// The engine.
     pub physics: Physics,

@@ -40,7 +40,8 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     for (name, object, gap_m, force_n) in [
         ("trunk, 2 N", trunk(), 0.017, 2.0),
         ("trunk, 9 N", trunk(), 0.017, 9.0),
-        ("leaf", leaf(), 0.005, 9.0),
+        ("leaf, lightly touched", leaf(), 0.005, 9.0),
+        ("leaf, bent far", leaf(), 0.005, 30.0),
     ] {
         let arm = Arm::cody()?;
         let mut wrong = arm.clone();

@@ -7,6 +7,10 @@
 
 mod check;
 mod comparison;
+mod convergence;
+mod determinism;
+mod driven;
+mod foam;
 mod free_arm;
 mod friction;
 mod hmm;
@@ -51,7 +55,10 @@ pub const CHECKS: &[Check] = &[
     free_arm::CHECK,
     joint_step::CHECK,
     skin_layer::CHECK,
+    foam::CHECK,
+    convergence::CHECK,
     series::CHECK,
+    determinism::CHECK,
     hmm::CHECK,
 ];
 

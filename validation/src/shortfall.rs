@@ -9,7 +9,8 @@ pub struct Shortfall {
     pub check: &'static str,
     /// The quantity that misses.
     pub quantity: &'static str,
-    /// The residual must stay under this: what was measured, and a twentieth for other machines.
+    /// The residual must stay under this: what was measured, and a twentieth more (where it swings, twice as much) for
+    /// small changes of the engine.
     pub bound: f64,
     /// Why it misses.
     pub cause: &'static str,
@@ -21,6 +22,13 @@ const BOX_THAT_TURNS: &str = "the engine caps K⁻¹ v at μ N, K being the poin
 
 /// All known shortfalls.
 pub const SHORTFALLS: &[Shortfall] = &[
+    Shortfall {
+        check: "joint-torque",
+        quantity: "joint torques, leaf, lightly touched (norm)",
+        bound: 0.05,
+        cause: "at 0.02 N the blade's friction on the forearm has not come to rest after 8 s: the forearm rolls by \
+                2e-5 rad/s and the friction swings by 2 % from step to step",
+    },
     Shortfall {
         check: "friction",
         quantity: "slope at which a free box slips",
