@@ -21,8 +21,8 @@ pub const CHECK: Check = Check {
 };
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
-/// Figures of the blocks' own file for wet foam: what the closed forms are given.
-const WET_DENSITY_KG_PER_M3: f64 = 950.0;
+/// Figures of the blocks' own file: what the closed forms are given.
+const DENSITY_KG_PER_M3: f64 = 25.0;
 const BLOCK_AREA_M2: f64 = 0.25 * 0.10;
 const BLOCK: FoamBlock = FoamBlock {
     height_m: 0.08,
@@ -57,12 +57,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 fn pressed_block(block: &FoamBlock) -> Result<Vec<Comparison>, CheckError> {
-    let sag = foam::sag_m(
-        WET_DENSITY_KG_PER_M3,
-        GRAVITY_M_PER_S2,
-        BLOCK.height_m,
-        BLOCK.modulus_pa,
-    );
+    let sag = foam::sag_m(DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, BLOCK.height_m, BLOCK.modulus_pa);
     // What has crept away comes on top of the sag felt at once: its share is the block's own figure.
     let share = block.parameters()["relaxing_share"];
     let mut standing = Driven::new(block, GRAVITY_M_PER_S2, 1, 2)?;

@@ -1,7 +1,5 @@
 //! Cody's arm pressed with its forearm against one object.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rapier3d::prelude::{ColliderHandle, Pose};
@@ -149,7 +147,7 @@ impl PressedArm {
         &self,
         patches: &'a [SkinPatch],
     ) -> impl Iterator<Item = (&'a SkinPatch, Vec<ContactPoint>, ColliderHandle)> {
-        let mut groups: BTreeMap<(usize, (u32, u32)), (Vec<ContactPoint>, ColliderHandle)> = BTreeMap::new();
+        let mut groups: Vec<(usize, ColliderHandle, Vec<ContactPoint>)> = Vec::new();
         for contact in self.world.contacts() {
             let pose = self.world.link_pose(contact.link);
             let point = ContactPoint {
@@ -158,14 +156,19 @@ impl PressedArm {
                 force_link: pose.inverse_transform_vector(contact.force_world),
             };
             let covers = |patch: &SkinPatch| patch.link == contact.link && patch.covers(&point);
-            if let Some(patch) = patches.iter().position(covers) {
-                let key = (patch, contact.collider.into_raw_parts());
-                let group = groups.entry(key).or_insert_with(|| (Vec::new(), contact.collider));
-                group.0.push(point);
+            let Some(patch) = patches.iter().position(covers) else {
+                continue;
+            };
+            let group = groups
+                .iter_mut()
+                .find(|group| group.0 == patch && group.1 == contact.collider);
+            match group {
+                Some(group) => group.2.push(point),
+                None => groups.push((patch, contact.collider, vec![point])),
             }
         }
         let named = groups.into_iter();
-        named.map(|((patch, _), (points, collider))| (&patches[patch], points, collider))
+        named.map(|(patch, collider, points)| (&patches[patch], points, collider))
     }
 
     /// Sum of the contact forces on the arm, N, world frame.
