@@ -57,12 +57,13 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             ));
         }
     }
-    comparisons.push(sliding_taxels(simulated)?);
+    comparisons.extend(sliding_forearm(simulated)?);
     Ok(comparisons)
 }
 
-/// The largest shear on a taxel, over μ times its normal force, while the forearm slides along a trunk.
-fn sliding_taxels(simulated: Simulated) -> Result<Comparison, CheckError> {
+/// The forearm sliding along a trunk: the largest shear on a taxel over μ times its normal force, and how far the arm's
+/// friction is from opposing the slip.
+fn sliding_forearm(simulated: Simulated) -> Result<[Comparison; 2], CheckError> {
     let arm = Arm::cody()?;
     let friction = 0.5 * (arm.friction + TRUNK_FRICTION);
     let trunk = Trunk {
@@ -78,7 +79,7 @@ fn sliding_taxels(simulated: Simulated) -> Result<Comparison, CheckError> {
     let patches = SkinPatch::of_arm(&pressed.arm);
     let mut equilibrium = pressed.pressing_rad(6.0);
     pressed.hold(&equilibrium, 1.0);
-    let mut largest = 0.0_f64;
+    let (mut largest, mut opposed, mut whole) = (0.0_f64, 0.0, 0.0);
     for _ in 0..50 {
         // The upper arm swings on: the forearm is drawn along the trunk.
         equilibrium[0] += 0.004;
@@ -90,15 +91,35 @@ fn sliding_taxels(simulated: Simulated) -> Result<Comparison, CheckError> {
                 largest = largest.max(force.shear_link.length() / (friction * force.normal_force_n));
             }
         }
+        for contact in pressed.world.contacts() {
+            let slip = pressed.velocity_world(contact.link, contact.position_link);
+            let along = slip.reject_from_normalized(contact.inward_world);
+            let rubbing = contact.force_world.reject_from_normalized(contact.inward_world);
+            // Slower than this it may stick.
+            if along.length() > 5e-3 {
+                opposed -= rubbing.dot(along.normalize());
+                whole += rubbing.length();
+            }
+        }
     }
-    Ok(Comparison::at_most(
-        "sliding forearm, largest shear of a taxel over μ times its pressure",
-        "",
-        1.0,
-        largest,
-        1e-6,
-        "1e-6: Coulomb's bound, but for rounding",
-    ))
+    Ok([
+        Comparison::at_most(
+            "sliding forearm, largest shear of a taxel over μ times its pressure",
+            "",
+            1.0,
+            largest,
+            1e-6,
+            "1e-6: Coulomb's bound, but for rounding",
+        ),
+        Comparison::absolute(
+            "sliding forearm, share of the friction that opposes the slip",
+            "",
+            1.0,
+            opposed / whole,
+            1e-2,
+            "1 %: friction opposes the slip; the slip turns a little within a frame",
+        ),
+    ])
 }
 
 /// The slope at which a box begins to slide, by bisection.

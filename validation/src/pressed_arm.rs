@@ -171,6 +171,12 @@ impl PressedArm {
         named.map(|(patch, collider, points)| (&patches[patch], points, collider))
     }
 
+    /// Velocity of a point of a link, m/s, world frame.
+    pub fn velocity_world(&self, link: usize, point_link: DVec3) -> DVec3 {
+        let body = &self.world.physics.bodies[self.world.arm.links[link]];
+        body.velocity_at_point(body.position().transform_point(point_link))
+    }
+
     /// Sum of the contact forces on the arm, N, world frame.
     pub fn contact_force_world(&self) -> DVec3 {
         self.world.contacts().iter().map(|contact| contact.force_world).sum()
