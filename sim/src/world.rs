@@ -123,7 +123,12 @@ impl World {
                 for manifold in pair.manifolds() {
                     // The normal points from the first shape to the second; the first is pushed against it.
                     let sign = if arm_is_first { -1.0 } else { 1.0 };
-                    for point in manifold.points.iter().filter(|point| point.data.impulse > 0.0) {
+                    // Only points that this step solved: the others keep the impulses of an earlier one.
+                    let solved = manifold.data.solver_contacts.iter().map(|contact| {
+                        let [point] = contact.contact_indices();
+                        &manifold.points[point as usize]
+                    });
+                    for point in solved.filter(|point| point.data.impulse > 0.0) {
                         let on_shape = if arm_is_first { point.local_p1 } else { point.local_p2 };
                         let shape = &self.physics.colliders[*collider];
                         let on_link = shape
