@@ -11,7 +11,7 @@ use crate::arm::Arm;
 use crate::arm::engine::{self, ArmHandles};
 use crate::clutter::{Clutter, Standing};
 use crate::object::Mechanism;
-use crate::physics::{Physics, PhysicsOptions, groups};
+use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
 
 /// Period of the skin and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
@@ -41,7 +41,8 @@ pub struct SolverContact {
     pub force_world: DVec3,
 }
 
-/// The engine with one arm and one clutter.
+/// The engine with one arm and one clutter. A copy goes on as the original does, bit for bit.
+#[derive(Clone)]
 pub struct World {
     /// The engine.
     pub physics: Physics,
@@ -123,12 +124,7 @@ impl World {
                 for manifold in pair.manifolds() {
                     // The normal points from the first shape to the second; the first is pushed against it.
                     let sign = if arm_is_first { -1.0 } else { 1.0 };
-                    // Only points that this step solved: the others keep the impulses of an earlier one.
-                    let solved = manifold.data.solver_contacts.iter().map(|contact| {
-                        let [point] = contact.contact_indices();
-                        &manifold.points[point as usize]
-                    });
-                    for point in solved.filter(|point| point.data.impulse > 0.0) {
+                    for point in pressed_points(manifold) {
                         let on_shape = if arm_is_first { point.local_p1 } else { point.local_p2 };
                         let shape = &self.physics.colliders[*collider];
                         let on_link = shape

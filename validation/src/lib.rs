@@ -7,6 +7,10 @@
 
 mod check;
 mod comparison;
+mod convergence;
+mod determinism;
+mod driven;
+mod foam;
 mod free_arm;
 mod friction;
 mod hmm;
@@ -17,7 +21,9 @@ mod leaf_case;
 mod leaf_vibration;
 mod pressed_arm;
 mod resting_load;
+mod series;
 mod shortfall;
+mod skin_layer;
 
 pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
@@ -48,6 +54,11 @@ pub const CHECKS: &[Check] = &[
     friction::CHECK,
     free_arm::CHECK,
     joint_step::CHECK,
+    skin_layer::CHECK,
+    foam::CHECK,
+    convergence::CHECK,
+    series::CHECK,
+    determinism::CHECK,
     hmm::CHECK,
 ];
 
