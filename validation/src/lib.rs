@@ -16,8 +16,11 @@ mod leaf_bending;
 mod leaf_case;
 mod leaf_vibration;
 mod pressed_arm;
+mod reach_energy;
 mod resting_load;
+mod sensor;
 mod shortfall;
+mod skin_forces;
 
 pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
@@ -44,10 +47,13 @@ pub const CHECKS: &[Check] = &[
     leaf_bending::LARGE_DEFLECTION,
     leaf_vibration::CHECK,
     resting_load::CHECK,
+    skin_forces::CHECK,
     joint_torque::CHECK,
     friction::CHECK,
     free_arm::CHECK,
     joint_step::CHECK,
+    reach_energy::CHECK,
+    sensor::CHECK,
     hmm::CHECK,
 ];
 
