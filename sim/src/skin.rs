@@ -43,7 +43,7 @@ pub struct SkinPatch {
     pub centers_link: Vec<DVec3>,
     /// Outward unit normals of the taxels, link frame.
     pub normals_link: Vec<DVec3>,
-    /// Sub-points sorted by taxel.
+    /// Sub-points sorted by taxel, as many of each.
     pub sub_points: Vec<SubPoint>,
     /// Largest distance of a contact point from the nearest taxel centre that still is on this skin, m.
     pub reach_m: f64,
@@ -226,13 +226,13 @@ impl SkinPatch {
     }
 
     fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SubPoint> {
-        let mut last = (usize::MAX, false);
-        self.sub_points.iter().filter(move |point| {
-            if last.0 != point.taxel {
-                last = (point.taxel, near_contacts(self.centers_link[point.taxel], contacts));
-            }
-            last.1
-        })
+        // All taxels have as many sub-points.
+        let each = self.sub_points.len() / self.centers_link.len().max(1);
+        self.centers_link
+            .iter()
+            .zip(self.sub_points.chunks_exact(each.max(1)))
+            .filter(|(center, _)| near_contacts(**center, contacts))
+            .flat_map(|(_, points)| points)
     }
 
     fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {

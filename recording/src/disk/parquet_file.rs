@@ -39,6 +39,8 @@ impl ParquetFile {
             .collect();
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            // Columns are forces and angles that hardly repeat but for zeros, which zstd takes care of.
+            .set_dictionary_enabled(false)
             // Statistics of pages would double the footer of a file with hundreds of row groups.
             .set_statistics_enabled(EnabledStatistics::Chunk)
             // Row groups end where the caller ends them, so that one holds one episode however long.

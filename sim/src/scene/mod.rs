@@ -146,12 +146,12 @@ pub struct PhysicsSection {
 }
 
 impl Default for PhysicsSection {
-    /// Chosen from `benches/time_step.rs`: the error falls with the substep; one step of four substeps a frame has that
-    /// of two steps of two at two thirds of the cost.
+    /// Chosen from `benches/time_step.rs`: the contact force of a trunk is then within 1–2 % of that at steps of 0.1 ms
+    /// (median), and shorter substeps do not come nearer until 1 ms.
     fn default() -> Self {
         PhysicsSection {
             step_s: 0.01,
-            substeps: 4,
+            substeps: 2,
             gravity_m_per_s2: 9.81,
             dormancy: true,
         }
