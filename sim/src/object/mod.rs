@@ -1,4 +1,4 @@
-//! What stands in the clutter: one file an object, and [`for_each_object_kind`] as the one list of them.
+//! What stands in the clutter: one file an object, and `for_each_object_kind` as the one list of them.
 //!
 //! An object has two faces: a *specification* (what a scene file says of a group of such objects, with ranges) and a
 //! *drawn object* (one concrete thing that builds itself into the engine). To add one, write a file like `trunk.rs`
