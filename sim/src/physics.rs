@@ -53,6 +53,26 @@ pub struct Physics {
     continuous_collision: CCDSolver,
 }
 
+/// A copy goes on as the original does, bit for bit: the pipeline holds nothing from one step to the next.
+impl Clone for Physics {
+    fn clone(&self) -> Self {
+        Physics {
+            options: self.options,
+            parameters: self.parameters,
+            bodies: self.bodies.clone(),
+            colliders: self.colliders.clone(),
+            joints: self.joints.clone(),
+            narrow_phase: self.narrow_phase.clone(),
+            pipeline: PhysicsPipeline::new(),
+            islands: self.islands.clone(),
+            broad_phase: self.broad_phase.clone(),
+            impulse_joints: self.impulse_joints.clone(),
+            soft_bodies: self.soft_bodies.clone(),
+            continuous_collision: self.continuous_collision.clone(),
+        }
+    }
+}
+
 impl Physics {
     /// An empty world.
     pub fn new(options: PhysicsOptions) -> Self {
@@ -128,6 +148,17 @@ impl Physics {
             true,
         );
     }
+}
+
+/// The points of a manifold that the solver pressed on in the last step.
+///
+/// The solver takes four points of a manifold at most; the others keep the impulse of the step in which they were last
+/// taken, which would be counted again: a blade on the forearm then seems to press with up to twice its force.
+pub fn pressed_points(manifold: &ContactManifold) -> impl Iterator<Item = &TrackedContact<ContactData>> {
+    let taken = manifold.data.solver_contacts.iter();
+    taken
+        .filter_map(|contact| manifold.points.get(contact.contact_indices()[0] as usize))
+        .filter(|point| point.data.impulse > 0.0)
 }
 
 /// Which things collide with which: every collider is in one of these groups.

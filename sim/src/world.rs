@@ -12,7 +12,7 @@ use crate::arm::engine::{self, ArmHandles};
 use crate::audit::Auditor;
 use crate::clutter::{Clutter, Standing};
 use crate::object::Mechanism;
-use crate::physics::{Physics, PhysicsOptions, groups};
+use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
 use crate::touch::Touch;
 
 /// Period of the skin and of frames, s (100 Hz).
@@ -45,7 +45,8 @@ pub struct SolverContact {
     pub penetration_m: f64,
 }
 
-/// The engine with one arm and one clutter.
+/// The engine with one arm and one clutter. A copy goes on as the original does, bit for bit.
+#[derive(Clone)]
 pub struct World {
     /// The engine.
     pub physics: Physics,
@@ -138,12 +139,7 @@ impl World {
                 for manifold in pair.manifolds() {
                     // The normal points from the first shape to the second; the first is pushed against it.
                     let sign = if arm_is_first { -1.0 } else { 1.0 };
-                    // The solver takes four points of a manifold at most; the others keep impulses of earlier steps.
-                    let solved = manifold.data.solver_contacts.iter().filter_map(|contact| {
-                        let index = contact.contact_id[0] & !NEW_CONTACT_BIT;
-                        manifold.points.get(index as usize)
-                    });
-                    for point in solved.filter(|point| point.data.impulse > 0.0) {
+                    for point in pressed_points(manifold) {
                         let on_shape = if arm_is_first { point.local_p1 } else { point.local_p2 };
                         let shape = &self.physics.colliders[*collider];
                         let on_link = shape

@@ -3,16 +3,21 @@
 use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_oracles::statics;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::object::FRICTION as TRUNK_FRICTION;
+use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::{Physics, PhysicsOptions};
+use underbrush_sim::skin::SkinPatch;
 
+use crate::pressed_arm::{self, PressedArm};
 use crate::{Check, CheckError, Comparison, Simulated};
 
 /// Check 7.
 pub const CHECK: Check = Check {
     number: 7,
     name: "friction",
-    summary: "A box slips at the slope atan μ and slides as Coulomb says",
-    falsification: "friction of the simulated box 10 % too low",
+    summary: "A box slips at the slope atan μ and slides as Coulomb says; no taxel is sheared by more than μ times its pressure",
+    falsification: "friction of the simulated box 10 % too low, of the simulated forearm and trunk twice too high",
     compare,
 };
 
@@ -52,7 +57,69 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             ));
         }
     }
+    comparisons.extend(sliding_forearm(simulated)?);
     Ok(comparisons)
+}
+
+/// The forearm sliding along a trunk: the largest shear on a taxel over μ times its normal force, and how far the arm's
+/// friction is from opposing the slip.
+fn sliding_forearm(simulated: Simulated) -> Result<[Comparison; 2], CheckError> {
+    let arm = Arm::cody()?;
+    let friction = 0.5 * (arm.friction + TRUNK_FRICTION);
+    let trunk = Trunk {
+        diameter_m: 0.03,
+        height_m: 0.6,
+    };
+    let mut pressed = PressedArm::new(arm.clone(), arm, Box::new(trunk), 0.017, 0.3, pressed_arm::OPTIONS)?;
+    if simulated == Simulated::Falsified {
+        for (_, collider) in pressed.world.physics.colliders.iter_mut() {
+            collider.set_friction(2.0 * collider.friction());
+        }
+    }
+    let patches = SkinPatch::of_arm(&pressed.arm);
+    let mut equilibrium = pressed.pressing_rad(6.0);
+    pressed.hold(&equilibrium, 1.0);
+    let (mut largest, mut opposed, mut whole) = (0.0_f64, 0.0, 0.0);
+    for _ in 0..50 {
+        // The upper arm swings on: the forearm is drawn along the trunk.
+        equilibrium[0] += 0.004;
+        pressed.hold(&equilibrium, 0.01);
+        for (patch, contacts, collider) in pressed.touched(&patches) {
+            let shape = &pressed.world.physics.colliders[collider];
+            let pose = pressed.world.link_pose(patch.link).inverse() * *shape.position();
+            for force in patch.spread(&contacts, shape.shape(), &pose) {
+                largest = largest.max(force.shear_link.length() / (friction * force.normal_force_n));
+            }
+        }
+        for contact in pressed.world.contacts() {
+            let slip = pressed.velocity_world(contact.link, contact.position_link);
+            let along = slip.reject_from_normalized(contact.inward_world);
+            let rubbing = contact.force_world.reject_from_normalized(contact.inward_world);
+            // Slower than this it may stick.
+            if along.length() > 5e-3 {
+                opposed -= rubbing.dot(along.normalize());
+                whole += rubbing.length();
+            }
+        }
+    }
+    Ok([
+        Comparison::at_most(
+            "sliding forearm, largest shear of a taxel over μ times its pressure",
+            "",
+            1.0,
+            largest,
+            1e-6,
+            "1e-6: Coulomb's bound, but for rounding",
+        ),
+        Comparison::absolute(
+            "sliding forearm, share of the friction that opposes the slip",
+            "",
+            1.0,
+            opposed / whole,
+            1e-2,
+            "1 %: friction opposes the slip; the slip turns a little within a frame",
+        ),
+    ])
 }
 
 /// The slope at which a box begins to slide, by bisection.

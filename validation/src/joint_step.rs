@@ -18,53 +18,18 @@ pub const CHECK: Check = Check {
 };
 
 const STEP_S: f64 = 1e-4;
-const SECONDS: f64 = 3.0;
+const SECONDS: f64 = 1.0;
 const TARGET_RAD: f64 = 0.1;
 /// Cody's shoulder is nearly critically damped; a tenth of that shows the period.
 const DAMPING_RATIO: f64 = 0.1;
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    // The shoulder and the link on it, alone; the posture does not matter to a single joint.
-    let mut arm = Arm::cody()?;
-    arm.joints.truncate(1);
-    arm.links.truncate(2);
-    arm.tip_link = 1;
-    let (joint, link) = (&mut arm.joints[0], &arm.links[1]);
-    let lever = link.center_of_mass_link - joint.axis_child * joint.axis_child.dot(link.center_of_mass_link);
-    let inertia = joint.axis_child.dot(link.inertia_link * joint.axis_child)
-        + link.mass_kg * lever.length_squared()
-        + joint.armature_kg_m2;
-    let stiffness = joint.stiffness_nm_per_rad;
-    joint.damping_nm_s_per_rad = DAMPING_RATIO * 2.0 * (stiffness * inertia).sqrt();
-    joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
-    let expected = Oscillator::new(inertia, stiffness, joint.damping_nm_s_per_rad);
-    joint.stiffness_nm_per_rad *= simulated.with(1.0, 1.05);
-
-    let mut physics = Physics::new(PhysicsOptions {
-        step_s: STEP_S,
-        substeps: 1,
-        gravity_m_per_s2: 0.0,
-    });
-    let handles = insert_arm(&arm, &[0.0], &mut physics, groups::arm());
-    let mut response = Vec::new();
-    for _ in 0..(SECONDS / STEP_S) as usize {
-        handles.set_equilibrium(&arm, &[TARGET_RAD], &mut physics);
-        physics.step();
-        response.extend(
-            handles
-                .joint_angle_rad(&physics)
-                .first()
-                .map(|angle| angle / TARGET_RAD - 1.0),
-        );
-    }
+    let response = respond(simulated, STEP_S)?;
+    let expected = response.exact;
     let stepped = expected.under_implicit_euler(STEP_S);
-    let (frequency, _) = measure_vibration(&response, STEP_S)?;
-    let overshoot = response.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let largest_miss = response
-        .iter()
-        .enumerate()
-        .map(|(index, found)| (found + 1.0 - stepped.step_response((index + 1) as f64 * STEP_S)).abs())
-        .fold(0.0, f64::max);
+    let about_target: Vec<f64> = response.angles.iter().map(|angle| angle - 1.0).collect();
+    let (frequency, _) = measure_vibration(&about_target, STEP_S)?;
+    let overshoot = about_target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     Ok(vec![
         Comparison::relative(
             "period",
@@ -86,9 +51,67 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             "largest miss of the whole response, in steps",
             "",
             0.0,
-            largest_miss,
+            response.largest_miss(&stepped),
             1e-2,
             "1 %: against the same; the first step acts ω Δt too early",
         ),
     ])
+}
+
+/// A simulated step response and the oscillator that it should be.
+pub struct Response {
+    /// The oscillator of the closed form.
+    pub exact: Oscillator,
+    /// Angle after each step, in units of the target.
+    angles: Vec<f64>,
+    step_s: f64,
+}
+
+impl Response {
+    /// Largest distance from an oscillator's step response, in units of the target.
+    pub fn largest_miss(&self, oscillator: &Oscillator) -> f64 {
+        let misses = self.angles.iter().enumerate().map(|(index, found)| {
+            let time_s = (index + 1) as f64 * self.step_s;
+            (found - oscillator.step_response(time_s)).abs()
+        });
+        misses.fold(0.0, f64::max)
+    }
+}
+
+/// Simulates the response of the shoulder with the link on it, alone, to a step of its equilibrium angle.
+pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError> {
+    // The posture does not matter to a single joint.
+    let mut arm = Arm::cody()?;
+    arm.joints.truncate(1);
+    arm.links.truncate(2);
+    arm.tip_link = 1;
+    let (joint, link) = (&mut arm.joints[0], &arm.links[1]);
+    let lever = link.center_of_mass_link - joint.axis_child * joint.axis_child.dot(link.center_of_mass_link);
+    let inertia = joint.axis_child.dot(link.inertia_link * joint.axis_child)
+        + link.mass_kg * lever.length_squared()
+        + joint.armature_kg_m2;
+    let stiffness = joint.stiffness_nm_per_rad;
+    joint.damping_nm_s_per_rad = DAMPING_RATIO * 2.0 * (stiffness * inertia).sqrt();
+    joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
+    let exact = Oscillator::new(inertia, stiffness, joint.damping_nm_s_per_rad);
+    joint.stiffness_nm_per_rad *= simulated.with(1.0, 1.05);
+
+    let mut physics = Physics::new(PhysicsOptions {
+        step_s,
+        substeps: 1,
+        gravity_m_per_s2: 0.0,
+    });
+    let handles = insert_arm(&arm, &[0.0], &mut physics, groups::arm());
+    let mut angles = Vec::new();
+    for _ in 0..(SECONDS / step_s) as usize {
+        handles.set_equilibrium(&arm, &[TARGET_RAD], &mut physics);
+        physics.step();
+        angles.extend(
+            handles
+                .joint_angle_rad(&physics)
+                .first()
+                .map(|angle| angle / TARGET_RAD),
+        );
+    }
+    Ok(Response { exact, angles, step_s })
 }

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::object::Object;
+use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
 use crate::pressed_arm::{OPTIONS, PressedArm};
@@ -24,8 +25,24 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             height_m: 0.6,
         })
     };
+    let leaf = || -> Box<dyn Object> {
+        Box::new(Leaf {
+            height_m: 0.4,
+            width_m: 0.03,
+            flexural_rigidity_n_m2: 0.02,
+            mass_per_area_kg_per_m2: 0.8,
+            loss_factor: 0.3,
+            root_stiffness_nm_per_rad: Some(2.0),
+            segments: 5,
+        })
+    };
     let mut comparisons = Vec::new();
-    for (name, object, gap_m, force_n) in [("trunk, 2 N", trunk(), 0.017, 2.0), ("trunk, 9 N", trunk(), 0.017, 9.0)] {
+    for (name, object, gap_m, force_n) in [
+        ("trunk, 2 N", trunk(), 0.017, 2.0),
+        ("trunk, 9 N", trunk(), 0.017, 9.0),
+        ("leaf, lightly touched", leaf(), 0.005, 9.0),
+        ("leaf, bent far", leaf(), 0.005, 30.0),
+    ] {
         let arm = Arm::cody()?;
         let mut wrong = arm.clone();
         for joint in &mut wrong.joints {

@@ -118,6 +118,35 @@ impl ClampedLeaf {
         Err(CheckError::Case("the leaf does not come to rest".into()))
     }
 
+    /// Deflection at rest, m, of the point at `height_m` of the upright leaf under a small constant force there.
+    ///
+    /// # Errors
+    /// When it does not come to rest.
+    pub fn settle_at(&mut self, force_world: DVec3, height_m: f64) -> Result<f64, CheckError> {
+        let below = |handle: &&RigidBodyHandle| self.physics.bodies[**handle].position().translation.z <= height_m;
+        let body = self.mechanism.bodies().iter().rfind(below).copied();
+        let body = body.ok_or_else(|| CheckError::Case("a height below the leaf".into()))?;
+        let point_local = self.physics.bodies[body]
+            .position()
+            .inverse_transform_point(DVec3::Z * height_m);
+        let (mut last, mut still) = (0.0, 0);
+        for _ in 0..20_000 {
+            let point = self.physics.bodies[body].position().transform_point(point_local);
+            let bodies = &mut self.physics.bodies;
+            bodies[body].reset_forces(true);
+            bodies[body].reset_torques(true);
+            bodies[body].add_force_at_point(force_world, point, true);
+            self.physics.step();
+            let point = self.physics.bodies[body].position().transform_point(point_local).x;
+            still = if (point - last).abs() < 1e-13 { still + 1 } else { 0 };
+            if still == 10 {
+                return Ok(point);
+            }
+            last = point;
+        }
+        Err(CheckError::Case("the leaf does not come to rest".into()))
+    }
+
     /// Plucks the leaf in the shape of a clamped beam's first mode, by one step's force in proportion to mass and
     /// mode, and returns the tip's displacement across the blade after each step.
     pub fn pluck(&mut self, seconds: f64) -> Vec<f64> {

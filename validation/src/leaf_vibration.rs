@@ -19,7 +19,8 @@ pub const CHECK: Check = Check {
 const STEP_S: f64 = 1e-4;
 /// Some seven periods.
 const SECONDS: f64 = 1.3;
-const LOSS_FACTOR: f64 = 0.1;
+/// Loss factor of the damped leaf.
+pub const LOSS_FACTOR: f64 = 0.1;
 
 /// Frequency, rad/s, and log decrement of a plucked leaf.
 pub fn pluck(segments: u32, rigidity_n_m2: f64, loss_factor: f64, step_s: f64) -> Result<(f64, f64), CheckError> {

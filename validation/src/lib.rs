@@ -7,6 +7,10 @@
 
 mod check;
 mod comparison;
+mod convergence;
+mod determinism;
+mod driven;
+mod foam;
 mod free_arm;
 mod friction;
 mod hmm;
@@ -19,8 +23,10 @@ mod pressed_arm;
 mod reach_energy;
 mod resting_load;
 mod sensor;
+mod series;
 mod shortfall;
 mod skin_forces;
+mod skin_layer;
 
 pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
@@ -52,7 +58,12 @@ pub const CHECKS: &[Check] = &[
     friction::CHECK,
     free_arm::CHECK,
     joint_step::CHECK,
+    skin_layer::CHECK,
+    foam::CHECK,
     reach_energy::CHECK,
+    convergence::CHECK,
+    series::CHECK,
+    determinism::CHECK,
     sensor::CHECK,
     hmm::CHECK,
 ];

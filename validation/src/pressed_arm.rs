@@ -1,17 +1,18 @@
 //! Cody's arm pressed with its forearm against one object.
 
 use glam::DVec3;
-use nalgebra::{DVector, Matrix3xX, Vector3};
-use rapier3d::prelude::Pose;
+use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use rapier3d::prelude::{ColliderHandle, Pose};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, Standing};
 use underbrush_sim::object::Object;
 use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::skin::{ContactPoint, SkinPatch};
 use underbrush_sim::world::{FRAME_PERIOD_S, World};
 
 use crate::CheckError;
 
-/// The step that scenes use unless they say otherwise.
+/// Steps of 5 ms in four substeps: half as long as scenes use unless they say otherwise.
 pub const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
     substeps: 4,
@@ -96,6 +97,33 @@ impl PressedArm {
             .collect()
     }
 
+    /// Equilibrium angles that move the place on the forearm by `distance_m` across it and nowhere else if nothing is in
+    /// the way, with the least energy of the springs, rad.
+    pub fn moving_rad(&self, distance_m: f64) -> Vec<f64> {
+        let mut moved = self.posture_rad.clone();
+        let start = self.arm.forward_kinematics(&moved)[self.forearm].transform_point(PLACE_LINK);
+        let goal = start + self.across_world * distance_m;
+        // Newton's method: the way is short, three steps would do.
+        for _ in 0..6 {
+            let poses = self.arm.forward_kinematics(&moved);
+            let place = poses[self.forearm].transform_point(PLACE_LINK);
+            let jacobian = self.jacobian(&poses, place);
+            let softness = self.arm.joints.iter().map(|joint| 1.0 / joint.stiffness_nm_per_rad);
+            let softness = DMatrix::from_diagonal(&DVector::from_iterator(moved.len(), softness));
+            let back = &softness * jacobian.transpose();
+            let missing = Vector3::from((goal - place).to_array());
+            let Some(force) = (&jacobian * &back).lu().solve(&missing) else {
+                return moved;
+            };
+            let step = back * force;
+            moved
+                .iter_mut()
+                .zip(step.iter())
+                .for_each(|(angle, step)| *angle += step);
+        }
+        moved
+    }
+
     /// Holds equilibrium angles for some time.
     pub fn hold(&mut self, equilibrium_rad: &[f64], seconds: f64) {
         for _ in 0..(seconds / FRAME_PERIOD_S).round() as usize {
@@ -112,6 +140,46 @@ impl PressedArm {
     /// Joint angles, rad.
     pub fn angles_rad(&self) -> Vec<f64> {
         self.world.arm.joint_angle_rad(&self.world.physics)
+    }
+
+    /// The contacts on each patch of skin, by the shape that makes them.
+    pub fn touched<'a>(
+        &self,
+        patches: &'a [SkinPatch],
+    ) -> impl Iterator<Item = (&'a SkinPatch, Vec<ContactPoint>, ColliderHandle)> {
+        let mut groups: Vec<(usize, ColliderHandle, Vec<ContactPoint>)> = Vec::new();
+        for contact in self.world.contacts() {
+            let pose = self.world.link_pose(contact.link);
+            let point = ContactPoint {
+                position_link: contact.position_link,
+                inward_link: pose.inverse_transform_vector(contact.inward_world),
+                force_link: pose.inverse_transform_vector(contact.force_world),
+            };
+            let covers = |patch: &SkinPatch| patch.link == contact.link && patch.covers(&point);
+            let Some(patch) = patches.iter().position(covers) else {
+                continue;
+            };
+            let group = groups
+                .iter_mut()
+                .find(|group| group.0 == patch && group.1 == contact.collider);
+            match group {
+                Some(group) => group.2.push(point),
+                None => groups.push((patch, contact.collider, vec![point])),
+            }
+        }
+        let named = groups.into_iter();
+        named.map(|(patch, collider, points)| (&patches[patch], points, collider))
+    }
+
+    /// Velocity of a point of a link, m/s, world frame.
+    pub fn velocity_world(&self, link: usize, point_link: DVec3) -> DVec3 {
+        let body = &self.world.physics.bodies[self.world.arm.links[link]];
+        body.velocity_at_point(body.position().transform_point(point_link))
+    }
+
+    /// Sum of the contact forces on the arm, N, world frame.
+    pub fn contact_force_world(&self) -> DVec3 {
+        self.world.contacts().iter().map(|contact| contact.force_world).sum()
     }
 
     /// Σ Jᵀ f of the contacts, Nm, one per joint.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rapier3d::prelude::*;
-use underbrush_sim::physics::{Physics, PhysicsOptions};
+use underbrush_sim::physics::{Physics, PhysicsOptions, pressed_points};
 
 use crate::{Check, CheckError, Comparison, Simulated};
 
@@ -66,7 +66,7 @@ fn resting_load_n(shape: SharedShape, mass_kg: f64) -> f64 {
     let points = physics.narrow_phase.contact_pairs_with(plate);
     let impulse: f64 = points
         .flat_map(|pair| pair.manifolds())
-        .flat_map(|manifold| &manifold.points)
+        .flat_map(pressed_points)
         .map(|point| point.data.impulse)
         .sum();
     impulse / OPTIONS.step_s

@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_recording::Category;
 
+use super::mechanism::{Maxwell, Spring, box_mass};
 use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
 use crate::physics::{Physics, groups};
 use crate::scene::Placement;
@@ -119,10 +120,32 @@ impl Specification for FoamBlockSpecification {
     }
 }
 
-/// One foam block.
+/// Density of the foam itself, kg/m³: a dry brick of two litres weighs some 50 g. Choice: in wet foam too only this moves
+/// with the top; the water flows through the cells. (The engine's contacts scale with the mass that moves: with 25 g
+/// they have the skin's 1e4 N/m, see `SKIN_ON_BENDABLE`.)
+const DENSITY_KG_PER_M3: f64 = 25.0;
+/// Share of the stiffness that relaxes away, and the time it takes, s. Choices: dry phenolic foam is a brittle solid and
+/// creeps little; through soaked foam water must flow, which takes some seconds through a hand's breadth.
+const RELAXING_SHARE: Kinds = Kinds { dry: 0.05, wet: 0.3 };
+const RELAXATION_TIME_S: Kinds = Kinds { dry: 1.0, wet: 2.0 };
+/// Damping ratio of the top on its spring: half the loss factor of some 0.2 of rigid foam, and of water moved in wet.
+const DAMPING_RATIO: Kinds = Kinds { dry: 0.1, wet: 0.3 };
+
+struct Kinds {
+    dry: f64,
+    wet: f64,
+}
+
+impl Kinds {
+    fn of(&self, block: &FoamBlock) -> f64 {
+        if block.wet { self.wet } else { self.dry }
+    }
+}
+
+/// One foam block: a bar under pressure from above, whose top sinks as a whole on a standard linear solid of stiffness
+/// E A / H. Feet of leaves stay where they are: what they feel of the foam is the stiffness of their roots.
 ///
-/// It is rigid to the arm: pressed from above a dry block has E A / H ≈ 600 kN/m and a wet one 15 kN/m, two to four
-/// orders above the arm's 0.1–0.3 kN/m at its tip. Its softness shows where it matters, at the leaves' roots.
+/// A dry block has some 600 kN/m and a wet one 15 kN/m, two to four orders above the arm's 0.1–0.4 kN/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoamBlock {
     /// Height, m.
@@ -131,6 +154,32 @@ pub struct FoamBlock {
     pub wet: bool,
     /// Modulus, Pa.
     pub modulus_pa: f64,
+}
+
+impl FoamBlock {
+    /// Stiffness of the whole top against being pressed in, felt at once, N/m: E A / H.
+    pub fn stiffness_n_per_m(&self) -> f64 {
+        self.modulus_pa * LENGTH_M * WIDTH_M / self.height_m
+    }
+
+    /// Mass that moves with the top, kg: half of the block's. Its weight sinks the top by ρ g H² / 2 E, as the weight
+    /// of the whole bar does.
+    pub fn moving_mass_kg(&self) -> f64 {
+        0.5 * DENSITY_KG_PER_M3 * LENGTH_M * WIDTH_M * self.height_m
+    }
+
+    fn spring(&self) -> Spring {
+        let (stiffness, share) = (self.stiffness_n_per_m(), RELAXING_SHARE.of(self));
+        Spring {
+            stiffness: stiffness * (1.0 - share),
+            damping: 2.0 * DAMPING_RATIO.of(self) * (stiffness * self.moving_mass_kg()).sqrt(),
+            armature: 0.0,
+            maxwell: Some(Maxwell {
+                stiffness: stiffness * share,
+                relaxation_time_s: RELAXATION_TIME_S.of(self),
+            }),
+        }
+    }
 }
 
 impl Object for FoamBlock {
@@ -157,21 +206,75 @@ impl Object for FoamBlock {
             ("height_m".into(), self.height_m),
             ("wet".into(), f64::from(u8::from(self.wet))),
             ("modulus_pa".into(), self.modulus_pa),
+            ("density_kg_per_m3".into(), DENSITY_KG_PER_M3),
+            ("relaxing_share".into(), RELAXING_SHARE.of(self)),
+            ("relaxation_time_s".into(), RELAXATION_TIME_S.of(self)),
         ])
     }
 
     fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism {
         let mut mechanism = Mechanism::default();
         let foot = mechanism.fixed_foot(physics, Pose::new(foot_world, DVec3::Z * yaw_rad));
-        let shape = ColliderBuilder::cuboid(LENGTH_M / 2.0, WIDTH_M / 2.0, self.height_m / 2.0)
-            .position(Pose::translation(0.0, 0.0, self.height_m / 2.0))
+        let size = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
+        let center = DVec3::Z * (self.height_m / 2.0);
+        let mass = box_mass(self.moving_mass_kg(), center, size);
+        let top = mechanism.jointed(physics, foot, DVec3::ZERO, mass, &[(2, self.spring())]);
+        let shape = ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0)
+            .position(Pose::from_translation(center))
             .friction(FRICTION)
             .collision_groups(groups::fixed());
-        mechanism.shape(physics, foot, shape);
+        mechanism.shape(physics, top, shape);
+        mechanism.finish(physics);
         mechanism
     }
 
     fn foam_top(&self) -> Option<(f64, f64)> {
         Some((self.modulus_pa, self.height_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::PhysicsOptions;
+
+    /// Pins that a load on the top presses a wet block in by F H / (E A (1 − share)) in the end, and that the block then
+    /// rises again and counts as at rest.
+    #[test]
+    fn a_load_presses_the_top_in() {
+        let block = FoamBlock {
+            height_m: 0.08,
+            wet: true,
+            modulus_pa: 5.0e4,
+        };
+        let options = PhysicsOptions {
+            step_s: 0.005,
+            substeps: 1,
+            gravity_m_per_s2: 0.0,
+        };
+        let mut physics = Physics::new(options);
+        let mut mechanism = block.build(&mut physics, DVec3::ZERO, 0.3);
+        let top = mechanism.bodies()[1];
+        let mut press = |seconds: f64, force_n: f64| {
+            for _ in 0..(seconds / options.step_s).round() as usize {
+                let body = &mut physics.bodies[top];
+                body.reset_forces(true);
+                body.add_force(DVec3::Z * -force_n, true);
+                mechanism.relax(&mut physics);
+                physics.step();
+            }
+            (
+                -physics.bodies[top].position().translation.z,
+                mechanism.is_at_rest(&physics),
+            )
+        };
+        let (depth_m, _) = press(40.0, 30.0);
+        let expected = 30.0 * 0.08 / (5.0e4 * 0.025 * (1.0 - RELAXING_SHARE.wet));
+        assert!(
+            (depth_m / expected - 1.0).abs() < 1e-3,
+            "found {depth_m}, expected {expected}"
+        );
+        let (depth_m, at_rest) = press(40.0, 0.0);
+        assert!(depth_m.abs() < 1e-6 && at_rest, "left at {depth_m}");
     }
 }

@@ -39,7 +39,7 @@ pub struct Maxwell {
     pub relaxation_time_s: f64,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Coordinate {
     joint: MultibodyJointHandle,
     axis: usize,
@@ -48,7 +48,7 @@ struct Coordinate {
 }
 
 /// One object's bodies and springs in a [`Physics`].
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Mechanism {
     bodies: Vec<RigidBodyHandle>,
     colliders: Vec<ColliderHandle>,

@@ -1,16 +1,5 @@
 //! Cantilevers under small loads (Timoshenko, *Strength of Materials*), and the chain that stands for one.
 
-/// Places, m from the clamp, and compliances, rad/Nm, of the hinges at the middles of `segments` equal segments that
-/// stand for a cantilever: h / E I each.
-pub fn midpoint_hinges(length_m: f64, flexural_rigidity_n_m2: f64, segments: u32) -> Vec<(f64, f64)> {
-    let segment_m = length_m / f64::from(segments);
-    let hinge = |index| {
-        let place_m = (f64::from(index) + 0.5) * segment_m;
-        (place_m, segment_m / flexural_rigidity_n_m2)
-    };
-    (0..segments).map(hinge).collect()
-}
-
 /// Deflection, m, of a clamped chain of rigid pieces under a load across it at `height_m`, where the load acts:
 /// Σ P (a − x_k)² c_k over the hinges below it, of places x_k (m from the clamp) and compliances c_k (rad/Nm).
 pub fn chain_deflection_m(load_n: f64, height_m: f64, hinges: &[(f64, f64)]) -> f64 {
@@ -45,6 +34,17 @@ pub fn first_mode(share: f64) -> f64 {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    /// Places, m from the clamp, and compliances, rad/Nm, of the hinges at the middles of `segments` equal segments that
+    /// stand for a cantilever: h / E I each.
+    fn midpoint_hinges(length_m: f64, flexural_rigidity_n_m2: f64, segments: u32) -> Vec<(f64, f64)> {
+        let segment_m = length_m / f64::from(segments);
+        let hinge = |index| {
+            let place_m = (f64::from(index) + 0.5) * segment_m;
+            (place_m, segment_m / flexural_rigidity_n_m2)
+        };
+        (0..segments).map(hinge).collect()
+    }
 
     /// Pins the first root of cos β cosh β = −1.
     #[test]
