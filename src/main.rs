@@ -12,6 +12,7 @@ mod failure;
 mod input;
 mod output;
 mod picture;
+mod portrait;
 mod progress;
 
 use failure::Failure;

@@ -19,6 +19,7 @@ mod joint_torque;
 mod leaf_bending;
 mod leaf_case;
 mod leaf_vibration;
+mod portrait;
 mod pressed_arm;
 mod reach_energy;
 mod resting_load;
@@ -30,6 +31,7 @@ mod skin_layer;
 
 pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
+pub use portrait::{Portrait, portraits, roll_loop};
 pub use shortfall::{SHORTFALLS, Shortfall};
 
 /// One check.
