@@ -5,12 +5,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+mod audit;
 mod command;
 mod dataset;
 mod failure;
 mod input;
 mod output;
 mod picture;
+mod portrait;
 mod progress;
 
 use failure::Failure;

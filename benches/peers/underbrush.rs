@@ -47,11 +47,13 @@ fn sweep_of(leaves: &str, layout: &str) -> Sweep {
 fn run(sweep: &Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
     let mut world = sweep.world(options, dormancy);
     let mut forces = Vec::with_capacity(Sweep::frames());
+    let mut angles = Vec::with_capacity(Sweep::frames());
     let mut active = 0;
     let start = processor_time_s();
     sweep.run(&mut world, |world| {
         active += world.active_objects();
         forces.push(sweep::force_on_links(&sweep.arm, world));
+        angles.push(world.arm.joint_angle_rad(&world.physics));
     });
     let cost_s = processor_time_s() - start;
     json!({
@@ -59,7 +61,7 @@ fn run(sweep: &Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
         "processor_time_s": cost_s,
         "mean_active_leaves": active as f64 / Sweep::frames() as f64,
         "force_on_links_n": forces.iter().map(|links| links.iter().map(|f| f.to_array()).collect()).collect::<Vec<Vec<_>>>(),
-        "joint_angle_rad": world.arm.joint_angle_rad(&world.physics),
+        "joint_angle_rad": angles,
     })
 }
 

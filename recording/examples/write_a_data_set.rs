@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Provenance};
 use underbrush_recording::{
-    Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout, Taxel,
-    TaxelReading,
+    Audit, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout,
+    Taxel, TaxelReading,
 };
 
 const ROWS: usize = 16;
@@ -126,7 +126,8 @@ fn recording(reach: u64) -> Recording {
             mean_force_n: 1.0,
         }],
         frames,
-        largest_force_residual: 0.0,
+        // Nothing to audit: there is no solver behind it.
+        audit: Audit::default(),
     }
 }
 

@@ -5,6 +5,7 @@
 //! [`trial::Trial`] one taxel's (or component's) stream from contact to break.
 //! The disk formats (Parquet, JSON, CSV) sit apart, behind the feature `disk`.
 
+pub mod audit;
 pub mod category;
 #[cfg(feature = "disk")]
 pub mod disk;
@@ -14,6 +15,7 @@ pub mod layout;
 pub mod reach;
 pub mod trial;
 
+pub use audit::{Audit, AuditField};
 pub use category::Category;
 pub use frame::{Frame, Pose, TaxelReading};
 pub use input_error::InputError;

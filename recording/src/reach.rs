@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Category, Frame, SkinLayout};
+use crate::{Audit, Category, Frame, SkinLayout};
 
 /// How a goal, or a whole reach, ended. Data, not an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -109,9 +109,8 @@ pub struct Recording {
     pub contacts: Vec<Contact>,
     /// The samples.
     pub frames: Vec<Frame>,
-    /// Largest relative difference, over all frames and patches, between the vector sum of the true taxel forces
-    /// and the solver's contact force.
-    pub largest_force_residual: f64,
+    /// How far the physics was from what it should be.
+    pub audit: Audit,
 }
 
 impl Recording {

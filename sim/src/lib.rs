@@ -11,8 +11,10 @@
 //! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
 
 pub mod arm;
+pub mod audit;
 pub mod campaign;
 pub mod clutter;
+mod cone;
 mod contact_log;
 pub mod controller;
 pub mod geometry;

@@ -1,7 +1,7 @@
 //! One reach: sense → control → step → record, goal after goal.
 
 use glam::DVec3;
-use underbrush_recording::{Frame, GoalRecord, InputError, Outcome, Pose, Recording};
+use underbrush_recording::{Audit, Frame, GoalRecord, InputError, Outcome, Pose, Recording};
 
 use crate::arm::{Arm, LinkCollider};
 use crate::clutter::{ArmAtStart, Clutter};
@@ -122,7 +122,7 @@ impl<'a> Reach<'a> {
             goals: Vec::new(),
             contacts: Vec::new(),
             frames: Vec::new(),
-            largest_force_residual: 0.0,
+            audit: Audit::default(),
         };
         Reach {
             plan,
@@ -158,6 +158,7 @@ impl<'a> Reach<'a> {
             }
         }
         self.recording.contacts = self.contacts.finish();
+        self.recording.audit = self.world.auditor.audit();
         self.recording
     }
 
@@ -253,7 +254,7 @@ impl<'a> Reach<'a> {
     fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {
         let number = self.recording.frames.len();
         self.contacts.observe(number as u32, &touch.pairs);
-        self.recording.largest_force_residual = self.recording.largest_force_residual.max(touch.force_residual);
+        self.world.audit_frame(&self.plan.arm, touch);
         let pose = |pose: rapier3d::prelude::Pose| Pose {
             position: pose.translation,
             orientation: pose.rotation,

@@ -7,7 +7,10 @@
 //! sub-point's place in the tangent plane of the contact. δ and t are those for which the pressures add up to the
 //! solver's normal force and to its moment about the tangents: the minimum of a convex, piecewise quadratic energy,
 //! found by Newton's method. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
-//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force.
+//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. Where
+//! that takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as it takes
+//! ([`crate::cone`]). That is possible where the cones of the pressed taxels together hold the solver's force: not where
+//! all of them lie on one side of the contact's normal, as one taxel or one column may; there shear stays as it is.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -15,6 +18,8 @@ use rapier3d::prelude::{Pose, Shape};
 use underbrush_recording::Taxel;
 
 use crate::arm::Arm;
+use crate::cone::{Carrier, solve_symmetric, within_cones};
+use crate::object::FRICTION;
 
 /// One place on a taxel, link frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +49,8 @@ pub struct SkinPatch {
     pub reach_m: f64,
     /// Stiffness of the layer per volume, N/m³.
     pub stiffness_n_per_m3: f64,
+    /// Coefficient of friction between skin and objects.
+    pub friction: f64,
 }
 
 /// One contact point as the solver saw it, between a link and one collision shape of an object.
@@ -103,6 +110,8 @@ impl SkinPatch {
                     .collect(),
                 reach_m: reach(&layout.taxels),
                 stiffness_n_per_m3: arm.skin.stiffness_n_per_m3,
+                // The engine's rule for two surfaces: the mean.
+                friction: 0.5 * (arm.friction + FRICTION),
             })
             .collect()
     }
@@ -119,6 +128,19 @@ impl SkinPatch {
     /// Spreads the contacts between this patch and one collision shape over the taxels. `shape_pose` is the shape's
     /// pose in the link frame. The forces returned add up to those of the contacts.
     pub fn spread(&self, contacts: &[ContactPoint], shape: &dyn Shape, shape_pose: &Pose) -> Vec<TaxelForce> {
+        self.spread_under(contacts, shape, shape_pose, 0.0)
+    }
+
+    /// As [`SkinPatch::spread`], under a shape whose surface gives way by `compliance_m3_per_n` under pressure: layer
+    /// and surface are springs in series, and the softer they are the more taxels share the load.
+    pub fn spread_under(
+        &self,
+        contacts: &[ContactPoint],
+        shape: &dyn Shape,
+        shape_pose: &Pose,
+        compliance_m3_per_n: f64,
+    ) -> Vec<TaxelForce> {
+        let stiffness_n_per_m3 = 1.0 / (1.0 / self.stiffness_n_per_m3 + compliance_m3_per_n);
         let total: DVec3 = contacts.iter().map(|contact| contact.force_link).sum();
         let load = |contact: &ContactPoint| contact.force_link.dot(contact.inward_link).max(0.0);
         let normal_sum: DVec3 = contacts.iter().map(|contact| contact.inward_link * load(contact)).sum();
@@ -142,7 +164,7 @@ impl SkinPatch {
                     taxel: point.taxel,
                     gap: signed_distance(shape, shape_pose, point.position_link),
                     place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
-                    stiffness: self.stiffness_n_per_m3 * point.area_m2,
+                    stiffness: stiffness_n_per_m3 * point.area_m2,
                     share: -point.normal_link.dot(inward),
                 }
             })
@@ -179,12 +201,26 @@ impl SkinPatch {
             }
         }
         let shear = solve_symmetric(carried, rest);
-        taxels
+        let mut carriers: Vec<Carrier> = taxels
             .iter()
-            .map(|(taxel, force)| TaxelForce {
-                taxel: *taxel,
-                normal_force_n: force * scale,
-                shear_link: tangent_plane(*taxel, shear) * *force,
+            .map(|(taxel, force)| Carrier {
+                inward: -normal(*taxel),
+                weight_n: *force,
+                force: tangent_plane(*taxel, shear) * *force - normal(*taxel) * (force * scale),
+            })
+            .collect();
+        // Where it is not possible, the taxels take what the solver gave them.
+        within_cones(&mut carriers, self.friction, total);
+        let carried = taxels.iter().zip(&carriers);
+        carried
+            .filter(|(_, carrier)| carrier.force != DVec3::ZERO)
+            .map(|((taxel, _), carrier)| {
+                let normal_force_n = carrier.force.dot(carrier.inward);
+                TaxelForce {
+                    taxel: *taxel,
+                    normal_force_n,
+                    shear_link: carrier.force - carrier.inward * normal_force_n,
+                }
             })
             .collect()
     }
@@ -316,17 +352,5 @@ fn signed_distance(shape: &dyn Shape, pose: &Pose, point: DVec3) -> f64 {
     if projection.is_inside { -distance } else { distance }
 }
 
-/// Solves a symmetric, possibly singular 3 × 3 system by its eigenvectors; what lies in the null space stays out.
-fn solve_symmetric(matrix: DMat3, right: DVec3) -> DVec3 {
-    let matrix = Matrix3::from_column_slice(&matrix.to_cols_array());
-    let eigen = matrix.symmetric_eigen();
-    let largest = eigen.eigenvalues.amax();
-    let right = Vector3::new(right.x, right.y, right.z);
-    let mut solution = Vector3::zeros();
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > 1e-12 * largest {
-            solution += vector * (vector.dot(&right) / value);
-        }
-    }
-    DVec3::new(solution.x, solution.y, solution.z)
-}
+#[cfg(test)]
+mod tests;

@@ -21,6 +21,9 @@ pub struct Touch {
     pub pairs: BTreeMap<(Option<u16>, u16), DVec3>,
     /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's.
     pub force_residual: f64,
+    /// Largest difference, over the patches, between the moment of the taxel forces, each at its taxel's centre, and
+    /// that of the solver's contacts, over the sum of the contacts' magnitudes, m.
+    pub moment_residual_m: f64,
 }
 
 impl Touch {
@@ -51,6 +54,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
         contact_force_world: vec![DVec3::ZERO; patches.len()],
         ..Touch::default()
     };
+    let mut wrenches = vec![Wrench::default(); patches.len()];
     let mut groups: BTreeMap<(usize, (u32, u32)), Group> = BTreeMap::new();
     for contact in world.contacts() {
         let object = contact.object as u16;
@@ -65,6 +69,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
             .or_default() += contact.force_world;
         if let Some(patch) = patch {
             touch.contact_force_world[patch] += contact.force_world;
+            wrenches[patch].add(point.position_link, point.force_link);
             let group = groups
                 .entry((patch, contact.collider.into_raw_parts()))
                 .or_insert_with(|| Group {
@@ -79,8 +84,9 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
     for ((patch, _), group) in &groups {
         let skin = &patches[*patch];
         let shape = &world.physics.colliders[group.collider];
+        let compliance = world.surface_compliance_m3_per_n(usize::from(group.object));
         let shape_pose = world.link_pose(skin.link).inverse() * *shape.position();
-        for force in skin.spread(&group.points, shape.shape(), &shape_pose) {
+        for force in skin.spread_under(&group.points, shape.shape(), &shape_pose, compliance) {
             let load = loads.entry((*patch, force.taxel)).or_default();
             load.normal_n += force.normal_force_n;
             load.shear_link += force.shear_link;
@@ -93,7 +99,8 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
         sensor.press(*patch, *taxel, load.normal_n);
     }
     sensor.sample();
-    touch.force_residual = residual(world, patches, &loads, &touch.contact_force_world);
+    let [force, moment] = residuals(patches, &loads, &wrenches);
+    (touch.force_residual, touch.moment_residual_m) = (force, moment);
     for (patch, described) in layout.patches.iter().enumerate() {
         for (taxel, place) in described.taxels.iter().enumerate() {
             let load = loads.get(&(patch, taxel));
@@ -127,15 +134,37 @@ fn in_link_frame(contact: &SolverContact, pose: &Pose) -> ContactPoint {
     }
 }
 
-fn residual(world: &World, patches: &[SkinPatch], loads: &BTreeMap<(usize, usize), Load>, solver: &[DVec3]) -> f64 {
-    let mut sums = vec![DVec3::ZERO; patches.len()];
+/// A patch's forces, summed up in its link's frame.
+#[derive(Clone, Copy, Default)]
+struct Wrench {
+    force: DVec3,
+    moment: DVec3,
+    magnitude: f64,
+}
+
+impl Wrench {
+    fn add(&mut self, position: DVec3, force: DVec3) {
+        self.force += force;
+        self.moment += position.cross(force);
+        self.magnitude += force.length();
+    }
+}
+
+/// The largest differences between taxels and solver over the patches: of force, relative; of moment, m.
+fn residuals(patches: &[SkinPatch], loads: &BTreeMap<(usize, usize), Load>, solver: &[Wrench]) -> [f64; 2] {
+    let mut felt = vec![Wrench::default(); patches.len()];
     for ((patch, taxel), load) in loads {
         let skin = &patches[*patch];
         let force = load.shear_link - skin.normals_link[*taxel] * load.normal_n;
-        sums[*patch] += world.link_pose(skin.link).transform_vector(force);
+        felt[*patch].add(skin.centers_link[*taxel], force);
     }
-    let relative = |(sum, solver): (&DVec3, &DVec3)| (*sum - *solver).length() / solver.length().max(1e-6);
-    sums.iter().zip(solver).map(relative).fold(0.0, f64::max)
+    let pairs = felt.iter().zip(solver);
+    pairs.fold([0.0, 0.0], |[force, moment], (felt, solver)| {
+        // Under a micronewton there is no contact to speak of.
+        let missing = (felt.force - solver.force).length() / solver.force.length().max(1e-6);
+        let turned = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
+        [force.max(missing), moment.max(turned)]
+    })
 }
 
 #[cfg(test)]
@@ -179,6 +208,7 @@ mod tests {
             .collect();
         for _ in 0..(seconds / crate::world::FRAME_PERIOD_S) as usize {
             world.advance_frame(&arm, &equilibrium, &clutter);
+            world.audit_frame(&arm, &Touch::default());
         }
         let options = SensorOptions {
             perfect: true,
@@ -219,6 +249,11 @@ mod tests {
             assert!(
                 residual < 1e-3,
                 "relative residual {residual} at {force} N: {spring} {contact}"
+            );
+            let audit = world.auditor.audit();
+            assert!(
+                audit.rest_frames > 0 && audit.largest_static_residual < 0.05,
+                "{audit:?}"
             );
             assert!(
                 touch.force_residual < 1e-9,

@@ -9,9 +9,11 @@ use rapier3d::prelude::*;
 
 use crate::arm::Arm;
 use crate::arm::engine::{self, ArmHandles};
+use crate::audit::Auditor;
 use crate::clutter::{Clutter, Standing};
 use crate::object::Mechanism;
 use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
+use crate::touch::Touch;
 
 /// Period of the skin and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
@@ -39,6 +41,8 @@ pub struct SolverContact {
     pub inward_world: DVec3,
     /// Its share of the mean force on the link over the frame: impulse, normal and friction, over 10 ms; N, world frame.
     pub force_world: DVec3,
+    /// How deep the shapes were in each other when the step began, m; negative while they were still apart.
+    pub penetration_m: f64,
 }
 
 /// The engine with one arm and one clutter. A copy goes on as the original does, bit for bit.
@@ -48,7 +52,10 @@ pub struct World {
     pub physics: Physics,
     /// The arm's bodies.
     pub arm: ArmHandles,
+    /// Watches every step.
+    pub auditor: Auditor,
     contacts: Vec<SolverContact>,
+    compliance_m3_per_n: Vec<f64>,
     mechanisms: Vec<Option<Mechanism>>,
     /// The objects at rest.
     outlines: Vec<(Cuboid, Pose)>,
@@ -64,10 +71,15 @@ impl World {
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
         let outlines: Vec<(Cuboid, Pose)> = clutter.objects.iter().map(Standing::outline).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.aabb(pose)).collect();
+        let objects = clutter.objects.iter();
         let mut world = World {
+            auditor: Auditor::new(arm, &handles, &physics),
             physics,
             arm: handles,
             contacts: Vec::new(),
+            compliance_m3_per_n: objects
+                .map(|standing| standing.object.surface_compliance_m3_per_n())
+                .collect(),
             mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
             standing: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             outlines,
@@ -95,7 +107,10 @@ impl World {
                 mechanism.relax(&mut self.physics);
             }
             self.physics.step();
+            let earlier = self.contacts.len();
             self.gather_contacts();
+            let contacts = &self.contacts[earlier..];
+            self.auditor.observe_step(arm, &self.arm, &self.physics, contacts);
         }
         if self.dormancy {
             self.retire();
@@ -140,11 +155,22 @@ impl World {
                             position_link: on_link,
                             inward_world,
                             force_world: impulse / FRAME_PERIOD_S,
+                            penetration_m: -point.dist,
                         });
                     }
                 }
             }
         }
+    }
+
+    /// Lets the auditor see a frame that is about to be recorded.
+    pub fn audit_frame(&mut self, arm: &Arm, touch: &Touch) {
+        self.auditor.observe_frame(arm, &self.contacts, touch);
+    }
+
+    /// How far an object's surface gives way under pressure, m³/N.
+    pub fn surface_compliance_m3_per_n(&self, object: usize) -> f64 {
+        self.compliance_m3_per_n[object]
     }
 
     /// Pose of a link in the world frame.

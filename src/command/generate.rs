@@ -1,5 +1,6 @@
 //! `underbrush generate`: a data set of many reaches.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -10,6 +11,7 @@ use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_sim::controller;
 use underbrush_sim::scene::Scene;
 
+use crate::audit::{self, Worst};
 use crate::dataset::Campaign;
 use crate::failure::Failure;
 use crate::output;
@@ -61,8 +63,9 @@ pub struct Summary {
     simulated_s: f64,
     wall_s: f64,
     touched_reaches: usize,
-    outcomes: std::collections::BTreeMap<&'static str, usize>,
-    largest_force_residual: f64,
+    outcomes: BTreeMap<&'static str, usize>,
+    /// The worst figures of the audit, with the reach that they are from.
+    audit: BTreeMap<&'static str, Worst>,
 }
 
 impl Summary {
@@ -70,7 +73,7 @@ impl Summary {
     pub fn of(dataset: &Dataset, wall_s: f64) -> Self {
         let episodes = dataset.episodes();
         let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
-        let mut outcomes = std::collections::BTreeMap::new();
+        let mut outcomes = BTreeMap::new();
         for episode in episodes {
             *outcomes.entry(episode.outcome.name()).or_default() += 1;
         }
@@ -82,10 +85,7 @@ impl Summary {
             wall_s,
             touched_reaches: episodes.iter().filter(|episode| episode.touched).count(),
             outcomes,
-            largest_force_residual: episodes
-                .iter()
-                .map(|episode| episode.largest_force_residual)
-                .fold(0.0, f64::max),
+            audit: audit::worst(episodes),
         }
     }
 
@@ -99,7 +99,7 @@ impl Summary {
         format!(
             "{} reaches, {:.0} s of simulated time in {:.0} s ({:.0} times real time)\n\
              outcomes: {}; {} of {} reaches touched something\n\
-             largest relative difference between taxel and contact forces: {:.1e}\n\
+             {}\n\
              data set in {}",
             self.reaches,
             self.simulated_s,
@@ -108,7 +108,7 @@ impl Summary {
             outcomes.join(", "),
             self.touched_reaches,
             self.reaches,
-            self.largest_force_residual,
+            audit::text(&self.audit),
             self.dataset.display()
         )
     }
@@ -137,5 +137,6 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     let dataset = campaign.write(&options.out, options.resume)?;
     let summary = Summary::of(&dataset, start.elapsed().as_secs_f64());
+    audit::warn(dataset.episodes());
     output::result(json, &summary, || summary.text())
 }

@@ -12,7 +12,7 @@ use underbrush_sim::reach::{ReachPlan, arm_at_start};
 use underbrush_sim::scene::Scene;
 
 use crate::failure::Failure;
-use crate::{input, output};
+use crate::{audit, input, output};
 
 /// Options of `underbrush inspect`.
 #[derive(Args)]
@@ -112,8 +112,7 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
         "reaches that touched something": episodes.iter().filter(|episode| episode.touched).count(),
         "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
         "taxels": patches,
-        "largest relative difference between taxel and contact forces":
-            episodes.iter().map(|episode| episode.largest_force_residual).fold(0.0, f64::max),
+        "audit, worst of all reaches": audit::worst(episodes),
         "seed": provenance.seed,
         "controller": provenance.controller,
         "program": format!("{} {}", provenance.program, provenance.program_version),
@@ -137,7 +136,7 @@ fn recording(path: &Path) -> Result<Value, Failure> {
         "goals": goals.join(", "),
         "objects": recording.objects.len(),
         "contacts": recording.contacts.len(),
-        "largest relative difference between taxel and contact forces": recording.largest_force_residual,
+        "audit": recording.audit,
         "check": "sound",
     }))
 }

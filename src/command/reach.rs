@@ -6,8 +6,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_recording::Recording;
 use underbrush_recording::disk::write_recording;
+use underbrush_recording::{Audit, Recording};
 use underbrush_sim::controller;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -55,7 +55,7 @@ pub struct Report {
     contacts: usize,
     peak_contact_force_n: f64,
     mean_contact_force_n: f64,
-    largest_force_residual: f64,
+    audit: Audit,
     taxel_trials: usize,
     component_trials: usize,
 }
@@ -140,7 +140,7 @@ impl Report {
                 .fold(0.0, f64::max),
             // The sum of nothing is −0.
             mean_contact_force_n: force_sum.max(0.0) / contact_frames.max(1.0),
-            largest_force_residual: recording.largest_force_residual,
+            audit: recording.audit,
             taxel_trials: cut(Unit::Taxel)?,
             component_trials: cut(Unit::Component)?,
         })
@@ -182,7 +182,7 @@ impl Report {
                 self.f_max_n,
                 self.taxel_trials,
                 self.component_trials,
-                self.largest_force_residual
+                self.audit.largest_force_residual
             )
     }
 }

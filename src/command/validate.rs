@@ -1,14 +1,15 @@
 //! `underbrush validate`: the physics checks with their residuals.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
-use underbrush_validation::{CHECKS, Check, Judged, Outcome, Simulated, Verdict};
+use underbrush_validation::{CHECKS, Check, CheckError, Judged, Outcome, Simulated, Verdict, portraits, roll_loop};
 
 use crate::failure::Failure;
-use crate::{output, progress};
+use crate::{output, portrait, progress};
 
 /// Options of `underbrush validate`.
 #[derive(Args)]
@@ -22,6 +23,9 @@ pub struct Options {
     /// Run every check with one parameter wrong on purpose, and demand that it fails
     #[arg(long)]
     falsify: bool,
+    /// Folder for pictures: the skin under the edge of a leaf, a trunk and a foam roll, and the roll's loop (SVG)
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -64,6 +68,13 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     } else {
         Simulated::AsDescribed
     };
+    if let Some(folder) = &options.pictures {
+        let broken = |error: CheckError| Failure::run(error.to_string());
+        let skin = portrait::skin(&portraits().map_err(broken)?);
+        output::write_file(&folder.join("skin.svg"), skin.as_bytes())?;
+        let roll = portrait::roll_loop(&roll_loop().map_err(broken)?);
+        output::write_file(&folder.join("foam-roll.svg"), roll.as_bytes())?;
+    }
     let bar = progress::bar(checks.len() as u64, "checks");
     let outcomes = underbrush_validation::run(&checks, simulated, options.tolerance_scale, || bar.inc(1));
     bar.finish_and_clear();

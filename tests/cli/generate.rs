@@ -51,7 +51,10 @@ fn taxel_forces_add_up_to_contact_forces() {
     ];
     assert_eq!(call.stderr, "");
     let summary = call.json();
-    assert!(summary["largest_force_residual"].as_f64().unwrap() < 1e-9, "{summary}");
+    assert!(
+        summary["audit"]["largest_force_residual"]["value"].as_f64().unwrap() < 1e-9,
+        "{summary}"
+    );
     assert_eq!(summary["touched_reaches"], 1, "{summary}");
 }
 

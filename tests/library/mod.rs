@@ -1,4 +1,5 @@
 //! What the libraries promise beyond the command line.
 
+mod balance;
 mod engine;
 mod scenes;

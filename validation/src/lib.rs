@@ -19,14 +19,19 @@ mod joint_torque;
 mod leaf_bending;
 mod leaf_case;
 mod leaf_vibration;
+mod portrait;
 mod pressed_arm;
+mod reach_energy;
 mod resting_load;
+mod sensor;
 mod series;
 mod shortfall;
+mod skin_forces;
 mod skin_layer;
 
 pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
+pub use portrait::{Portrait, portraits, roll_loop};
 pub use shortfall::{SHORTFALLS, Shortfall};
 
 /// One check.
@@ -50,15 +55,18 @@ pub const CHECKS: &[Check] = &[
     leaf_bending::LARGE_DEFLECTION,
     leaf_vibration::CHECK,
     resting_load::CHECK,
+    skin_forces::CHECK,
     joint_torque::CHECK,
     friction::CHECK,
     free_arm::CHECK,
     joint_step::CHECK,
     skin_layer::CHECK,
     foam::CHECK,
+    reach_energy::CHECK,
     convergence::CHECK,
     series::CHECK,
     determinism::CHECK,
+    sensor::CHECK,
     hmm::CHECK,
 ];
 

@@ -86,6 +86,15 @@ impl PressedArm {
         })
     }
 
+    /// Turns the object where it stands, before the arm has moved, rad.
+    pub fn turn(&mut self, turn_rad: f64) {
+        for standing in &mut self.clutter.objects {
+            standing.yaw_rad += turn_rad;
+        }
+        let options = self.world.physics.options;
+        self.world = World::new(&self.simulated, &self.posture_rad, &self.clutter, options, false);
+    }
+
     /// Equilibrium angles that would press with `force_n` across the forearm if nothing moved, rad.
     pub fn pressing_rad(&self, force_n: f64) -> Vec<f64> {
         let poses = self.arm.forward_kinematics(&self.posture_rad);

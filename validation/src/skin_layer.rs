@@ -137,6 +137,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64) -> SkinPatch {
         })
     });
     SkinPatch {
+        friction: 0.35,
         link: 0,
         sub_points: points.collect(),
         centers_link: places.iter().map(|[x, arc]| surface(*x, *arc).0).collect(),

@@ -1,5 +1,5 @@
 use glam::DQuat;
-use underbrush_recording::{Category, Grid, Patch, Pose, SkinLayout, Taxel, TaxelReading};
+use underbrush_recording::{Audit, Category, Grid, Patch, Pose, SkinLayout, Taxel, TaxelReading};
 
 use super::*;
 
@@ -94,7 +94,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
         goals: vec![],
         contacts: vec![],
         frames,
-        largest_force_residual: 0.0,
+        audit: Audit::default(),
     }
 }
 

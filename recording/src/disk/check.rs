@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use super::DiskError;
-use crate::{Frame, InputError, Pose, Recording, SkinLayout};
+use crate::{Audit, Frame, InputError, Pose, Recording, SkinLayout};
 
 /// A rule broken by a recording or a trial.
 #[derive(Debug, PartialEq)]
@@ -133,7 +133,9 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         || format!("{objects} objects"),
         "at most 32768 objects",
     )?;
-    finite([recording.largest_force_residual], || "largest_force_residual".into())?;
+    for field in Audit::FIELDS {
+        finite([(field.get)(&recording.audit)], || format!("audit.{}", field.name))?;
+    }
     for (index, object) in recording.objects.iter().enumerate() {
         let numbers = object
             .position_world

@@ -15,7 +15,7 @@ use crate::{InputError, Recording};
 /// Metadata key of the format's version.
 const FORMAT_KEY: &str = "underbrush.format";
 /// The version that this program writes and reads.
-const FORMAT: &str = "underbrush-recording/1";
+const FORMAT: &str = "underbrush-recording/2";
 /// Metadata key of everything that is not per frame: a [`Recording`] without frames, as JSON.
 const RECORDING_KEY: &str = "underbrush.recording";
 
@@ -33,7 +33,7 @@ fn without_frames(recording: &Recording) -> Recording {
         goals: recording.goals.clone(),
         contacts: recording.contacts.clone(),
         frames: Vec::new(),
-        largest_force_residual: recording.largest_force_residual,
+        audit: recording.audit,
     }
 }
 

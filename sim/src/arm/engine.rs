@@ -3,6 +3,7 @@
 use rapier3d::prelude::*;
 
 use super::{Arm, Link};
+use crate::audit::energy::JointState;
 use crate::physics::Physics;
 
 /// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
@@ -147,6 +148,17 @@ impl ArmHandles {
             let damping = multibody.damping()[link.assembly_id()];
             stiffness * (rest - link.joint.coords()[AXIS]) - damping * multibody.joint_velocity(link)[0]
         })
+    }
+
+    /// Appends the state of every joint, without a vector of its own.
+    pub fn read_joints(&self, physics: &Physics, states: &mut Vec<JointState>) {
+        let multibody = self.joints.first().and_then(|joint| physics.joints.get(*joint));
+        let Some((multibody, _)) = multibody else { return };
+        states.extend(multibody.links().skip(1).map(|link| JointState {
+            angle_rad: link.joint.coords()[AXIS],
+            rate_rad_per_s: multibody.joint_velocity(link)[0],
+            rest_rad: link.joint.spring(AXIS).1,
+        }));
     }
 
     fn each_joint(&self, physics: &Physics, read: impl Fn(&Multibody, &MultibodyLink) -> f64) -> Vec<f64> {

@@ -206,6 +206,11 @@ impl Object for FoamRoll {
         self.height_m
     }
 
+    /// Choice: a layer as thick as the radius, down to the core, gives way by R / E.
+    fn surface_compliance_m3_per_n(&self) -> f64 {
+        0.5 * self.diameter_m / self.modulus_pa
+    }
+
     fn parameters(&self) -> BTreeMap<String, f64> {
         BTreeMap::from([
             ("diameter_m".into(), self.diameter_m),

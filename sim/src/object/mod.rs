@@ -122,6 +122,11 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn parameters(&self) -> BTreeMap<String, f64>;
     /// Builds it with its foot at `foot_world`, turned by `yaw_rad` about the vertical.
     fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism;
+    /// How far its surface gives way under pressure, m³/N: the skin's layer and it are pressed in together. 0 where it is
+    /// rigid against the skin's cover, as most things are.
+    fn surface_compliance_m3_per_n(&self) -> f64 {
+        0.0
+    }
     /// Modulus and height of the foam in which others may stand, Pa and m, where it is such foam.
     fn foam_top(&self) -> Option<(f64, f64)> {
         None

@@ -35,7 +35,7 @@ impl Fabric {
         for ((force, memory), reading) in true_force_n.iter().zip(&mut self.memory_n).zip(reading_n) {
             // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling
             // one only when it is the hysteresis share below. Without force nothing remains.
-            *memory = memory.clamp(*force, force * self.opening_gain);
+            *memory = memory.min(force * self.opening_gain).max(*force).max(0.0);
             // The fabric's conductance is proportional to force; in a voltage divider it gives F S / (F + S). The
             // driver knows only the slope at small forces.
             let divided = *memory / (1.0 + *memory / self.full_scale_n);

@@ -15,7 +15,7 @@ use super::truth_tables::read_outcome;
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, open, write_table};
 use crate::disk::table::{Columns, TableBuilder};
-use crate::{Outcome, Recording};
+use crate::{Audit, AuditField, Outcome, Recording};
 
 /// One reach of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,8 +50,8 @@ pub struct Episode {
     pub contacts: usize,
     /// Whether any skin touched anything.
     pub touched: bool,
-    /// Largest relative difference between the sum of the taxel forces and the solver's contact force.
-    pub largest_force_residual: f64,
+    /// How far the physics was from what it should be.
+    pub audit: Audit,
 }
 
 /// Where the frames of an episode are; the fields of the same names in [`Episode`].
@@ -88,7 +88,7 @@ impl Episode {
             seed: recording.seed,
             reach_index: recording.reach_index,
             controller: recording.controller,
-            largest_force_residual: recording.largest_force_residual,
+            audit: recording.audit,
         }
     }
 }
@@ -103,7 +103,7 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
     for episode in episodes {
         tasks.append_value([Some(&episode.task)]);
     }
-    let batch = TableBuilder::default()
+    let table = TableBuilder::default()
         .column("episode_index", Int64Array::from_iter_values(0..episodes.len() as i64))
         .column("tasks", tasks.finish())
         .column("length", count(|episode| episode.frames))
@@ -129,10 +129,12 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
             "touched",
             BooleanArray::from_iter(episodes.iter().map(|episode| Some(episode.touched))),
         )
-        .column(
-            "largest_force_residual",
-            Float64Array::from_iter_values(episodes.iter().map(|episode| episode.largest_force_residual)),
-        )
+        .column("rest_frames", count(|episode| episode.audit.rest_frames as usize));
+    let figure =
+        |field: &AuditField| Float64Array::from_iter_values(episodes.iter().map(|episode| (field.get)(&episode.audit)));
+    let figures = Audit::FIELDS.iter();
+    let batch = figures
+        .fold(table, |table, field| table.column(field.name, figure(field)))
         .build(path)?;
     write_table(path, &batch, [])
 }
@@ -169,7 +171,11 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
     let seed = columns.numbers::<UInt64Type>("seed")?;
     let reach_index = columns.numbers::<UInt64Type>("reach_index")?;
     let touched = columns.flags("touched")?;
-    let largest_force_residual = columns.numbers::<Float64Type>("largest_force_residual")?;
+    let rest_frames = count("rest_frames")?;
+    let figures = Audit::FIELDS
+        .iter()
+        .map(|field| Ok((field.set, columns.numbers::<Float64Type>(field.name)?)))
+        .collect::<Result<Vec<_>, DiskError>>()?;
     for (row, task) in tasks.into_iter().enumerate() {
         let expected = episodes
             .last()
@@ -178,6 +184,14 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
             let found = format!("episode {} from frame {}", index[row], first_index[row]);
             let allowed = format!("episode {} from frame {expected}", episodes.len());
             return Err(columns.error("dataset_from_index", found, allowed));
+        }
+        let mut audit = Audit {
+            // Counts are within 32 bits.
+            rest_frames: rest_frames[row] as u32,
+            ..Audit::default()
+        };
+        for (set, figure) in &figures {
+            set(&mut audit, figure[row]);
         }
         episodes.push(Episode {
             task,
@@ -195,7 +209,7 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
             objects: objects[row],
             contacts: contacts[row],
             touched: touched.value(row),
-            largest_force_residual: largest_force_residual[row],
+            audit,
         });
     }
     Ok(())

@@ -3,7 +3,7 @@
 //! ```text
 //! data/chunk-000/file-000.parquet …             the frames, one row group an episode
 //! meta/info.json                                features and totals; written last, so a set without it is unfinished
-//! meta/episodes/chunk-000/file-000.parquet      one row an episode: where its frames are, how it ended
+//! meta/episodes/chunk-000/file-000.parquet      one row an episode: where its frames are, how it ended, its audit
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics
 //! meta/taxels.parquet                           where every taxel is
 //! meta/objects.parquet  goals  contacts         ground truth, one row each

@@ -183,7 +183,7 @@ impl Dataset {
                 episode.contacts,
             )?,
             frames: Vec::new(),
-            largest_force_residual: episode.largest_force_residual,
+            audit: episode.audit,
         };
         let path = path(&names::data(episode.chunk_index, episode.file_index));
         self.read_frames(&path, index, &mut recording)?;

@@ -12,8 +12,8 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 use crate::{
-    Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout, Taxel,
-    TaxelReading,
+    Audit, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout,
+    Taxel, TaxelReading,
 };
 
 /// A field's name in an error and a change that spoils it.
@@ -158,6 +158,19 @@ fn readings_of(layout: &SkinLayout, raw: &[RawReading], objects: usize) -> Vec<T
     readings.filter(speaks).collect()
 }
 
+fn audit() -> impl Strategy<Value = Audit> {
+    (any::<u32>(), prop::collection::vec(number(), Audit::FIELDS.len())).prop_map(|(rest_frames, figures)| {
+        let mut audit = Audit {
+            rest_frames,
+            ..Audit::default()
+        };
+        for (field, figure) in Audit::FIELDS.iter().zip(figures) {
+            (field.set)(&mut audit, figure);
+        }
+        audit
+    })
+}
+
 /// Any recording that keeps the rules of its types.
 pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
     let parts = (
@@ -185,44 +198,41 @@ pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
             contacts,
             any::<(u64, u64)>(),
             1e-3..1e4f64,
-            number(),
+            audit(),
             "\\PC{0,8}",
         )
-            .prop_map(
-                move |(frames, contacts, (seed, reach_index), rate_hz, largest_force_residual, scene)| {
-                    let places = layout.patches.len();
-                    let possible = !objects.is_empty() && !frames.is_empty();
-                    let contacts =
-                        contacts
-                            .into_iter()
-                            .filter(|_| possible)
-                            .map(|(patch, [object, a, b], peak, mean)| {
-                                let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
-                                Contact {
-                                    patch: patch.filter(|_| places > 0).map(|patch| patch.index(places) as u16),
-                                    object: object.index(objects.len()) as u16,
-                                    first_frame: a.min(b),
-                                    last_frame: a.max(b),
-                                    peak_force_n: peak,
-                                    mean_force_n: mean,
-                                }
-                            });
-                    Recording {
-                        scene,
-                        controller: "cody-2013".into(),
-                        seed,
-                        reach_index,
-                        rate_hz,
-                        joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
-                        contacts: contacts.collect(),
-                        layout: layout.clone(),
-                        objects: objects.clone(),
-                        goals: goals.clone(),
-                        frames,
-                        largest_force_residual,
-                    }
-                },
-            )
+            .prop_map(move |(frames, contacts, (seed, reach_index), rate_hz, audit, scene)| {
+                let places = layout.patches.len();
+                let possible = !objects.is_empty() && !frames.is_empty();
+                let contacts = contacts
+                    .into_iter()
+                    .filter(|_| possible)
+                    .map(|(patch, [object, a, b], peak, mean)| {
+                        let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
+                        Contact {
+                            patch: patch.filter(|_| places > 0).map(|patch| patch.index(places) as u16),
+                            object: object.index(objects.len()) as u16,
+                            first_frame: a.min(b),
+                            last_frame: a.max(b),
+                            peak_force_n: peak,
+                            mean_force_n: mean,
+                        }
+                    });
+                Recording {
+                    scene,
+                    controller: "cody-2013".into(),
+                    seed,
+                    reach_index,
+                    rate_hz,
+                    joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
+                    contacts: contacts.collect(),
+                    layout: layout.clone(),
+                    objects: objects.clone(),
+                    goals: goals.clone(),
+                    frames,
+                    audit,
+                }
+            })
     })
 }
 
@@ -323,6 +333,11 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             mean_force_n: 1.25,
         }],
         frames: (0..frames).map(frame).collect(),
-        largest_force_residual: 1e-9,
+        audit: Audit {
+            largest_force_residual: 1e-9,
+            rest_frames: 7 + reach_index as u32,
+            energy_residual: 0.01 + offset,
+            ..Audit::default()
+        },
     }
 }

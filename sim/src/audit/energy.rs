@@ -1,0 +1,211 @@
+//! Where the energy of the arm goes, step by step.
+//!
+//! The balance is that of the arm: its links' kinetic energy and its joints' springs. In a step of length Δt
+//!
+//! * the **actuators** move the springs' rest angles from φ₀ to φ₁ at the joint angles q₀ and so do the work
+//!   Σ ½ K ((φ₁ − q₀)² − (φ₀ − q₀)²);
+//! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for speeds that change evenly;
+//! * the **contacts** take −Σ f · Δx: the mean force of the step on the way of the link's point under it. This is what
+//!   friction and the contacts' damping lose, and what the objects store and lose, together;
+//! * the **integrator** takes energy by itself. For one substep h of the implicit Euler rule on M v̇ = −K x the identity
+//!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v holds. Speeds are known after a step of n substeps only, so the first is taken as
+//!   spread evenly, a share of 1/n: exact for one substep, an estimate for more.
+//!
+//! What is left is the residual: impacts within a step, friction that the solver does not report, gyroscopic terms.
+//! Steps that begin or end with a joint at a mechanical limit are left out: the engine does not tell what a stop does,
+//! and it corrects joints that have gone past one.
+
+use glam::DVec3;
+use rapier3d::prelude::Pose;
+
+use crate::arm::Arm;
+use crate::arm::engine::ArmHandles;
+use crate::physics::Physics;
+use crate::world::{FRAME_PERIOD_S, SolverContact};
+
+/// A joint this near to a mechanical limit is held by it, rad: a tenth of a degree.
+const STOP_RAD: f64 = 2e-3;
+
+/// One joint at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointState {
+    /// Angle q, rad.
+    pub angle_rad: f64,
+    /// Speed q̇, rad/s.
+    pub rate_rad_per_s: f64,
+    /// Rest angle of its spring, φ within the torque limit, rad.
+    pub rest_rad: f64,
+}
+
+/// One link at the end of a step.
+#[derive(Clone, Copy, Debug)]
+struct LinkState {
+    pose: Pose,
+    /// Velocity of its centre of mass, m/s, world frame.
+    velocity_world: DVec3,
+    /// Angular velocity, rad/s, world frame.
+    spin_world: DVec3,
+}
+
+/// The arm at the end of a step.
+#[derive(Clone, Debug, Default)]
+struct ArmState {
+    joints: Vec<JointState>,
+    links: Vec<LinkState>,
+    energy_j: f64,
+    /// Whether a joint is at a mechanical limit.
+    stopped: bool,
+}
+
+impl ArmState {
+    fn read(&mut self, arm: &Arm, handles: &ArmHandles, physics: &Physics) {
+        self.joints.clear();
+        handles.read_joints(physics, &mut self.joints);
+        self.links.clear();
+        let (mut spin, mut velocity, mut origin) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for (index, (link, body)) in arm.links.iter().zip(&handles.links).enumerate() {
+            let pose = *physics.bodies[*body].position();
+            velocity += spin.cross(pose.translation - origin);
+            origin = pose.translation;
+            if index > 0 {
+                let rate = self.joints.get(index - 1).map_or(0.0, |joint| joint.rate_rad_per_s);
+                spin += pose.transform_vector(arm.joints[index - 1].axis_child) * rate;
+            }
+            let to_center = pose.transform_vector(link.center_of_mass_link);
+            self.links.push(LinkState {
+                pose,
+                velocity_world: velocity + spin.cross(to_center),
+                spin_world: spin,
+            });
+        }
+        self.energy_j = self.sum_energy_j(arm);
+        let mut joints = arm.joints.iter().zip(&self.joints);
+        self.stopped = joints.any(|(joint, state)| {
+            let mut limits = joint.limits_rad.iter();
+            limits.any(|limit| (limit - state.angle_rad).abs() < STOP_RAD)
+        });
+    }
+
+    fn sum_energy_j(&self, arm: &Arm) -> f64 {
+        let joints = arm.joints.iter().zip(&self.joints).map(|(joint, state)| {
+            let stretch = state.rest_rad - state.angle_rad;
+            joint.stiffness_nm_per_rad * stretch * stretch + joint.armature_kg_m2 * state.rate_rad_per_s.powi(2)
+        });
+        0.5 * joints.sum::<f64>() + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.spin_world))
+    }
+
+    /// Kinetic energy, J, of the links at the velocities (of the centre of mass, angular) that `velocities` gives.
+    fn kinetic_energy_j(&self, arm: &Arm, velocities: impl Fn(usize, &LinkState) -> (DVec3, DVec3)) -> f64 {
+        let of_link = |(index, state): (usize, &LinkState)| {
+            let (velocity, spin) = velocities(index, state);
+            let spin_link = state.pose.inverse_transform_vector(spin);
+            let link = &arm.links[index];
+            0.5 * (link.mass_kg * velocity.length_squared() + spin_link.dot(link.inertia_link * spin_link))
+        };
+        self.links.iter().enumerate().map(of_link).sum()
+    }
+}
+
+/// The sums of a reach so far, J, over the steps in which no joint is at a mechanical limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergySums {
+    /// Work of the actuators.
+    pub actuators_j: f64,
+    /// The same with every step counted positive: the scale of the residual.
+    pub exchanged_j: f64,
+    /// Growth of kinetic and spring energy.
+    pub stored_j: f64,
+    /// Taken by the joints' dampers.
+    pub dampers_j: f64,
+    /// Given to what the arm touches: friction, contact damping, objects.
+    pub contacts_j: f64,
+    /// Taken by the integrator itself, by estimate.
+    pub integrator_j: f64,
+}
+
+impl EnergySums {
+    /// What the balance leaves unexplained, J.
+    pub fn residual_j(&self) -> f64 {
+        self.actuators_j - self.stored_j - self.dampers_j - self.contacts_j - self.integrator_j
+    }
+}
+
+/// The balance of one arm.
+#[derive(Clone, Debug, Default)]
+pub struct EnergyBalance {
+    last: ArmState,
+    now: ArmState,
+    sums: EnergySums,
+}
+
+impl EnergyBalance {
+    /// The balance of an arm as it stands.
+    pub fn new(arm: &Arm, handles: &ArmHandles, physics: &Physics) -> Self {
+        let mut balance = EnergyBalance::default();
+        balance.now.read(arm, handles, physics);
+        balance
+    }
+
+    /// The sums so far.
+    pub fn sums(&self) -> &EnergySums {
+        &self.sums
+    }
+
+    /// The joints after the last step.
+    pub fn joints(&self) -> &[JointState] {
+        &self.now.joints
+    }
+
+    /// Takes a step that has just been made, with its contacts.
+    pub fn observe_step(&mut self, arm: &Arm, handles: &ArmHandles, physics: &Physics, contacts: &[SolverContact]) {
+        std::mem::swap(&mut self.last, &mut self.now);
+        self.now.read(arm, handles, physics);
+        if self.last.stopped || self.now.stopped {
+            return;
+        }
+        let step_s = physics.options.step_s;
+        let substeps = physics.options.substeps as f64;
+        let sums = &mut self.sums;
+        let mut work_j = 0.0;
+        let states = self.last.joints.iter().zip(&self.now.joints);
+        for (joint, (last, now)) in arm.joints.iter().zip(states) {
+            let stretch = |rest: f64| (rest - last.angle_rad).powi(2);
+            work_j += 0.5 * joint.stiffness_nm_per_rad * (stretch(now.rest_rad) - stretch(last.rest_rad));
+            let (before, after) = (last.rate_rad_per_s, now.rate_rad_per_s);
+            let mean_square = (before * before + before * after + after * after) / 3.0;
+            sums.dampers_j += joint.damping_nm_s_per_rad * mean_square * step_s;
+            let substep_s = step_s / substeps;
+            sums.integrator_j += 0.5 * joint.stiffness_nm_per_rad * mean_square * step_s * substep_s
+                + 0.5 * joint.armature_kg_m2 * (after - before).powi(2) / substeps;
+        }
+        sums.stored_j += self.now.energy_j - self.last.energy_j;
+        sums.actuators_j += work_j;
+        sums.exchanged_j += work_j.abs();
+        let last = &self.last;
+        sums.integrator_j += self.now.kinetic_energy_j(arm, |index, link| {
+            let before = &last.links[index];
+            (
+                link.velocity_world - before.velocity_world,
+                link.spin_world - before.spin_world,
+            )
+        }) / substeps;
+        for contact in contacts {
+            let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);
+            let mean_force_world = contact.force_world * (FRAME_PERIOD_S / step_s);
+            sums.contacts_j -= mean_force_world.dot(place(&self.now) - place(last));
+        }
+    }
+
+    /// Torques that contacts put on the joints, Σ Jᵀ f, Nm; `torque_nm` is overwritten.
+    pub fn contact_torques(&self, arm: &Arm, contacts: &[SolverContact], torque_nm: &mut [f64]) {
+        torque_nm.fill(0.0);
+        for contact in contacts {
+            let point = self.now.links[contact.link].pose.transform_point(contact.position_link);
+            for (joint, torque) in torque_nm.iter_mut().enumerate().take(contact.link) {
+                let pose = &self.now.links[joint + 1].pose;
+                let axis = pose.transform_vector(arm.joints[joint].axis_child);
+                *torque += axis.dot((point - pose.translation).cross(contact.force_world));
+            }
+        }
+    }
+}

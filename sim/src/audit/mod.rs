@@ -1,0 +1,195 @@
+//! The audit of a reach: how far its physics was from what it should be, and the bounds that it should keep.
+
+use glam::DVec3;
+use underbrush_recording::{Audit, AuditField};
+
+pub mod energy;
+#[cfg(test)]
+mod tests;
+
+use crate::arm::Arm;
+use crate::arm::engine::ArmHandles;
+use crate::physics::Physics;
+use crate::touch::Touch;
+use crate::world::{FRAME_PERIOD_S, SolverContact};
+use energy::EnergyBalance;
+
+/// A figure of the audit with the bound that it should keep.
+#[derive(Clone, Copy, Debug)]
+pub struct Bound {
+    /// The figure.
+    pub field: AuditField,
+    /// Its largest value in a sound reach.
+    pub most: f64,
+    /// Why that.
+    pub reason: &'static str,
+}
+
+/// Every bounded figure.
+pub fn bounds() -> impl Iterator<Item = Bound> {
+    Audit::FIELDS.into_iter().filter_map(|field| {
+        let (most, reason) = match field.name {
+            "largest_force_residual" => (1e-9, "the skin hands on every force; rounding alone is 1e-15"),
+            "largest_moment_residual_m" => (
+                0.04,
+                "the sparsest taxels of Cody's flipper are 4 cm apart; the forearm keeps half its pitch, 6 mm",
+            ),
+            "largest_static_residual" => (
+                0.05,
+                "where it counts as resting the arm may still gain 5e-3 rad/s in 0.1 s",
+            ),
+            "energy_residual" => (
+                0.02,
+                "order 1 in the step, within which impacts and dampers are not resolved",
+            ),
+            "integrator_energy_share" => (0.05, "order 1 in the substep: 5 ms by default"),
+            "deepest_penetration_m" => (
+                0.01,
+                "the skin's cover is some millimetres thick; a link any deeper is in the object",
+            ),
+            "largest_frame_force_jump_n" => (20.0, "over a taxel's largest force of 17 N from one frame to the next"),
+            _ => return None,
+        };
+        Some(Bound { field, most, reason })
+    })
+}
+
+/// Joints slower than this count as resting, rad/s: the stiffest damper then holds 35 mNm.
+const REST_RATE_RAD_PER_S: f64 = 5e-3;
+/// Rest angles that move less than this in a frame count as resting, rad.
+const REST_SHIFT_RAD: f64 = 5e-4;
+/// The arm rests when all joints have for so many frames: a tenth of a second.
+const REST_FRAMES: u32 = 10;
+/// Contacts that turn the joints with less than this are too weak to compare with, Nm.
+const LEAST_CONTACT_TORQUE_NM: f64 = 0.05;
+
+/// Watches one world.
+#[derive(Clone, Debug)]
+pub struct Auditor {
+    audit: Audit,
+    energy: EnergyBalance,
+    /// Force on each link in the last and in this step, and in the last and in this frame, N, world frame.
+    step_force: Jump,
+    frame_force: Jump,
+    contact_torque_nm: Vec<f64>,
+    frame_rest_rad: Vec<f64>,
+    frames_at_rest: u32,
+}
+
+/// Forces on the links at two successive moments.
+#[derive(Clone, Debug)]
+struct Jump {
+    last: Vec<DVec3>,
+    now: Vec<DVec3>,
+}
+
+impl Jump {
+    fn new(links: usize) -> Self {
+        Jump {
+            last: vec![DVec3::ZERO; links],
+            now: vec![DVec3::ZERO; links],
+        }
+    }
+
+    /// The largest change of a link's force from the moment before to this one.
+    fn observe(&mut self, contacts: &[SolverContact], scale: f64) -> f64 {
+        std::mem::swap(&mut self.last, &mut self.now);
+        self.now.fill(DVec3::ZERO);
+        for contact in contacts {
+            self.now[contact.link] += contact.force_world * scale;
+        }
+        let change = |(last, now): (&DVec3, &DVec3)| last.distance(*now);
+        self.last.iter().zip(&self.now).map(change).fold(0.0, f64::max)
+    }
+}
+
+impl Auditor {
+    /// An auditor of a world as it stands.
+    pub fn new(arm: &Arm, handles: &ArmHandles, physics: &Physics) -> Self {
+        let energy = EnergyBalance::new(arm, handles, physics);
+        let frame_rest_rad = energy.joints().iter().map(|joint| joint.rest_rad).collect();
+        Auditor {
+            audit: Audit::default(),
+            energy,
+            step_force: Jump::new(arm.links.len()),
+            frame_force: Jump::new(arm.links.len()),
+            contact_torque_nm: vec![0.0; arm.joints.len()],
+            frame_rest_rad,
+            frames_at_rest: 0,
+        }
+    }
+
+    /// The audit so far.
+    pub fn audit(&self) -> Audit {
+        let sums = self.energy.sums();
+        // An arm whose actuators have not moved has nothing to compare with.
+        let share = |part_j: f64| {
+            if sums.exchanged_j > 0.0 {
+                part_j.abs() / sums.exchanged_j
+            } else {
+                0.0
+            }
+        };
+        Audit {
+            energy_residual: share(sums.residual_j()),
+            integrator_energy_share: share(sums.integrator_j),
+            ..self.audit
+        }
+    }
+
+    /// The arm's balance of energy so far.
+    pub fn energy(&self) -> &EnergyBalance {
+        &self.energy
+    }
+
+    /// Takes an engine step that has just been made, with its contacts.
+    pub fn observe_step(&mut self, arm: &Arm, handles: &ArmHandles, physics: &Physics, contacts: &[SolverContact]) {
+        self.energy.observe_step(arm, handles, physics, contacts);
+        let audit = &mut self.audit;
+        for contact in contacts {
+            audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
+        }
+        let jump = self
+            .step_force
+            .observe(contacts, FRAME_PERIOD_S / physics.options.step_s);
+        audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
+    }
+
+    /// Takes a frame that is about to be recorded: all its contacts, and what the skin made of them.
+    pub fn observe_frame(&mut self, arm: &Arm, contacts: &[SolverContact], touch: &Touch) {
+        let audit = &mut self.audit;
+        audit.largest_force_residual = audit.largest_force_residual.max(touch.force_residual);
+        audit.largest_moment_residual_m = audit.largest_moment_residual_m.max(touch.moment_residual_m);
+        let jump = self.frame_force.observe(contacts, 1.0);
+        audit.largest_frame_force_jump_n = audit.largest_frame_force_jump_n.max(jump);
+        self.observe_rest(arm, contacts);
+    }
+
+    fn observe_rest(&mut self, arm: &Arm, contacts: &[SolverContact]) {
+        let joints = self.energy.joints();
+        let resting = joints.iter().zip(&self.frame_rest_rad).all(|(joint, rest)| {
+            joint.rate_rad_per_s.abs() < REST_RATE_RAD_PER_S && (joint.rest_rad - rest).abs() < REST_SHIFT_RAD
+        });
+        self.frame_rest_rad.clear();
+        self.frame_rest_rad.extend(joints.iter().map(|joint| joint.rest_rad));
+        self.frames_at_rest = if resting { self.frames_at_rest + 1 } else { 0 };
+        if self.frames_at_rest < REST_FRAMES || contacts.is_empty() {
+            return;
+        }
+        self.energy.contact_torques(arm, contacts, &mut self.contact_torque_nm);
+        let (mut torque, mut missing) = (0.0, 0.0);
+        for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&self.contact_torque_nm) {
+            // At a stop the stop carries the rest.
+            let free = |limit: &f64| (limit - state.angle_rad).abs() > 1e-3;
+            if joint.limits_rad.iter().all(free) {
+                let spring_nm = joint.stiffness_nm_per_rad * (state.rest_rad - state.angle_rad);
+                torque += contact_nm * contact_nm;
+                missing += (spring_nm + contact_nm).powi(2);
+            }
+        }
+        if torque > LEAST_CONTACT_TORQUE_NM * LEAST_CONTACT_TORQUE_NM {
+            self.audit.rest_frames += 1;
+            self.audit.largest_static_residual = self.audit.largest_static_residual.max((missing / torque).sqrt());
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Forces on taxels that stay in their friction cones and keep their sum.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
+
+/// One taxel under a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carrier {
+    /// Inward unit normal, any frame.
+    pub inward: DVec3,
+    /// Its share of the load: how far it may be asked to depart from its force, N.
+    pub weight_n: f64,
+    /// The force on it, N, same frame.
+    pub force: DVec3,
+}
+
+/// Changes the forces as little as it takes for each to lie in its taxel's friction cone, |f_t| ≤ μ f_n, while their
+/// sum stays `total`; whether that is possible. If it is not, nothing is changed.
+///
+/// It minimizes Σ |f_i − f_i⁰|² / (2 w_i) over the cones C_i under Σ f_i = F. With multipliers λ the forces are the
+/// projections Π_i(f_i⁰ + w_i λ), and λ minimizes the smooth convex function Σ |Π_i(f_i⁰ + w_i λ)|² / (2 w_i) − λ·F:
+/// three unknowns for any number of taxels, found by Newton's method.
+pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bool {
+    let inside = |carrier: &Carrier| {
+        let normal = carrier.force.dot(carrier.inward);
+        (carrier.force - carrier.inward * normal).length() <= friction * normal * (1.0 + 1e-9)
+    };
+    if carriers.iter().all(inside) {
+        return true;
+    }
+    // The function of λ that is minimized, and its slope.
+    let look = |multiplier: DVec3| {
+        let (mut value, mut slope) = (-multiplier.dot(total), -total);
+        for carrier in carriers.iter() {
+            let (force, _) = project(carrier, friction, multiplier);
+            value += force.length_squared() / (2.0 * carrier.weight_n);
+            slope += force;
+        }
+        (value, slope)
+    };
+    let weight_n: f64 = carriers.iter().map(|carrier| carrier.weight_n).sum();
+    let mut multiplier = DVec3::ZERO;
+    let (mut value, mut slope) = look(multiplier);
+    for _ in 0..NEWTON_STEPS {
+        if slope.length() <= 1e-13 * total.length() {
+            break;
+        }
+        // Where every cone's tip is the nearest point there is no curvature; this much of it, which vanishes towards the
+        // end, leads out of there.
+        let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * slope.length() / total.length());
+        for carrier in carriers.iter() {
+            curvature += project(carrier, friction, multiplier).1 * carrier.weight_n;
+        }
+        let step = solve_symmetric(curvature, slope);
+        let mut length = 1.0;
+        let accepted = loop {
+            let trial = multiplier - step * length;
+            let (trial_value, trial_slope) = look(trial);
+            // Near the end the value changes by less than its rounding; the slope still tells.
+            if trial_value < value || trial_slope.length() < 0.5 * slope.length() {
+                (multiplier, value, slope) = (trial, trial_value, trial_slope);
+                break true;
+            }
+            length *= 0.5;
+            if length < 1e-6 {
+                break false;
+            }
+        };
+        if !accepted {
+            break;
+        }
+    }
+    settle(carriers, friction, multiplier, total)
+}
+
+/// Several times what is needed where there is a solution; without one λ runs away.
+const NEWTON_STEPS: usize = 60;
+
+/// Takes over the forces that a multiplier gives, if they add up.
+fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVec3) -> bool {
+    let sum: DVec3 = carriers
+        .iter()
+        .map(|carrier| project(carrier, friction, multiplier).0)
+        .sum();
+    let rest = total - sum;
+    if rest.length() > 1e-10 * total.length() {
+        return false;
+    }
+    for carrier in carriers.iter_mut() {
+        carrier.force = project(carrier, friction, multiplier).0;
+    }
+    // What is left is far under the cones' own tolerance: the strongest taxel takes it.
+    if let Some(strongest) = carriers
+        .iter_mut()
+        .max_by(|a, b| a.force.length().total_cmp(&b.force.length()))
+    {
+        strongest.force += rest;
+    }
+    true
+}
+
+/// The point of a carrier's cone nearest to f⁰ + w λ, and the derivative of that point by the point projected.
+fn project(carrier: &Carrier, friction: f64, multiplier: DVec3) -> (DVec3, DMat3) {
+    let point = carrier.force + multiplier * carrier.weight_n;
+    let normal = point.dot(carrier.inward);
+    let shear = point - carrier.inward * normal;
+    let length = shear.length();
+    if length <= friction * normal {
+        return (point, DMat3::IDENTITY);
+    }
+    if friction * length <= -normal {
+        return (DVec3::ZERO, DMat3::ZERO);
+    }
+    let along = shear / length;
+    let ray = (carrier.inward + along * friction) / (1.0 + friction * friction).sqrt();
+    let force = ray * ray.dot(point);
+    let across = carrier.inward.cross(along);
+    let turning = friction * force.dot(carrier.inward) / length;
+    (force, outer(ray) + outer(across) * turning)
+}
+
+fn outer(vector: DVec3) -> DMat3 {
+    DMat3::from_cols(vector * vector.x, vector * vector.y, vector * vector.z)
+}
+
+/// Solves a symmetric, possibly singular 3 × 3 system by its eigenvectors; what lies in the null space stays out.
+pub fn solve_symmetric(matrix: DMat3, right: DVec3) -> DVec3 {
+    let matrix = Matrix3::from_column_slice(&matrix.to_cols_array());
+    let eigen = matrix.symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let right = Vector3::new(right.x, right.y, right.z);
+    let mut solution = Vector3::zeros();
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > 1e-12 * largest {
+            solution += vector * (vector.dot(&right) / value);
+        }
+    }
+    DVec3::new(solution.x, solution.y, solution.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from_array)
+    }
+
+    /// A taxel whose normal is up to 45° off −z, a force within 0.9 of its cone, a disturbance of it, and a weight.
+    fn taxel() -> impl Strategy<Value = (DVec3, DVec3, DVec3, f64)> {
+        let part = (vector(), vector(), vector(), 0.1..2.0f64, 0.1..2.0f64);
+        part.prop_map(|(tilt, along, disturbance, normal_n, weight_n)| {
+            let inward = (DVec3::Z + tilt.with_z(0.0) * 0.7).normalize();
+            let shear = along.reject_from_normalized(inward).clamp_length_max(1.0) * (0.9 * MU * normal_n);
+            (inward, inward * normal_n + shear, disturbance, weight_n)
+        })
+    }
+
+    const MU: f64 = 0.35;
+
+    proptest! {
+        /// Pins forces in their cones to 1e-6 with their sum kept to 1e-9 wherever there is such a set of forces (the
+        /// case is made from one), and no larger a change than to that set: it is the smallest.
+        #[test]
+        fn forces_move_into_their_cones(taxels in prop::collection::vec(taxel(), 2..20)) {
+            let total: DVec3 = taxels.iter().map(|(_, force, ..)| *force).sum();
+            let drift: DVec3 = taxels.iter().map(|(.., disturbance, _)| *disturbance).sum();
+            let away = drift / taxels.len() as f64;
+            let start: Vec<Carrier> = taxels
+                .iter()
+                .map(|(inward, force, disturbance, weight_n)| Carrier {
+                    inward: *inward,
+                    weight_n: *weight_n,
+                    force: *force + *disturbance - away,
+                })
+                .collect();
+            let mut carriers = start.clone();
+            prop_assert!(within_cones(&mut carriers, MU, total));
+            for carrier in &carriers {
+                let normal = carrier.force.dot(carrier.inward);
+                let shear = (carrier.force - carrier.inward * normal).length();
+                prop_assert!(normal >= -1e-9 && shear <= MU * normal + 1e-6 * total.length(), "{shear} of {normal}");
+            }
+            let sum: DVec3 = carriers.iter().map(|carrier| carrier.force).sum();
+            prop_assert!(sum.distance(total) < 1e-9 * total.length());
+            let change = |forces: &mut dyn Iterator<Item = DVec3>| -> f64 {
+                let parts = forces.zip(&start).map(|(force, start)| (force - start.force).length_squared() / start.weight_n);
+                parts.sum()
+            };
+            let found = change(&mut carriers.iter().map(|carrier| carrier.force));
+            let known = change(&mut taxels.iter().map(|(_, force, ..)| *force));
+            prop_assert!(found <= known * (1.0 + 1e-6) + 1e-9, "{found} over {known}");
+        }
+    }
+
+    /// Pins that a force that no cone holds changes nothing and is said not to be held.
+    #[test]
+    fn what_cannot_be_carried_stays() {
+        let force = DVec3::new(1.0, 0.0, 1.0);
+        let start = [Carrier {
+            inward: DVec3::Z,
+            weight_n: 1.0,
+            force,
+        }];
+        let mut carriers = start;
+        assert!(!within_cones(&mut carriers, MU, force));
+        assert_eq!(carriers, start);
+    }
+}

@@ -1,0 +1,138 @@
+//! Tests of the layer: conservation, friction cones, and the likeness to a stored frame of the real skin.
+
+use proptest::prelude::*;
+use rapier3d::prelude::{Capsule, Cuboid};
+
+use super::*;
+
+/// The middle taxel of Cody's forearm: row 8 of 16, column 12 of 24.
+const TAXEL: usize = 8 * 24 + 12;
+/// Half the pitch between columns, the larger one: 46.04 mm on 14.8° to 15.9°.
+const HALF_PITCH_M: f64 = 0.0064;
+
+fn forearm() -> SkinPatch {
+    let arm = Arm::cody().unwrap();
+    let index = arm.skin.layout.patch_index("forearm").unwrap();
+    SkinPatch::of_arm(&arm).swap_remove(index)
+}
+
+/// A contact `along_m` and `around_rad` off the middle taxel's centre, on the surface of the sleeve, with this force
+/// normal to it and `slip` of the friction that the cone allows in the direction `slip_rad`.
+fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: f64, slip_rad: f64) -> ContactPoint {
+    let turn = glam::DQuat::from_rotation_z(around_rad);
+    let normal = turn * skin.normals_link[TAXEL];
+    let position_link = turn * skin.centers_link[TAXEL] + DVec3::Z * along_m;
+    let tangent = DVec3::Z * slip_rad.cos() + normal.cross(DVec3::Z) * slip_rad.sin();
+    ContactPoint {
+        position_link,
+        inward_link: -normal,
+        force_link: (tangent * (slip * skin.friction) - normal) * force_n,
+    }
+}
+
+/// A pose over the contact, its z axis towards the skin, its x axis turned by `turn_rad` from the sleeve's axis.
+fn over(contact: &ContactPoint, distance_m: f64, turn_rad: f64) -> Pose {
+    let down = contact.inward_link;
+    let side = down.cross(DVec3::Z).normalize();
+    let x = DVec3::Z * turn_rad.cos() + side * turn_rad.sin();
+    let axes = glam::DMat3::from_cols(x, down.cross(x), down);
+    Pose::from_parts(contact.position_link - down * distance_m, glam::DQuat::from_mat3(&axes))
+}
+
+/// A trunk of this radius on the contact, turned from the sleeve's axis.
+fn trunk(contact: &ContactPoint, radius_m: f64, turn_rad: f64) -> (Capsule, Pose) {
+    let shape = Capsule::new(DVec3::X * -0.2, DVec3::X * 0.2, radius_m);
+    (shape, over(contact, radius_m, turn_rad))
+}
+
+fn force(skin: &SkinPatch, taxel: &TaxelForce) -> DVec3 {
+    taxel.shear_link - skin.normals_link[taxel.taxel] * taxel.normal_force_n
+}
+
+/// Largest shear over what the cone allows, over the taxels.
+fn largest_slip(skin: &SkinPatch, forces: &[TaxelForce]) -> f64 {
+    let slip = |taxel: &TaxelForce| taxel.shear_link.length() / (skin.friction * taxel.normal_force_n);
+    forces.iter().map(slip).fold(0.0, f64::max)
+}
+
+proptest! {
+    /// Pins, for a trunk anyhow on the sleeve with any friction inside its cone: the force is kept to 1e-9, its moment
+    /// to half a pitch (a taxel tells how much presses on it, not where), and every taxel stays in its own cone to 1e-6
+    /// where there are taxels on both sides of the contact's normal.
+    #[test]
+    fn a_trunk_is_spread_without_loss(
+        along_m in -0.005..0.005f64,
+        around_rad in -0.13..0.13f64,
+        force_n in 0.05..15.0f64,
+        slip in 0.0..0.99f64,
+        slip_rad in 0.0..std::f64::consts::TAU,
+        radius_m in 0.01..0.02f64,
+        turn_rad in 0.0..std::f64::consts::PI,
+    ) {
+        let skin = forearm();
+        let contact = contact(&skin, along_m, around_rad, force_n, slip, slip_rad);
+        let (shape, pose) = trunk(&contact, radius_m, turn_rad);
+        let forces = skin.spread(&[contact], &shape, &pose);
+        let sum: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
+        prop_assert!(sum.distance(contact.force_link) < 1e-9 * force_n);
+        let moment: DVec3 = forces.iter().map(|taxel| skin.centers_link[taxel.taxel].cross(force(&skin, taxel))).sum();
+        let missed = (moment - contact.position_link.cross(contact.force_link)).length() / contact.force_link.length();
+        prop_assert!(missed < HALF_PITCH_M, "{missed} m off");
+        // Then the cones together hold the contact's: their hull reaches as far out on both sides.
+        let side = |taxel: &TaxelForce| skin.normals_link[taxel.taxel].cross(-contact.inward_link).z;
+        if forces.iter().any(|taxel| side(taxel) > 0.0) && forces.iter().any(|taxel| side(taxel) < 0.0) {
+            let slip = largest_slip(&skin, &forces);
+            prop_assert!(slip < 1.0 + 1e-6, "{slip} of the cone on {} taxels", forces.len());
+        }
+    }
+}
+
+/// Pins the likeness to a stored frame of the real skin, one broad contact of 8.99 N on 4 × 2 taxels of 0.56 to 1.53 N:
+/// a trunk of 4 cm across the forearm with the same force lights as many taxels and as strong a one within a factor of
+/// two. (What touched the real skin is not told.)
+#[test]
+fn a_broad_contact_looks_like_the_real_one() {
+    let skin = forearm();
+    let contact = contact(&skin, 0.0054, 0.13, 8.99, 0.0, 0.0);
+    let (shape, pose) = trunk(&contact, 0.02, std::f64::consts::FRAC_PI_2);
+    let forces = skin.spread(&[contact], &shape, &pose);
+    // Weaker ones are among the strays of that frame (up to 0.10 N).
+    let lit: Vec<f64> = forces
+        .iter()
+        .map(|taxel| taxel.normal_force_n)
+        .filter(|force| *force > 0.10)
+        .collect();
+    let strongest = lit.iter().copied().fold(0.0, f64::max);
+    assert!((4..=16).contains(&lit.len()), "{} taxels: {lit:?}", lit.len());
+    assert!((1.53 / 2.0..=1.53 * 2.0).contains(&strongest), "{strongest} N: {lit:?}");
+}
+
+/// Pins that objects look different on the skin: the edge of a leaf lights a line one taxel wide, its face and a trunk
+/// a patch that is wider, and a trunk under more force a larger one.
+#[test]
+fn edge_and_round_differ() {
+    let skin = forearm();
+    let rows_and_columns = |forces: &[TaxelForce]| {
+        let count = |of: fn(usize) -> usize| {
+            let lit = forces.iter().filter(|taxel| taxel.normal_force_n > 0.03);
+            let places: std::collections::BTreeSet<usize> = lit.map(|taxel| of(taxel.taxel)).collect();
+            places.len()
+        };
+        [count(|taxel| taxel / 24), count(|taxel| taxel % 24)]
+    };
+    let press = |force_n: f64| contact(&skin, 0.0, 0.0, force_n, 0.0, 0.0);
+    let at = press(1.0);
+    // A blade 1 mm thick and 4 cm broad, its edge across the sleeve.
+    let blade = Cuboid::new(DVec3::new(0.1, 0.0005, 0.02));
+    let edge = skin.spread(&[at], &blade, &over(&at, 0.02, std::f64::consts::FRAC_PI_2));
+    let round = |force_n: f64| {
+        let at = press(force_n);
+        let (shape, pose) = trunk(&at, 0.02, std::f64::consts::FRAC_PI_2);
+        rows_and_columns(&skin.spread(&[at], &shape, &pose))
+    };
+    let [rows, columns] = rows_and_columns(&edge);
+    assert!(rows == 1 && columns >= 3, "edge {rows} × {columns}");
+    let [rows, columns] = round(9.0);
+    assert!(rows >= 2 && columns >= 2, "trunk {rows} × {columns}");
+    assert!(round(1.0).iter().product::<usize>() < rows * columns);
+}

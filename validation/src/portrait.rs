@@ -1,0 +1,155 @@
+//! What objects look like on the forearm's skin, and how a foam roll pushes back: figures for pictures, no checks.
+
+use glam::DVec3;
+use underbrush_recording::Grid;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::object::Object;
+use underbrush_sim::object::foam_roll::FoamRoll;
+use underbrush_sim::object::leaf::Leaf;
+use underbrush_sim::object::trunk::Trunk;
+use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::skin::SkinPatch;
+use underbrush_sim::touch::feel;
+
+use crate::CheckError;
+use crate::pressed_arm::{OPTIONS, PressedArm};
+
+/// The forearm's skin pressed on one object.
+#[derive(Clone, Debug)]
+pub struct Portrait {
+    /// What presses.
+    pub name: &'static str,
+    /// Rows and columns of the skin.
+    pub grid: Grid,
+    /// True normal force on each taxel, N; index = row · columns + column.
+    pub force_n: Vec<f64>,
+}
+
+/// What would push the forearm on each object if nothing moved, N.
+const PUSH_N: f64 = 6.0;
+
+fn leaf() -> Box<dyn Object> {
+    Box::new(Leaf {
+        height_m: 0.35,
+        width_m: 0.04,
+        flexural_rigidity_n_m2: 0.04,
+        mass_per_area_kg_per_m2: 0.8,
+        loss_factor: 0.1,
+        root_stiffness_nm_per_rad: None,
+        segments: 5,
+    })
+}
+
+fn roll() -> FoamRoll {
+    FoamRoll {
+        diameter_m: 0.12,
+        height_m: 0.5,
+        modulus_pa: 1e5,
+        relaxing_share: 0.5,
+        relaxation_time_s: 2.0,
+        density_kg_per_m3: 30.0,
+    }
+}
+
+/// The skin under the edge of a leaf, a trunk and a foam roll that are pressed with the same equilibrium angles over
+/// three seconds, each in the frame with the largest force.
+///
+/// # Errors
+/// When the arm's files are bad or nothing is touched.
+pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
+    let trunk = Box::new(Trunk {
+        diameter_m: 0.03,
+        height_m: 0.6,
+    });
+    // From the forearm's surface to the object's middle; the leaf turned by a right angle, its edge to the skin.
+    let cases: [(&'static str, Box<dyn Object>, f64, f64); 3] = [
+        ("leaf, edge", leaf(), 0.021, std::f64::consts::FRAC_PI_2),
+        ("trunk", trunk, 0.017, 0.0),
+        ("foam roll", Box::new(roll()), 0.061, 0.0),
+    ];
+    cases.into_iter().map(portrait).collect()
+}
+
+fn portrait(
+    (name, object, gap_m, turn_rad): (&'static str, Box<dyn Object>, f64, f64),
+) -> Result<Portrait, CheckError> {
+    let arm = Arm::cody()?;
+    let mut pressed = PressedArm::new(arm.clone(), arm, object, gap_m, 0.2, OPTIONS)?;
+    pressed.turn(turn_rad);
+    let layout = &pressed.arm.skin.layout.clone();
+    let index = layout.patch_index("forearm");
+    let Some((index, grid)) = index.and_then(|index| Some((index, layout.patches[index].grid?))) else {
+        return Err(CheckError::Case("the forearm has no grid of taxels".into()));
+    };
+    let patches = SkinPatch::of_arm(&pressed.arm);
+    let options = SensorOptions {
+        perfect: true,
+        ..SensorOptions::default()
+    };
+    let mut sensor = Sensor::new(&options, &pressed.arm.skin, 0, "portrait", 0);
+    let push = pressed.pressing_rad(PUSH_N);
+    let mut best = vec![0.0; grid.rows * grid.columns];
+    let start = pressed.posture_rad.clone();
+    for frame in 1..=300 {
+        // Slowly: what is to be seen is how the object presses, not how it is hit.
+        let share = f64::from(frame) / 300.0;
+        let angle = |(start, push): (&f64, &f64)| start + share * (push - start);
+        let equilibrium: Vec<f64> = start.iter().zip(&push).map(angle).collect();
+        pressed.hold(&equilibrium, 0.01);
+        let mut force_n = vec![0.0; best.len()];
+        let touch = feel(&pressed.world, layout, &patches, &mut sensor);
+        for reading in touch
+            .taxels
+            .iter()
+            .filter(|reading| usize::from(reading.patch) == index)
+        {
+            force_n[usize::from(reading.taxel)] = reading.true_normal_force_n;
+        }
+        if force_n.iter().sum::<f64>() > best.iter().sum() {
+            best = force_n;
+        }
+    }
+    if best.iter().all(|force| *force == 0.0) {
+        return Err(CheckError::Case(format!("the forearm does not touch the {name}")));
+    }
+    Ok(Portrait {
+        name,
+        grid,
+        force_n: best,
+    })
+}
+
+/// A foam roll pushed and let go by the forearm, as (way of the forearm since first contact, m; force, N), frame by
+/// frame: five seconds in, five seconds out.
+///
+/// # Errors
+/// When the arm's files are bad or nothing is touched.
+pub fn roll_loop() -> Result<Vec<(f64, f64)>, CheckError> {
+    let arm = Arm::cody()?;
+    let mut pressed = PressedArm::new(arm.clone(), arm, Box::new(roll()), 0.061, 0.2, OPTIONS)?;
+    let (push, half) = (pressed.pressing_rad(12.0), 500);
+    let start = pressed.posture_rad.clone();
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    let mut first = None;
+    for frame in 0..2 * half {
+        let share = 1.0 - (f64::from(frame - half) / f64::from(half)).abs();
+        let angle = |(start, push): (&f64, &f64)| start + share * (push - start);
+        let equilibrium: Vec<f64> = start.iter().zip(&push).map(angle).collect();
+        pressed.hold(&equilibrium, 0.01);
+        let force: DVec3 = pressed.world.contacts().iter().map(|contact| contact.force_world).sum();
+        let force_n = -force.dot(pressed.across_world);
+        let place = pressed
+            .world
+            .link_pose(pressed.forearm)
+            .transform_point(DVec3::new(0.0, 0.0, 0.10));
+        let way = place.dot(pressed.across_world);
+        if force_n > 0.0 {
+            let from = *first.get_or_insert(way);
+            points.push((way - from, force_n));
+        }
+    }
+    if points.is_empty() {
+        return Err(CheckError::Case("the forearm does not touch the foam roll".into()));
+    }
+    Ok(points)
+}

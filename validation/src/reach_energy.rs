@@ -1,0 +1,64 @@
+//! Check 12: a whole reach: what the actuators give is stored or lost somewhere.
+
+use underbrush_sim::audit::energy::EnergySums;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+use crate::{Check, CheckError, Comparison, Simulated};
+
+/// Check 12.
+pub const CHECK: Check = Check {
+    number: 12,
+    name: "reach-energy",
+    summary: "Over a whole reach the actuators' work is the arm's energy and what its dampers, its contacts and the \
+              integrator take",
+    falsification: "joint dampers a fifth stronger than the balance knows",
+    compare,
+};
+
+fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let scenes = [
+        ("trunks", include_str!("../../scenes/trunk.toml")),
+        ("leaves", include_str!("../../scenes/leaf.toml")),
+    ];
+    let mut comparisons = Vec::new();
+    for (name, text) in scenes {
+        let sums = reach(name, text, simulated.with(1.0, 1.2))?;
+        let found = sums.stored_j + sums.dampers_j + sums.contacts_j + sums.integrator_j;
+        if sums.contacts_j == 0.0 {
+            return Err(CheckError::Case(format!("the reach among {name} touched nothing")));
+        }
+        comparisons.push(Comparison {
+            residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
+            ..Comparison::relative(
+                format!("work of the actuators in a reach among {name}"),
+                "J",
+                sums.actuators_j,
+                found,
+                0.01,
+                "1 % of the work exchanged: order 1 in the step of 1 ms, by which impacts and dampers are resolved",
+            )
+        });
+    }
+    Ok(comparisons)
+}
+
+/// The sums of one reach with dampers `wrong` times as strong as the balance is told.
+fn reach(name: &str, text: &str, wrong: f64) -> Result<EnergySums, CheckError> {
+    let mut scene = Scene::parse(format!("{name}.toml"), text.into())?;
+    scene.file.physics.step_s = 1e-3;
+    // With one substep the integrator's own part is known exactly.
+    scene.file.physics.substeps = 1;
+    let mut plan = ReachPlan::new(scene, None, 0)?;
+    for joint in &mut plan.arm.joints {
+        joint.damping_nm_s_per_rad *= wrong;
+        // The engine does not tell what a stop takes.
+        joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
+    }
+    let mut sums = EnergySums::default();
+    plan.run(0, &mut |world, _, _| sums = *world.auditor.energy().sums())?;
+    Ok(EnergySums {
+        dampers_j: sums.dampers_j / wrong,
+        ..sums
+    })
+}

@@ -1,0 +1,189 @@
+//! Check 5: taxels feel what the solver does, and bodies push each other equally.
+
+use glam::DVec3;
+use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder};
+use underbrush_recording::SkinLayout;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::object::trunk::Trunk;
+use underbrush_sim::physics::Physics;
+use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::skin::SkinPatch;
+use underbrush_sim::touch::{Touch, feel};
+
+use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::{Check, CheckError, Comparison, Simulated};
+
+/// Check 5.
+pub const CHECK: Check = Check {
+    number: 5,
+    name: "skin-forces",
+    summary: "Taxels add up to the solver's forces and moments and stay in their friction cones; bodies push each other \
+              equally",
+    falsification: "the strongest taxel is dropped",
+    compare,
+};
+
+/// Half the larger pitch of Cody's forearm: 15.9° on 46.04 mm.
+const HALF_PITCH_M: f64 = 0.0064;
+
+/// The worst of some frames.
+#[derive(Default)]
+struct Worst {
+    force: f64,
+    moment_m: f64,
+    slip: f64,
+    frames: usize,
+}
+
+fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let trunk = Box::new(Trunk {
+        diameter_m: 0.03,
+        height_m: 0.6,
+    });
+    let mut pressed = PressedArm::new(Arm::cody()?, Arm::cody()?, trunk, 0.017, 0.3, OPTIONS)?;
+    let skin = pressed.arm.skin.clone();
+    let patches = SkinPatch::of_arm(&pressed.arm);
+    let options = SensorOptions {
+        perfect: true,
+        ..SensorOptions::default()
+    };
+    let mut sensor = Sensor::new(&options, &skin, 0, "validate", 0);
+    let push = pressed.pressing_rad(6.0);
+    let poses = pressed.arm.forward_kinematics(&pressed.posture_rad);
+    let place = poses[pressed.forearm].transform_point(DVec3::new(0.0, 0.0, 0.10));
+    let drag = pressed.jacobian(&poses, place).transpose() * nalgebra::Vector3::new(8.0, 0.0, 0.0);
+    let mut worst = Worst::default();
+    pressed.hold(&push, 1.0);
+    for frame in 0..400 {
+        // Back and forth along the trunk, so that friction reaches its cone in both directions.
+        let share = (f64::from(frame) * 0.03).sin();
+        let joints = push.iter().zip(&pressed.arm.joints).zip(drag.iter());
+        let equilibrium: Vec<f64> = joints
+            .map(|((angle, joint), torque)| angle + share * torque / joint.stiffness_nm_per_rad)
+            .collect();
+        pressed.hold(&equilibrium, 0.01);
+        let mut touch = feel(&pressed.world, &skin.layout, &patches, &mut sensor);
+        if simulated == Simulated::Falsified {
+            let strongest =
+                (0..touch.taxels.len()).max_by(|a, b| true_force(&touch, *a).total_cmp(&true_force(&touch, *b)));
+            strongest.map(|index| touch.taxels.remove(index));
+        }
+        observe(&pressed, &skin.layout, &patches, &touch, &mut worst);
+    }
+    if worst.frames < 100 {
+        return Err(CheckError::Case(format!("contact in {} frames only", worst.frames)));
+    }
+    let momentum = collision_kg_m_per_s();
+    Ok(vec![
+        Comparison::absolute(
+            "forces of taxels against contacts, largest difference, of the contacts'",
+            "",
+            0.0,
+            worst.force,
+            1e-9,
+            "1e-9: forces are handed on, only rounding is lost",
+        ),
+        Comparison::absolute(
+            "moment about the link of taxels against contacts, largest difference, over the force",
+            "m",
+            0.0,
+            worst.moment_m,
+            HALF_PITCH_M,
+            "half the pitch between columns: a taxel tells how much presses on it, not where",
+        ),
+        Comparison::at_most(
+            "largest shear of a taxel, of what its friction cone allows",
+            "",
+            1.0,
+            worst.slip,
+            1e-6,
+            "1e-6: the cones are kept to rounding, the contact's own friction to the solver's iterations",
+        ),
+        Comparison::absolute(
+            "momentum that two bodies lose together in a glancing blow, of what one gives the other",
+            "",
+            0.0,
+            momentum,
+            1e-12,
+            "1e-12: the same impulse acts on both, only rounding is lost",
+        ),
+    ])
+}
+
+fn true_force(touch: &Touch, index: usize) -> f64 {
+    touch.taxels[index].true_normal_force_n
+}
+
+/// Compares the recorded taxel forces of the forearm with the world's contacts.
+fn observe(pressed: &PressedArm, layout: &SkinLayout, patches: &[SkinPatch], touch: &Touch, worst: &mut Worst) {
+    let Some(patch) = patches.iter().position(|patch| patch.link == pressed.forearm) else {
+        return;
+    };
+    let pose = pressed.world.link_pose(pressed.forearm);
+    let (mut felt, mut felt_moment) = (DVec3::ZERO, DVec3::ZERO);
+    let readings = touch
+        .taxels
+        .iter()
+        .filter(|reading| usize::from(reading.patch) == patch);
+    let mut slip: f64 = 0.0;
+    for reading in readings.clone() {
+        let taxel = &layout.patches[patch].taxels[usize::from(reading.taxel)];
+        let [first, second] = reading.true_shear_force_n;
+        let shear = taxel.tangent_link * first + taxel.normal_link.cross(taxel.tangent_link) * second;
+        let force = shear - taxel.normal_link * reading.true_normal_force_n;
+        felt += force;
+        felt_moment += taxel.position_link.cross(force);
+        slip = slip.max(shear.length() / (patches[patch].friction * reading.true_normal_force_n));
+    }
+    let (mut solver, mut solver_moment) = (DVec3::ZERO, DVec3::ZERO);
+    for contact in pressed.world.contacts() {
+        let force = pose.inverse_transform_vector(contact.force_world);
+        solver += force;
+        solver_moment += contact.position_link.cross(force);
+    }
+    // A graze on one or two taxels may lie outside the cones of both.
+    if solver.length() < 0.5 {
+        return;
+    }
+    worst.frames += 1;
+    worst.force = worst.force.max(felt.distance(solver) / solver.length());
+    worst.moment_m = worst
+        .moment_m
+        .max(felt_moment.distance(solver_moment) / solver.length());
+    if readings.count() > 2 {
+        worst.slip = worst.slip.max(slip);
+    }
+}
+
+/// A ball meets a box off its centre, both free: momentum gained by both together, of what the ball gave away.
+fn collision_kg_m_per_s() -> f64 {
+    let mut physics = Physics::new(underbrush_sim::physics::PhysicsOptions {
+        gravity_m_per_s2: 0.0,
+        ..OPTIONS
+    });
+    let mut body = |position: DVec3, velocity: DVec3, shape: ColliderBuilder| {
+        let builder = RigidBodyBuilder::dynamic().translation(position).linvel(velocity);
+        let body = physics.bodies.insert(builder.can_sleep(false));
+        let shape = shape.density(500.0).friction(0.4);
+        physics.colliders.insert_with_parent(shape, body, &mut physics.bodies);
+        body
+    };
+    let bodies = [
+        body(
+            DVec3::new(-0.15, 0.01, 0.0),
+            DVec3::new(0.5, 0.2, 0.1),
+            ColliderBuilder::ball(0.05),
+        ),
+        body(DVec3::ZERO, DVec3::ZERO, ColliderBuilder::cuboid(0.05, 0.06, 0.07)),
+    ];
+    let momentum = |physics: &Physics| bodies.map(|body| physics.bodies[body].linvel() * physics.bodies[body].mass());
+    // Masses are summed up in the first step; the ball is still on its way then.
+    physics.step();
+    let before = momentum(&physics);
+    for _ in 0..200 {
+        physics.step();
+    }
+    let after = momentum(&physics);
+    let given = before[0].distance(after[0]);
+    (after[0] + after[1] - before[0] - before[1]).length() / given
+}
