@@ -9,8 +9,8 @@
 //! found by Newton's method. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
 //! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. Where
 //! that takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as it takes
-//! ([`crate::cone`]). That is possible where the cones of the pressed taxels together hold the solver's force: not where
-//! all of them lie on one side of the contact's normal, as one taxel or one column may; there shear stays as it is.
+//! (`sim/src/cone.rs`). That is possible where the cones of the pressed taxels together hold the solver's force: not
+//! where all of them lie on one side of the contact's normal, as one taxel or one column may; there shear stays as it is.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
