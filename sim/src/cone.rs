@@ -45,6 +45,10 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
         if slope.length() <= 1e-13 * total.length() {
             break;
         }
+        // Without a solution λ runs away: no cone lets a taxel carry a thousand times the whole force.
+        if multiplier.length() * weight_n > 1e3 * total.length() {
+            return false;
+        }
         // Where every cone's tip is the nearest point there is no curvature; this much of it, which vanishes towards the
         // end, leads out of there.
         let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * slope.length() / total.length());
@@ -123,12 +127,19 @@ fn outer(vector: DVec3) -> DMat3 {
     DMat3::from_cols(vector * vector.x, vector * vector.y, vector * vector.z)
 }
 
-/// Solves a symmetric, possibly singular 3 × 3 system by its eigenvectors; what lies in the null space stays out.
+/// Solves a symmetric, possibly singular 3 × 3 system; what lies in the null space stays out.
 pub fn solve_symmetric(matrix: DMat3, right: DVec3) -> DVec3 {
     let matrix = Matrix3::from_column_slice(&matrix.to_cols_array());
+    let right = Vector3::new(right.x, right.y, right.z);
+    // Far from singular, nearly always: ten times as quick as by eigenvectors.
+    if let Some(factor) = matrix.cholesky()
+        && factor.l_dirty().diagonal().min().powi(2) > 1e-9 * matrix.diagonal().amax()
+    {
+        let solution = factor.solve(&right);
+        return DVec3::new(solution.x, solution.y, solution.z);
+    }
     let eigen = matrix.symmetric_eigen();
     let largest = eigen.eigenvalues.amax();
-    let right = Vector3::new(right.x, right.y, right.z);
     let mut solution = Vector3::zeros();
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
         if *value > 1e-12 * largest {

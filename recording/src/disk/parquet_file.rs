@@ -41,8 +41,8 @@ impl ParquetFile {
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             // Columns are forces and angles that hardly repeat but for zeros, which zstd takes care of.
             .set_dictionary_enabled(false)
-            // Statistics of pages would double the footer of a file with hundreds of row groups.
-            .set_statistics_enabled(EnabledStatistics::Chunk)
+            // Least and largest value of a column of lists help no reader, and take time and room in the footer.
+            .set_statistics_enabled(EnabledStatistics::None)
             // Row groups end where the caller ends them, so that one holds one episode however long.
             .set_max_row_group_row_count(None)
             .set_key_value_metadata(Some(key_values))

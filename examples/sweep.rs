@@ -1,0 +1,92 @@
+//! Many reaches of many scenes, none written: what breaks, how they end, and the worst figures of the audit.
+//!
+//!     cargo run --release --example sweep -- 200 scenes/*.toml scenes/engineered/*.toml
+//!
+//! A panic of the engine, an error, or a number that is not finite ends it with the scene and the reach; a force over
+//! 1 kN is reported. Ten reaches of a scene take some seconds.
+#![allow(clippy::unwrap_used, reason = "an example may end in a panic")]
+#![allow(clippy::print_stdout, reason = "the table is what it is run for")]
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use underbrush_recording::{Audit, Recording};
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+/// What is left of a reach.
+struct Digest {
+    outcome: String,
+    seconds: f64,
+    touched: bool,
+    peak_force_n: f64,
+    audit: Audit,
+}
+
+fn digest(recording: &Recording) -> Digest {
+    for frame in &recording.frames {
+        let forces = frame.taxels.iter().map(|taxel| taxel.true_normal_force_n);
+        let finite = frame.joint_angle_rad.iter().copied().chain(forces).all(f64::is_finite);
+        assert!(
+            finite,
+            "{} {}: not finite at {} s",
+            recording.scene, recording.reach_index, frame.time_s
+        );
+    }
+    Digest {
+        outcome: format!("{:?}", recording.goals.last().unwrap().outcome),
+        seconds: recording.frames.len() as f64 / recording.rate_hz,
+        touched: !recording.contacts.is_empty(),
+        peak_force_n: recording
+            .contacts
+            .iter()
+            .map(|contact| contact.peak_force_n)
+            .fold(0.0, f64::max),
+        audit: recording.audit,
+    }
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let reaches: u64 = arguments.next().unwrap().parse().unwrap();
+    let names: Vec<&str> = Audit::FIELDS.iter().map(|field| field.name).collect();
+    println!(
+        "| scene | reaches | simulated s | touched | outcomes | peak force / N | {} |",
+        names.join(" | ")
+    );
+    println!("|---|---|---|---|---|---|{}", "---|".repeat(names.len()));
+    for path in arguments {
+        let plan = ReachPlan::new(Scene::load(&path).unwrap(), None, 0).unwrap();
+        let digests: Vec<Digest> = (0..reaches as usize)
+            .into_par_iter()
+            .map(|index| digest(&plan.run(index as u64, &mut |_, _, _| {}).unwrap()))
+            .collect();
+        let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
+        for digest in &digests {
+            *outcomes.entry(&digest.outcome).or_default() += 1;
+        }
+        let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, f64::max);
+        let audit: Vec<String> = Audit::FIELDS
+            .iter()
+            .map(|field| format!("{:.1e}", worst(&|digest| (field.get)(&digest.audit))))
+            .collect();
+        println!(
+            "| {} | {reaches} | {:.0} | {} | {outcomes:?} | {:.0} | {} |",
+            plan.scene.name,
+            digests.iter().map(|digest| digest.seconds).sum::<f64>(),
+            digests.iter().filter(|digest| digest.touched).count(),
+            worst(&|digest| digest.peak_force_n),
+            audit.join(" | ")
+        );
+        for (index, digest) in digests
+            .iter()
+            .enumerate()
+            .filter(|(_, digest)| digest.peak_force_n > 1000.0)
+        {
+            println!(
+                "runaway: reach {index} of {}: {:.0} N",
+                plan.scene.name, digest.peak_force_n
+            );
+        }
+    }
+}
