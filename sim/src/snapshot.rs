@@ -34,7 +34,10 @@ impl Snapshot {
             .enumerate()
             .map(|(index, standing)| {
                 let shapes = world.colliders_of(index).map_or_else(
-                    || vec![standing.hull()],
+                    || {
+                        let (outline, pose) = standing.outline();
+                        vec![Capsule::around(&outline, &pose)]
+                    },
                     |colliders| {
                         colliders
                             .iter()

@@ -10,8 +10,8 @@ use crate::physics::Physics;
 const AXIS: usize = JointAxis::AngX as usize;
 
 /// Softness of the joints' end stops, scaled by the engine with the joint's inertia: critically damped, and at 60 Hz
-/// they give way by less than 3° to the full torque of any of Cody's joints. Rigid stops are met and left in turn in every substep and make an arm
-/// that is pressed between one and a trunk rattle; real ones are rubber.
+/// they give way by less than 3° to the full torque of any of Cody's joints. Rigid stops are met and left in turn in
+/// every substep and make an arm that is pressed between one and a trunk rattle; real ones are rubber.
 const STOP: SpringCoefficients<f64> = SpringCoefficients {
     natural_frequency: 60.0,
     damping_ratio: 1.0,

@@ -81,8 +81,9 @@ impl ArmState {
         self.energy_j = self.sum_energy_j(arm);
         let mut joints = arm.joints.iter().zip(&self.joints);
         self.stopped = joints.any(|(joint, state)| {
-            let mut limits = joint.limits_rad.iter();
-            limits.any(|limit| (limit - state.angle_rad).abs() < STOP_RAD)
+            // Stops give way: an angle may be past its limit.
+            let [lower, upper] = joint.limits_rad;
+            state.angle_rad < lower + STOP_RAD || state.angle_rad > upper - STOP_RAD
         });
     }
 

@@ -60,8 +60,9 @@ const REST_RATE_RAD_PER_S: f64 = 5e-3;
 const REST_SHIFT_RAD: f64 = 5e-4;
 /// The arm rests when all joints have for so many frames: a tenth of a second.
 const REST_FRAMES: u32 = 10;
-/// Contacts that turn the joints with less than this are too weak to compare with, Nm.
-const LEAST_CONTACT_TORQUE_NM: f64 = 0.05;
+/// Contacts that turn the joints with less than this are too weak to compare with, Nm: what the stiffest damper may hold
+/// is 5 % of it.
+const LEAST_CONTACT_TORQUE_NM: f64 = 0.7;
 
 /// Watches one world.
 #[derive(Clone, Debug)]
@@ -179,9 +180,9 @@ impl Auditor {
         self.energy.contact_torques(arm, contacts, &mut self.contact_torque_nm);
         let (mut torque, mut missing) = (0.0, 0.0);
         for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&self.contact_torque_nm) {
-            // At a stop the stop carries the rest.
-            let free = |limit: &f64| (limit - state.angle_rad).abs() > 1e-3;
-            if joint.limits_rad.iter().all(free) {
+            // At a stop, which gives way, the stop carries the rest.
+            let [lower, upper] = joint.limits_rad;
+            if lower + 1e-3 < state.angle_rad && state.angle_rad < upper - 1e-3 {
                 let spring_nm = joint.stiffness_nm_per_rad * (state.rest_rad - state.angle_rad);
                 torque += contact_nm * contact_nm;
                 missing += (spring_nm + contact_nm).powi(2);
