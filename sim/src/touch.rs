@@ -251,8 +251,9 @@ mod tests {
                 "relative residual {residual} at {force} N: {spring} {contact}"
             );
             let audit = world.auditor.audit();
+            // The weaker push turns the joints with 0.3 Nm: too little for the audit to count.
             assert!(
-                audit.rest_frames > 0 && audit.largest_static_residual < 0.05,
+                (audit.rest_frames > 0) == (force > 5.0) && audit.largest_static_residual < 0.05,
                 "{audit:?}"
             );
             assert!(
