@@ -283,6 +283,23 @@ mod tests {
         );
     }
 
+    /// Pins that an arm that starts 5 mm deep in a trunk is pushed out: the contact's 1e4 N/m give some 50 N at first, not
+    /// a throw, and after two seconds the arm rests against the trunk on its springs.
+    #[test]
+    fn an_arm_that_starts_in_contact_is_pushed_out() {
+        // Too low for the upper arm, which cannot give way there.
+        let trunk = Trunk {
+            diameter_m: 0.03,
+            height_m: 0.34,
+        };
+        let (_, world, _, touch) = press(Box::new(trunk), 0.010, 0.0, 2.0);
+        let audit = world.auditor.audit();
+        assert!(audit.largest_frame_force_jump_n < 100.0, "{audit:?}");
+        let force = touch.largest_force_n();
+        // 5 mm against the arm's 0.1–0.5 kN/m.
+        assert!((0.1..10.0).contains(&force), "{force} N");
+    }
+
     /// Pins that a leaf gives way where a trunk does not: the same push, a tenth of the force.
     #[test]
     fn a_leaf_pushes_back_less_than_a_trunk() {
