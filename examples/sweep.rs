@@ -4,13 +4,14 @@
 //!
 //! A panic of the engine, an error, or a number that is not finite ends it with the scene and the reach; a force over
 //! 1 kN is reported. Ten reaches of a scene take some seconds.
-#![allow(clippy::unwrap_used, reason = "an example may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
+#![allow(clippy::print_stderr, reason = "an example has no other place to print")]
 
 use std::collections::BTreeMap;
+use std::process::ExitCode;
 
 use rayon::prelude::*;
-use underbrush_recording::{Audit, Recording};
+use underbrush_recording::{Audit, InputError, Recording};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
@@ -34,7 +35,10 @@ fn digest(recording: &Recording) -> Digest {
         );
     }
     Digest {
-        outcome: format!("{:?}", recording.goals.last().unwrap().outcome),
+        outcome: recording
+            .goals
+            .last()
+            .map_or("no goal".into(), |goal| format!("{:?}", goal.outcome)),
         seconds: recording.frames.len() as f64 / recording.rate_hz,
         touched: !recording.contacts.is_empty(),
         peak_force_n: recording
@@ -46,21 +50,36 @@ fn digest(recording: &Recording) -> Digest {
     }
 }
 
-fn main() {
+fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
-    let reaches: u64 = arguments.next().unwrap().parse().unwrap();
+    let reaches = arguments.next().and_then(|count| count.parse().ok());
+    let scenes: Vec<String> = arguments.collect();
+    let Some(reaches) = reaches.filter(|reaches| *reaches > 0 && !scenes.is_empty()) else {
+        eprintln!("usage: sweep REACHES SCENE…");
+        return ExitCode::from(2);
+    };
+    match sweep(reaches, &scenes) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn sweep(reaches: usize, scenes: &[String]) -> Result<(), InputError> {
     let names: Vec<&str> = Audit::FIELDS.iter().map(|field| field.name).collect();
     println!(
         "| scene | reaches | simulated s | touched | outcomes | peak force / N | {} |",
         names.join(" | ")
     );
     println!("|---|---|---|---|---|---|{}", "---|".repeat(names.len()));
-    for path in arguments {
-        let plan = ReachPlan::new(Scene::load(&path).unwrap(), None, 0).unwrap();
-        let digests: Vec<Digest> = (0..reaches as usize)
+    for path in scenes {
+        let plan = ReachPlan::new(Scene::load(path)?, None, 0)?;
+        let digests: Vec<Digest> = (0..reaches)
             .into_par_iter()
-            .map(|index| digest(&plan.run(index as u64, &mut |_, _, _| {}).unwrap()))
-            .collect();
+            .map(|index| Ok(digest(&plan.run(index as u64, &mut |_, _, _| {})?)))
+            .collect::<Result<_, InputError>>()?;
         let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
         for digest in &digests {
             *outcomes.entry(&digest.outcome).or_default() += 1;
@@ -89,4 +108,5 @@ fn main() {
             );
         }
     }
+    Ok(())
 }

@@ -1,4 +1,4 @@
-//! This project's side of `benches/peers/mujoco_foliage.py`: writes the sweep as JSON, read back from the engine, or
+//! This project's side of `benches/peers/compare.py`: writes the sweep as JSON, read back from the engine, or
 //! runs it and writes the forces on the arm and the processor time.
 //!
 //!     foliage_peer setup LEAVES LAYOUT

@@ -21,6 +21,7 @@ pub mod geometry;
 mod monitor;
 pub mod object;
 pub mod physics;
+mod quadrature;
 pub mod reach;
 pub mod scene;
 pub mod seed;

@@ -96,7 +96,7 @@ impl Physics {
             // With one sweep a substep over contacts that push each other the forces lag behind: four bring a trunk's
             // from 5 % off to 1 % at no measurable cost (benches/README.md).
             num_internal_pgs_iterations: 4,
-            // Nothing here moves far enough in a step to tunnel: 0.5 m/s × 5 ms is 2.5 mm.
+            // Nothing here moves far enough in a step to tunnel: 0.5 m/s × 10 ms is 5 mm.
             max_ccd_substeps: 0,
             ..IntegrationParameters::default()
         };

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rapier3d::prelude::{ColliderHandle, Pose};
+use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::{SkinLayout, TaxelReading};
 
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SkinPatch};
-use crate::world::{SolverContact, World};
+use crate::world::World;
 
 /// What arm and skin feel in one frame.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +59,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
     for contact in world.contacts() {
         let object = contact.object as u16;
         let pose = world.link_pose(contact.link);
-        let point = in_link_frame(contact, &pose);
+        let point = contact.in_link_frame(&pose);
         let patch = patches
             .iter()
             .position(|patch| patch.link == contact.link && patch.covers(&point));
@@ -124,14 +124,6 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
         }
     }
     touch
-}
-
-fn in_link_frame(contact: &SolverContact, pose: &Pose) -> ContactPoint {
-    ContactPoint {
-        position_link: contact.position_link,
-        inward_link: pose.inverse_transform_vector(contact.inward_world),
-        force_link: pose.inverse_transform_vector(contact.force_world),
-    }
 }
 
 /// A patch's forces, summed up in its link's frame.

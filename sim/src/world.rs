@@ -13,6 +13,7 @@ use crate::audit::Auditor;
 use crate::clutter::{Clutter, Standing};
 use crate::object::Mechanism;
 use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
+use crate::skin::ContactPoint;
 use crate::touch::Touch;
 
 /// Period of the skin and of frames, s (100 Hz).
@@ -43,6 +44,17 @@ pub struct SolverContact {
     pub force_world: DVec3,
     /// How deep the shapes were in each other when the step began, m; negative while they were still apart.
     pub penetration_m: f64,
+}
+
+impl SolverContact {
+    /// The contact as the link's skin takes it; `pose` is the link's in the world frame.
+    pub fn in_link_frame(&self, pose: &Pose) -> ContactPoint {
+        ContactPoint {
+            position_link: self.position_link,
+            inward_link: pose.inverse_transform_vector(self.inward_world),
+            force_link: pose.inverse_transform_vector(self.force_world),
+        }
+    }
 }
 
 /// The engine with one arm and one clutter. A copy goes on as the original does, bit for bit.
@@ -89,16 +101,13 @@ impl World {
             world.insert(clutter, index);
         }
         if dormancy {
-            world.retire();
+            world.rest_and_wake(clutter);
         }
         world
     }
 
     /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_rad`.
     pub fn advance_frame(&mut self, arm: &Arm, equilibrium_rad: &[f64], clutter: &Clutter) {
-        if self.dormancy {
-            self.wake(clutter);
-        }
         self.contacts.clear();
         let steps = (FRAME_PERIOD_S / self.physics.options.step_s).round() as usize;
         for _ in 0..steps {
@@ -113,7 +122,7 @@ impl World {
             self.auditor.observe_step(arm, &self.arm, &self.physics, contacts);
         }
         if self.dormancy {
-            self.retire();
+            self.rest_and_wake(clutter);
         }
     }
 
@@ -199,13 +208,20 @@ impl World {
         self.mechanisms[index] = Some(mechanism);
     }
 
-    /// Inserts every absent object that something moving has come near to.
-    fn wake(&mut self, clutter: &Clutter) {
+    /// Takes out every object that rests with nothing moving near it, and inserts every absent one that something
+    /// moving has come near to.
+    fn rest_and_wake(&mut self, clutter: &Clutter) {
+        let movers: Vec<Mover> = self.movers().collect();
+        self.retire(&movers);
+        self.wake(clutter, &movers);
+    }
+
+    fn wake(&mut self, clutter: &Clutter, movers: &[Mover]) {
         let mut near: Vec<usize> = Vec::new();
-        for mover in self.movers() {
+        for mover in movers {
             for index in self.standing.intersect_aabb(&mover.bounds) {
                 let index = index as usize;
-                if self.mechanisms[index].is_none() && !near.contains(&index) && self.is_near(&mover, index, 0.0) {
+                if self.mechanisms[index].is_none() && !near.contains(&index) && self.is_near(mover, index, 0.0) {
                     near.push(index);
                 }
             }
@@ -217,9 +233,7 @@ impl World {
         }
     }
 
-    /// Takes out every object that rests with nothing moving near it.
-    fn retire(&mut self) {
-        let movers: Vec<Mover> = self.movers().collect();
+    fn retire(&mut self, movers: &[Mover]) {
         for index in 0..self.mechanisms.len() {
             let resting = self.mechanisms[index]
                 .as_ref()

@@ -89,13 +89,10 @@ fn portrait(
     let mut sensor = Sensor::new(&options, &pressed.arm.skin, 0, "portrait", 0);
     let push = pressed.pressing_rad(PUSH_N);
     let mut best = vec![0.0; grid.rows * grid.columns];
-    let start = pressed.posture_rad.clone();
     for frame in 1..=300 {
         // Slowly: what is to be seen is how the object presses, not how it is hit.
         let share = f64::from(frame) / 300.0;
-        let angle = |(start, push): (&f64, &f64)| start + share * (push - start);
-        let equilibrium: Vec<f64> = start.iter().zip(&push).map(angle).collect();
-        pressed.hold(&equilibrium, 0.01);
+        pressed.hold_part_way(&push, share);
         let mut force_n = vec![0.0; best.len()];
         let touch = feel(&pressed.world, layout, &patches, &mut sensor);
         for reading in touch
@@ -128,16 +125,12 @@ pub fn roll_loop() -> Result<Vec<(f64, f64)>, CheckError> {
     let arm = Arm::cody()?;
     let mut pressed = PressedArm::new(arm.clone(), arm, Box::new(roll()), 0.061, 0.2, OPTIONS)?;
     let (push, half) = (pressed.pressing_rad(12.0), 500);
-    let start = pressed.posture_rad.clone();
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut first = None;
     for frame in 0..2 * half {
         let share = 1.0 - (f64::from(frame - half) / f64::from(half)).abs();
-        let angle = |(start, push): (&f64, &f64)| start + share * (push - start);
-        let equilibrium: Vec<f64> = start.iter().zip(&push).map(angle).collect();
-        pressed.hold(&equilibrium, 0.01);
-        let force: DVec3 = pressed.world.contacts().iter().map(|contact| contact.force_world).sum();
-        let force_n = -force.dot(pressed.across_world);
+        pressed.hold_part_way(&push, share);
+        let force_n = -pressed.contact_force_world().dot(pressed.across_world);
         let place = pressed
             .world
             .link_pose(pressed.forearm)

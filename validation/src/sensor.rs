@@ -1,9 +1,7 @@
 //! Check 16: the sensor's statistics and its closed forms.
 
-use std::collections::BTreeMap;
-
 use underbrush_sim::arm::{Arm, Skin};
-use underbrush_sim::sensor::{FabricOptions, Sensor, SensorOptions};
+use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::world::FRAME_PERIOD_S;
 
 use crate::{Check, CheckError, Comparison, Simulated};
@@ -21,31 +19,6 @@ const NOISE_N: f64 = 0.005;
 const TAXELS: usize = 384;
 const FRAMES: usize = 1000;
 const ROUNDING: &str = "1e-9: exact updates, only rounding is lost";
-
-/// Everything off.
-fn off() -> SensorOptions {
-    SensorOptions {
-        perfect: false,
-        noise_n: 0.0,
-        gate_sigmas: 0.0,
-        quantum_n: 0.0,
-        saturation_n: f64::INFINITY,
-        floor_n: 0.0,
-        crosstalk_share: 0.0,
-        creep_share: 0.0,
-        creep_time_s: 20.0,
-        delay_frames: 0,
-        dead_share: 0.0,
-        dead_taxels: BTreeMap::new(),
-        fabric: FabricOptions {
-            counts_per_n: 0.0,
-            full_scale_n: f64::INFINITY,
-            hysteresis_share: 0.0,
-            noise_n: 0.0,
-            gate_sigmas: 0.0,
-        },
-    }
-}
 
 /// A sensor whose taxels are pressed one by one.
 struct Bench {
@@ -89,7 +62,13 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 fn noise(skin: &Skin, noise_n: f64) -> Result<Vec<Comparison>, CheckError> {
-    let mut bench = Bench::new(skin, &SensorOptions { noise_n, ..off() })?;
+    let mut bench = Bench::new(
+        skin,
+        &SensorOptions {
+            noise_n,
+            ..SensorOptions::off()
+        },
+    )?;
     // A force far from zero, so that nothing is cut.
     let force = 1.0;
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -128,7 +107,7 @@ fn noise(skin: &Skin, noise_n: f64) -> Result<Vec<Comparison>, CheckError> {
 fn quantum(skin: &Skin) -> Result<Comparison, CheckError> {
     let options = SensorOptions {
         quantum_n: 0.001,
-        ..off()
+        ..SensorOptions::off()
     };
     let mut bench = Bench::new(skin, &options)?;
     let mut wrong = 0.0;
@@ -151,7 +130,7 @@ fn quantum(skin: &Skin) -> Result<Comparison, CheckError> {
 fn delay(skin: &Skin) -> Result<Comparison, CheckError> {
     let options = SensorOptions {
         delay_frames: 3,
-        ..off()
+        ..SensorOptions::off()
     };
     let mut bench = Bench::new(skin, &options)?;
     let forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
@@ -171,7 +150,7 @@ fn delay(skin: &Skin) -> Result<Comparison, CheckError> {
 fn crosstalk(skin: &Skin) -> Result<Comparison, CheckError> {
     let options = SensorOptions {
         crosstalk_share: 0.2,
-        ..off()
+        ..SensorOptions::off()
     };
     let mut bench = Bench::new(skin, &options)?;
     let sums = (0..TAXELS).map(|taxel| {
@@ -197,7 +176,7 @@ fn creep(skin: &Skin) -> Result<Comparison, CheckError> {
     let options = SensorOptions {
         creep_share: share,
         creep_time_s: time_s,
-        ..off()
+        ..SensorOptions::off()
     };
     let mut bench = Bench::new(skin, &options)?;
     let frames = 2000;
@@ -216,7 +195,7 @@ fn creep(skin: &Skin) -> Result<Comparison, CheckError> {
 /// The area of the fabric's loop to a force and back.
 fn hysteresis(skin: &Skin) -> Result<Comparison, CheckError> {
     let (share, peak, steps) = (0.25, 8.0, 4000);
-    let mut options = off();
+    let mut options = SensorOptions::off();
     options.fabric.hysteresis_share = share;
     let mut bench = Bench::new(skin, &options)?;
     let step = peak / f64::from(steps);

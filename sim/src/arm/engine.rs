@@ -3,7 +3,6 @@
 use rapier3d::prelude::*;
 
 use super::{Arm, Link};
-use crate::audit::energy::JointState;
 use crate::physics::Physics;
 
 /// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
@@ -16,6 +15,17 @@ const STOP: SpringCoefficients<f64> = SpringCoefficients {
     natural_frequency: 60.0,
     damping_ratio: 1.0,
 };
+
+/// One joint as it stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointState {
+    /// Angle q, rad.
+    pub angle_rad: f64,
+    /// Speed q̇, rad/s.
+    pub rate_rad_per_s: f64,
+    /// Rest angle of its spring, φ within the torque limit, rad.
+    pub rest_rad: f64,
+}
 
 /// One arm in a [`Physics`].
 #[derive(Clone, Debug)]

@@ -19,23 +19,12 @@ use glam::DVec3;
 use rapier3d::prelude::Pose;
 
 use crate::arm::Arm;
-use crate::arm::engine::ArmHandles;
+use crate::arm::engine::{ArmHandles, JointState};
 use crate::physics::Physics;
 use crate::world::{FRAME_PERIOD_S, SolverContact};
 
 /// A joint this near to a mechanical limit is held by it, rad: a tenth of a degree.
 const STOP_RAD: f64 = 2e-3;
-
-/// One joint at the end of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct JointState {
-    /// Angle q, rad.
-    pub angle_rad: f64,
-    /// Speed q̇, rad/s.
-    pub rate_rad_per_s: f64,
-    /// Rest angle of its spring, φ within the torque limit, rad.
-    pub rest_rad: f64,
-}
 
 /// One link at the end of a step.
 #[derive(Clone, Copy, Debug)]

@@ -12,6 +12,7 @@ use underbrush_recording::Category;
 use super::mechanism::{Spring, box_mass, massless};
 use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
 use crate::physics::{Physics, groups};
+use crate::quadrature::gauss_legendre;
 use crate::scene::Placement;
 use crate::scene::quantity::{DrawError, Quantity};
 
@@ -319,27 +320,6 @@ impl Leaf {
     }
 }
 
-/// Nodes in 0..1 and weights (sum 1) of Gauss-Legendre quadrature of order `n`, lowest first: zeros of the Legendre
-/// polynomial by Newton's method from Tricomi's estimate.
-fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
-    let order = f64::from(n);
-    let node = |k: u32| {
-        let mut x = -(std::f64::consts::PI * (f64::from(k) + 0.75) / (order + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..10 {
-            let (mut value, mut before) = (x, 1.0);
-            for j in 2..=n {
-                let j = f64::from(j);
-                (value, before) = (((2.0 * j - 1.0) * x * value - (j - 1.0) * before) / j, value);
-            }
-            slope = order * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
-        }
-        ((1.0 + x) / 2.0, 1.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..n).map(node).collect()
-}
-
 fn in_series(stiffness: f64, other: Option<f64>) -> f64 {
     other.map_or(stiffness, |other| stiffness * other / (stiffness + other))
 }
@@ -421,94 +401,4 @@ impl Object for Leaf {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::physics::PhysicsOptions;
-
-    /// Deflections along x at the tip, m, of a leaf under a constant force at its tip, and of a clamped one by theory.
-    fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
-        let options = PhysicsOptions {
-            step_s: 0.01,
-            substeps: 1,
-            gravity_m_per_s2: 0.0,
-        };
-        let mut physics = Physics::new(options);
-        let mechanism = leaf.build(&mut physics, DVec3::ZERO, 0.0);
-        let last = mechanism.bodies()[mechanism.bodies().len() - 1];
-        let tip_local = DVec3::Z * (leaf.height_m - leaf.blade_hinges()[leaf.segments as usize - 1].0);
-        for _ in 0..4000 {
-            let body = &mut physics.bodies[last];
-            let tip = body.position().transform_point(tip_local);
-            body.reset_forces(true);
-            body.reset_torques(true);
-            body.add_force_at_point(force, tip, true);
-            physics.step();
-        }
-        physics.bodies[last].position().transform_point(tip_local) - DVec3::Z * leaf.height_m
-    }
-
-    fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {
-        Leaf {
-            height_m: 0.3,
-            width_m: 0.03,
-            flexural_rigidity_n_m2: 0.02,
-            mass_per_area_kg_per_m2: 0.8,
-            // Heavily damped, so that the static state is reached soon.
-            loss_factor: 1.0,
-            root_stiffness_nm_per_rad,
-            segments,
-        }
-    }
-
-    /// Pins the quadrature on what it must integrate exactly, all powers under 2n, and on the published nodes of n = 3.
-    #[test]
-    fn quadrature_is_exact_to_its_order() {
-        for n in [2, 4, 7, 40] {
-            for power in 0..(2 * n as i32) {
-                let sum: f64 = gauss_legendre(n).iter().map(|(x, w)| w * x.powi(power)).sum();
-                let exact = 1.0 / f64::from(power + 1);
-                assert!((sum - exact).abs() < 1e-13, "order {n}, power {power}: {sum}, {exact}");
-            }
-        }
-        let (lowest, weight) = gauss_legendre(3)[0];
-        assert!((lowest - (0.5 - 0.6_f64.sqrt() / 2.0)).abs() < 1e-15 && (weight - 5.0 / 18.0).abs() < 1e-15);
-    }
-
-    /// Pins the leaf's stiffness under a small tip load: the beam's P L³ / 3 E I to 0.1 %, both ways.
-    #[test]
-    fn small_tip_load_bends_as_a_beam() {
-        let leaf = example(4, None);
-        let load = 0.002;
-        let expected = load * leaf.height_m.powi(3) / 3.0 / leaf.flexural_rigidity_n_m2;
-        for sign in [1.0, -1.0] {
-            let found = tip_deflection(&leaf, DVec3::X * load * sign).x * sign;
-            assert!(
-                (found / expected - 1.0).abs() < 1e-3,
-                "found {found} m, expected {expected} m"
-            );
-        }
-    }
-
-    /// Pins that the foam under the root adds P L² / k, less at most 0.07² of it (the lowest of four nodes over the
-    /// height, squared, by which the lowest hinge and the root are apart), and that sideways the leaf leans on stem and
-    /// foam in series.
-    #[test]
-    fn root_compliance_adds_its_own_deflection() {
-        let load = 0.002;
-        let clamped = tip_deflection(&example(4, None), DVec3::X * load).x;
-        let leaf = example(4, Some(2.0));
-        let rooted = tip_deflection(&leaf, DVec3::X * load).x;
-        let expected = load * leaf.height_m.powi(2) / 2.0;
-        assert!(
-            ((rooted - clamped) / expected - 1.0).abs() < 0.07 * 0.07 + 1e-3,
-            "found {}, expected {expected}",
-            rooted - clamped
-        );
-        let sideways = tip_deflection(&leaf, DVec3::Y * load).y;
-        let expected = load * leaf.height_m.powi(2) / leaf.sideways_stiffness_nm_per_rad();
-        assert!(
-            (sideways / expected - 1.0).abs() < 2e-3,
-            "found {sideways}, expected {expected}"
-        );
-    }
-}
+mod tests;

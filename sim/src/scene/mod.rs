@@ -1,19 +1,18 @@
-//! The scene file: what could be there. See `scenes/` for examples and `underbrush schema` for its JSON Schema.
+//! Scenes: what could be there. A scene file is read and checked here; its keys are in `file.rs`. See `scenes/` for
+//! examples and `underbrush schema` for the JSON Schema.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use underbrush_recording::InputError;
 
-use crate::object::{Limited, Specification, for_each_object_kind};
-use crate::physics::PhysicsOptions;
-use crate::sensor::{Fault, SensorOptions};
+use crate::object::Limited;
+use crate::sensor::Fault;
 
+mod file;
 pub mod quantity;
 
-use quantity::Quantity;
+pub use file::{Goals, Objects, PhysicsSection, Placement, SceneFile, Workspace};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
 #[derive(Clone, Debug)]
@@ -27,170 +26,6 @@ pub struct Scene {
     /// What it says.
     pub file: SceneFile,
 }
-
-/// The keys of a scene file.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SceneFile {
-    /// One sentence on what the scene shows; the task name in data sets.
-    pub summary: String,
-    /// `cody`, or a path to a user's arm file, relative to the scene file.
-    #[serde(default = "default_arm")]
-    pub arm: String,
-    /// Controller of the arm: see `underbrush reach --help`.
-    #[serde(default = "default_controller")]
-    pub controller: String,
-    /// Where the clutter stands.
-    #[serde(default)]
-    pub workspace: Workspace,
-    /// Goals of a reach.
-    #[serde(default)]
-    pub goals: Goals,
-    /// The objects, in groups: `[[objects.leaf]]`, `[[objects.trunk]]`, `[[objects.foam_block]]`, …
-    #[serde(default)]
-    pub objects: Objects,
-    /// The engine's step.
-    #[serde(default)]
-    pub physics: PhysicsSection,
-    /// The skin's electronics.
-    #[serde(default)]
-    pub sensor: SensorOptions,
-}
-
-fn default_arm() -> String {
-    "cody".into()
-}
-
-/// The flipper-era values of the authors' robot.
-fn default_controller() -> String {
-    "cody-2013".into()
-}
-
-/// Where the clutter stands, in the world frame: origin at the arm's base, x forward, y left, z up.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Workspace {
-    /// Nearest and farthest foot of an object, m.
-    pub x_m: [f64; 2],
-    /// Rightmost and leftmost foot, m.
-    pub y_m: [f64; 2],
-    /// Height of the table top, m.
-    pub table_height_m: f64,
-}
-
-impl Default for Workspace {
-    /// Choice: the foam's top lies 50 cm under the shoulder of Cody's right arm; the clutter stands from beside the
-    /// drawn-back hand to the end of the arm's reach, so that the forearm comes among it and not the hand alone.
-    fn default() -> Self {
-        Workspace {
-            x_m: [0.20, 0.75],
-            y_m: [-0.60, 0.20],
-            table_height_m: -0.58,
-        }
-    }
-}
-
-/// Where the feet of one group of objects may stand.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Placement {
-    /// Forward, m, world frame; within the workspace if not given.
-    pub x_m: Option<Quantity>,
-    /// Left, m, world frame; within the workspace if not given.
-    pub y_m: Option<Quantity>,
-    /// Turn about the vertical, degrees; any if not given.
-    pub yaw_deg: Option<Quantity>,
-}
-
-/// Goals of a reach: points for the arm's tip, drawn so that the way there passes through clutter.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Goals {
-    /// How many per reach ("multiple goal positions", paper, section IV-B).
-    pub count: u32,
-    /// How often a goal is tried again, after backing off, where the arm got stuck (Jain et al. 2013).
-    pub retries: u32,
-    /// Forward, m, world frame.
-    pub x_m: Quantity,
-    /// Left, m, world frame.
-    pub y_m: Quantity,
-    /// Up, m, world frame.
-    pub z_m: Quantity,
-}
-
-impl Default for Goals {
-    /// Choice: what Cody's arm reaches in front of its right shoulder, at the height of the foliage but clear of the foam.
-    fn default() -> Self {
-        Goals {
-            count: 4,
-            retries: 1,
-            x_m: Quantity::uniform(0.45, 0.75),
-            y_m: Quantity::uniform(-0.55, 0.20),
-            z_m: Quantity::uniform(-0.38, -0.16),
-        }
-    }
-}
-
-/// The engine's step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PhysicsSection {
-    /// Length of a step, s; a whole number of steps makes 10 ms, the period of the skin.
-    pub step_s: f64,
-    /// Solver substeps in a step.
-    pub substeps: u32,
-    /// Gravity, m/s².
-    pub gravity_m_per_s2: f64,
-    /// Whether objects that nothing is near are left out of the solver until something comes near.
-    pub dormancy: bool,
-}
-
-impl Default for PhysicsSection {
-    /// Chosen from `benches/time_step.rs`: the contact force of a trunk is then within 1–2 % of that at steps of 0.1 ms
-    /// (median), and shorter substeps do not come nearer until 1 ms.
-    fn default() -> Self {
-        PhysicsSection {
-            step_s: 0.01,
-            substeps: 2,
-            gravity_m_per_s2: 9.81,
-            dormancy: true,
-        }
-    }
-}
-
-impl PhysicsSection {
-    /// The engine's options.
-    pub fn options(&self) -> PhysicsOptions {
-        PhysicsOptions {
-            step_s: self.step_s,
-            substeps: self.substeps as usize,
-            gravity_m_per_s2: self.gravity_m_per_s2,
-        }
-    }
-}
-
-macro_rules! define_objects {
-    ($($(#[$doc:meta])* $key:ident: $specification:ty,)*) => {
-        /// All groups of objects in a scene file, one list a kind.
-        #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-        #[serde(deny_unknown_fields, default)]
-        pub struct Objects {
-            $($(#[$doc])* pub $key: Vec<$specification>,)*
-        }
-
-        impl Objects {
-            /// Every group with its key and its number in the list of its kind, in the order in which they are placed.
-            pub fn groups(&self) -> Vec<(&'static str, usize, &dyn Specification)> {
-                let mut groups: Vec<(&'static str, usize, &dyn Specification)> = Vec::new();
-                $(for (number, group) in self.$key.iter().enumerate() {
-                    groups.push((stringify!($key), number, group));
-                })*
-                groups
-            }
-        }
-    };
-}
-for_each_object_kind!(define_objects);
 
 /// Clutter of more objects than this is refused: it is a slip of the keyboard, not a scene.
 const LARGEST_COUNT: u32 = 10_000;

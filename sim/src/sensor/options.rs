@@ -110,6 +110,31 @@ pub type Fault = (String, String, String);
 const LONGEST_DELAY_FRAMES: u32 = 200;
 
 impl SensorOptions {
+    /// Every effect off, each by its own key: what a single effect is judged against.
+    pub fn off() -> Self {
+        SensorOptions {
+            perfect: false,
+            noise_n: 0.0,
+            gate_sigmas: 0.0,
+            quantum_n: 0.0,
+            saturation_n: f64::INFINITY,
+            floor_n: 0.0,
+            crosstalk_share: 0.0,
+            creep_share: 0.0,
+            creep_time_s: 20.0,
+            delay_frames: 0,
+            dead_share: 0.0,
+            dead_taxels: BTreeMap::new(),
+            fabric: FabricOptions {
+                counts_per_n: 0.0,
+                full_scale_n: f64::INFINITY,
+                hysteresis_share: 0.0,
+                noise_n: 0.0,
+                gate_sigmas: 0.0,
+            },
+        }
+    }
+
     /// What is wrong with the options, if anything.
     pub fn fault(&self) -> Option<Fault> {
         let fabric = &self.fabric;

@@ -13,31 +13,6 @@ const FOREARM: usize = 0;
 const FLIPPER: usize = 1;
 const COLUMNS: usize = 24;
 
-/// Every effect off, but each by its own key.
-fn all_off() -> SensorOptions {
-    SensorOptions {
-        perfect: false,
-        noise_n: 0.0,
-        gate_sigmas: 0.0,
-        quantum_n: 0.0,
-        saturation_n: f64::INFINITY,
-        floor_n: 0.0,
-        crosstalk_share: 0.0,
-        creep_share: 0.0,
-        creep_time_s: 20.0,
-        delay_frames: 0,
-        dead_share: 0.0,
-        dead_taxels: BTreeMap::new(),
-        fabric: FabricOptions {
-            counts_per_n: 0.0,
-            full_scale_n: f64::INFINITY,
-            hysteresis_share: 0.0,
-            noise_n: 0.0,
-            gate_sigmas: 0.0,
-        },
-    }
-}
-
 fn sensor(options: &SensorOptions) -> Sensor {
     Sensor::new(options, &Arm::cody().unwrap().skin, 1, "test", 0)
 }
@@ -54,7 +29,7 @@ proptest! {
     #[test]
     fn what_is_off_changes_nothing(force in 0.0..100.0f64, taxel in 0usize..69) {
         let perfect = SensorOptions { perfect: true, ..SensorOptions::default() };
-        for options in [perfect, all_off()] {
+        for options in [perfect, SensorOptions::off()] {
             let mut sensor = sensor(&options);
             prop_assert_eq!(press(&mut sensor, (FOREARM, taxel), force), force);
             prop_assert_eq!(press(&mut sensor, (FLIPPER, taxel), force), force);
@@ -65,7 +40,7 @@ proptest! {
     /// never farther from the force than half a quantum.
     #[test]
     fn readings_are_the_nearest_thousandths(force in 0.0..16.9f64) {
-        let mut sensor = sensor(&SensorOptions { quantum_n: 0.001, ..all_off() });
+        let mut sensor = sensor(&SensorOptions { quantum_n: 0.001, ..SensorOptions::off() });
         let reading = press(&mut sensor, (FOREARM, 100), force);
         prop_assert!((reading - force).abs() <= 0.0005 + 1e-12);
         let nearest: f64 = format!("{reading:.3}").parse().unwrap();
@@ -82,7 +57,7 @@ fn noise_has_the_variance_asked_for() {
     let (force, frames) = (1.0, 2000);
     let mut sensor = sensor(&SensorOptions {
         noise_n: sigma,
-        ..all_off()
+        ..SensorOptions::off()
     });
     let taxels = 384;
     let mut deviations = Vec::new();
@@ -144,7 +119,7 @@ fn gate_floor_and_saturation_cut_where_they_say() {
     let mut gated = sensor(&SensorOptions {
         noise_n: 0.005,
         gate_sigmas: 6.0,
-        ..all_off()
+        ..SensorOptions::off()
     });
     for _ in 0..100 {
         gated.sample();
@@ -155,7 +130,7 @@ fn gate_floor_and_saturation_cut_where_they_say() {
     let mut cut = sensor(&SensorOptions {
         floor_n: 1.0,
         saturation_n: 17.0,
-        ..all_off()
+        ..SensorOptions::off()
     });
     let readings = [0.99, 1.01, 16.5, 17.5].map(|force| press(&mut cut, (FOREARM, 0), force));
     assert_eq!(readings, [0.0, 1.01, 16.5, 17.0]);
@@ -167,7 +142,7 @@ fn readings_are_late_by_whole_frames() {
     for delay_frames in [0, 1, 3] {
         let mut sensor = sensor(&SensorOptions {
             delay_frames,
-            ..all_off()
+            ..SensorOptions::off()
         });
         let forces: Vec<f64> = (1..20).map(f64::from).collect();
         let readings: Vec<f64> = forces
@@ -187,7 +162,7 @@ fn crosstalk_moves_force_and_loses_none() {
     let share = 0.2;
     let mut sensor = sensor(&SensorOptions {
         crosstalk_share: share,
-        ..all_off()
+        ..SensorOptions::off()
     });
     for taxel in 0..384 {
         sensor.press(FOREARM, taxel, 1.0);
@@ -219,7 +194,7 @@ fn creep_follows_its_step_response() {
     let mut sensor = sensor(&SensorOptions {
         creep_share: share,
         creep_time_s: time_s,
-        ..all_off()
+        ..SensorOptions::off()
     });
     let decay = |frames: i32| (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
     let held = 3000;
@@ -243,9 +218,9 @@ fn fabric_has_the_hysteresis_loop_asked_for() {
     let options = SensorOptions {
         fabric: FabricOptions {
             hysteresis_share: share,
-            ..all_off().fabric
+            ..SensorOptions::off().fabric
         },
-        ..all_off()
+        ..SensorOptions::off()
     };
     for steps in [400, 4000] {
         let mut sensor = sensor(&options);
@@ -276,9 +251,9 @@ fn fabric_saturates_as_a_voltage_divider() {
     let mut smooth = sensor(&SensorOptions {
         fabric: FabricOptions {
             full_scale_n,
-            ..all_off().fabric
+            ..SensorOptions::off().fabric
         },
-        ..all_off()
+        ..SensorOptions::off()
     });
     let small = press(&mut smooth, (FLIPPER, 0), 1e-6);
     assert!((small / 1e-6 - 1.0).abs() < 1e-6, "slope {}", small / 1e-6);
@@ -289,9 +264,9 @@ fn fabric_saturates_as_a_voltage_divider() {
     let mut counting = sensor(&SensorOptions {
         fabric: FabricOptions {
             counts_per_n: 30.0,
-            ..all_off().fabric
+            ..SensorOptions::off().fabric
         },
-        ..all_off()
+        ..SensorOptions::off()
     });
     assert_eq!(press(&mut counting, (FLIPPER, 0), 1.02), 31.0 / 30.0);
 }
@@ -304,7 +279,7 @@ fn dead_taxels_read_nothing() {
     let options = SensorOptions {
         dead_share: 0.2,
         dead_taxels: BTreeMap::from([("flipper".to_string(), vec![4])]),
-        ..all_off()
+        ..SensorOptions::off()
     };
     let dead_in = |reach: u64| {
         let mut sensor = Sensor::new(&options, &skin, 1, "test", reach);
@@ -332,7 +307,7 @@ fn dead_taxels_read_nothing() {
     );
     let noisy = SensorOptions {
         noise_n: 0.01,
-        ..all_off()
+        ..SensorOptions::off()
     };
     let one_dead = SensorOptions {
         dead_taxels: BTreeMap::from([("forearm".to_string(), vec![9])]),
@@ -351,7 +326,7 @@ fn dead_taxels_read_nothing() {
 fn faults_are_found() {
     let layout = Arm::cody().unwrap().skin.layout;
     assert_eq!(SensorOptions::default().fault(), None);
-    assert_eq!(all_off().fault(), None);
+    assert_eq!(SensorOptions::off().fault(), None);
     let fault = |options: SensorOptions| options.fault().or(options.fault_on(&layout)).map(|(key, ..)| key);
     let with_dead = |patch: &str, taxel| SensorOptions {
         dead_taxels: BTreeMap::from([(patch.to_string(), vec![taxel])]),
