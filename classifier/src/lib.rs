@@ -12,6 +12,7 @@
 //! | models score a trial, or a stream while the arm moves | [`ModelSet::score`], [`online::OnlineClassifier`] |
 //! | scores become a verdict | [`decision::Decision`] |
 //! | verdicts become tables with confidence intervals | [`evaluate`] |
+//! | tables become charts and a page | [`report`] |
 //!
 //! Nothing here knows the simulator: recordings of a real robot and anyone's table of trials will do.
 //!
@@ -58,6 +59,7 @@ mod model_file;
 mod model_set;
 pub mod online;
 pub mod recipe;
+pub mod report;
 pub mod trial;
 
 pub use model_file::FORMAT;
