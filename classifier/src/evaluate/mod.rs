@@ -3,6 +3,7 @@
 mod confusion;
 mod fold;
 mod interval;
+mod stream;
 mod table_one;
 
 use std::collections::BTreeMap;
@@ -15,6 +16,7 @@ use underbrush_recording::Trial;
 pub use confusion::{CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
+pub use stream::{Stream, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
 
 use crate::decision::{Decision, DecisionError, Verdict};
