@@ -288,13 +288,19 @@ impl ModelSet {
     /// # Errors
     /// [`ModelError::Feature`] where the trial does not give the models' features.
     pub fn score(&self, trial: &Trial, kind: ScoreKind) -> Result<Vec<(String, f64)>, ModelError> {
-        let scores = self.log_probabilities(trial, kind)?;
+        let scores = self.log_probabilities(trial, kind, None)?;
         Ok(self.models.keys().cloned().zip(scores).collect())
     }
 
-    /// [`ModelSet::score`] without the names.
-    pub(crate) fn log_probabilities(&self, trial: &Trial, kind: ScoreKind) -> Result<Vec<f64>, ModelError> {
-        let mut sequence = self.features.observations(trial, self.max_samples())?;
+    /// [`ModelSet::score`] without the names, of the first `count` samples where that is given.
+    pub(crate) fn log_probabilities(
+        &self,
+        trial: &Trial,
+        kind: ScoreKind,
+        count: Option<usize>,
+    ) -> Result<Vec<f64>, ModelError> {
+        let most = [self.max_samples(), count].into_iter().flatten().min();
+        let mut sequence = self.features.observations(trial, most)?;
         if let Some(scaling) = &self.scaling {
             scaling.apply_all(&mut sequence);
         }

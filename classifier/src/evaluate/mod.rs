@@ -5,6 +5,8 @@ mod fold;
 mod interval;
 mod table_one;
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
@@ -16,9 +18,9 @@ pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
 
 use crate::decision::{Decision, DecisionError, Verdict};
-use crate::hmm::ScoreKind;
-use crate::model_set::{ModelError, ModelSet, TrainingReport, is_trained};
-use crate::recipe::Recipe;
+use crate::hmm::TrainingHistory;
+use crate::learner::{Classifier, Learner};
+use crate::model_set::{ModelError, is_trained};
 
 /// Why an evaluation is impossible.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -69,6 +71,10 @@ pub struct Prediction {
     pub category: String,
     /// The fold in which it was tested, from 0; 0 where there are no folds.
     pub fold: usize,
+    /// Its length.
+    pub samples: usize,
+    /// Its score under each category, nats, in the order of [`ConfusionMatrix::verdict`]; without priors.
+    pub scores: Vec<f64>,
     /// The verdict.
     pub verdict: Verdict,
 }
@@ -96,8 +102,9 @@ pub struct Evaluation {
     pub accuracy_interval_by_reach: Option<Interval>,
     /// Figures by true category.
     pub categories: Vec<CategoryFigures>,
-    /// How the models of each fold were trained; empty where they were given.
-    pub training: Vec<TrainingReport>,
+    /// How the models of each fold were trained, by category; empty where they were given, or are not of a kind that is
+    /// trained step by step.
+    pub training: Vec<BTreeMap<String, TrainingHistory>>,
 }
 
 /// Resamples drawn for [`Evaluation::accuracy_interval_by_reach`].
@@ -107,7 +114,7 @@ impl Evaluation {
     fn of(
         predictions: Vec<Prediction>,
         models: &[String],
-        training: Vec<TrainingReport>,
+        training: Vec<BTreeMap<String, TrainingHistory>>,
     ) -> Result<Self, EvaluateError> {
         if predictions.is_empty() {
             return Err(EvaluateError::NoTruth);
@@ -126,21 +133,21 @@ impl Evaluation {
     }
 }
 
-/// Evaluates given models on trials; those without ground truth are passed over.
+/// Evaluates a given classifier on trials; those without ground truth are passed over.
 ///
 /// # Errors
-/// [`EvaluateError`] where no trial has ground truth, a trial lacks a feature, or the decision does not fit the models.
+/// [`EvaluateError`] where no trial has ground truth, a trial lacks a feature, or the decision does not fit the
+/// categories.
 pub fn evaluate(
-    models: &ModelSet,
+    classifier: &dyn Classifier,
     trials: &[Trial],
-    kind: ScoreKind,
     decision: &Decision,
 ) -> Result<Evaluation, EvaluateError> {
-    let predictions = predict(models, trials.iter(), kind, decision, 0)?;
-    Evaluation::of(predictions, &models.categories(), Vec::new())
+    let predictions = predict(classifier, trials.iter(), decision, 0)?;
+    Evaluation::of(predictions, &classifier.categories(), Vec::new())
 }
 
-/// Cross-validation (paper, section V-A: two folds): each fold is tested on models trained on the others.
+/// Cross-validation (paper, section V-A: two folds): each fold is tested on a classifier learned from the others.
 ///
 /// Trials without a category, blocks and outliers take no part. Folds run in parallel; the result does not depend on
 /// the number of threads.
@@ -149,10 +156,31 @@ pub fn evaluate(
 /// [`EvaluateError`] where a category is too small for the folds, or training or scoring fails.
 pub fn cross_validate(
     trials: &[Trial],
-    recipe: &Recipe,
+    learner: &dyn Learner,
     folds: Folds,
     decision: &Decision,
 ) -> Result<Evaluation, EvaluateError> {
+    let outcome = across_folds(trials, learner, folds, |classifier, fold, tested| {
+        predict(classifier, tested.iter().copied(), decision, fold)
+    })?;
+    Evaluation::of(outcome.results, &outcome.categories, outcome.training)
+}
+
+/// What comes of all folds together.
+struct AcrossFolds<T> {
+    /// One a trial that takes part, in the order of the table.
+    results: Vec<T>,
+    categories: Vec<String>,
+    training: Vec<BTreeMap<String, TrainingHistory>>,
+}
+
+/// Learns from all folds but one and does `test` on that one, which gives one result a trial, in order; for each fold.
+fn across_folds<T: Send>(
+    trials: &[Trial],
+    learner: &dyn Learner,
+    folds: Folds,
+    test: impl Fn(&dyn Classifier, usize, &[&Trial]) -> Result<Vec<T>, EvaluateError> + Sync,
+) -> Result<AcrossFolds<T>, EvaluateError> {
     let used: Vec<&Trial> = trials
         .iter()
         .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
@@ -171,42 +199,47 @@ pub fn cross_validate(
     let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {
-            let (models, report) = ModelSet::train_on(of(fold, false), recipe)?;
-            let predictions = predict(&models, of(fold, true).into_iter(), recipe.score, decision, fold)?;
-            Ok((models.categories(), predictions, report))
+            let classifier = learner.learn(&of(fold, false))?;
+            let results = test(classifier.as_ref(), fold, &of(fold, true))?;
+            Ok((classifier.categories(), results, classifier.training().cloned()))
         })
         .collect();
     let mut by_fold = Vec::new();
     let (mut categories, mut training) = (Vec::new(), Vec::new());
     for outcome in outcomes {
-        let (names, predictions, report) = outcome?;
+        let (names, results, history) = outcome?;
         categories = names;
-        by_fold.push(predictions.into_iter());
-        training.push(report);
+        by_fold.push(results.into_iter());
+        training.extend(history);
     }
-    // Back into the order of the table: each fold's predictions are in that order already.
-    let predictions = assignment.iter().filter_map(|&fold| by_fold[fold].next()).collect();
-    Evaluation::of(predictions, &categories, training)
+    // Back into the order of the table: each fold's results are in that order already.
+    let results = assignment.iter().filter_map(|&fold| by_fold[fold].next()).collect();
+    Ok(AcrossFolds {
+        results,
+        categories,
+        training,
+    })
 }
 
 fn predict<'a>(
-    models: &ModelSet,
+    classifier: &dyn Classifier,
     trials: impl Iterator<Item = &'a Trial>,
-    kind: ScoreKind,
     decision: &Decision,
     fold: usize,
 ) -> Result<Vec<Prediction>, EvaluateError> {
-    let judge = decision.prepare(&models.categories())?;
+    let judge = decision.prepare(&classifier.categories())?;
     trials
         .filter_map(|trial| trial.category.clone().map(|category| (trial, category)))
         .map(|(trial, category)| {
-            let choice = judge.choose(&models.log_probabilities(trial, kind)?);
-            let verdict = judge.verdict(choice);
+            let scores = classifier.scores(trial)?;
+            let verdict = judge.verdict(judge.choose(&scores));
             Ok(Prediction {
                 trial: trial.trial,
                 reach: trial.reach,
                 category,
                 fold,
+                samples: trial.samples.len(),
+                scores,
                 verdict,
             })
         })

@@ -2,6 +2,8 @@ use underbrush_recording::Sample;
 
 use super::*;
 use crate::feature::FeatureSet;
+use crate::model_set::ModelSet;
+use crate::recipe::Recipe;
 
 /// Trials of 12 samples: leaves rise to about 0.4 N and move far, trunks rise to about 2 N and move little.
 fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
@@ -132,15 +134,15 @@ fn cross_validation_tests_each_trial_once_on_the_other_fold() {
             pairs.map(|(trial, _)| trial.clone()).collect()
         };
         let (models, report) = ModelSet::train(&part(false), &recipe()).unwrap();
-        assert_eq!(result.training[tested], report);
-        let direct = evaluate(&models, &part(true), recipe().score, &Decision::argmax()).unwrap();
+        assert_eq!(result.training[tested], report.categories);
+        let direct = evaluate(&models, &part(true), &Decision::argmax()).unwrap();
         let of_fold = result.predictions.iter().filter(|prediction| prediction.fold == tested);
         assert!(
             direct
                 .predictions
                 .iter()
-                .map(|p| &p.verdict)
-                .eq(of_fold.map(|p| &p.verdict))
+                .map(|p| (&p.verdict, &p.scores))
+                .eq(of_fold.map(|p| (&p.verdict, &p.scores)))
         );
     }
     let correct = result
@@ -169,6 +171,8 @@ fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> {
                 reach: Some(reach),
                 category: category.into(),
                 fold: 0,
+                samples: 1,
+                scores: vec![],
                 verdict: verdict(name),
             };
             std::iter::repeat_n(prediction, count)

@@ -1,0 +1,77 @@
+//! The one interface of everything that learns categories from trials: the hidden Markov models, the baselines, and
+//! whatever is to be compared with them.
+
+use std::collections::BTreeMap;
+
+use underbrush_recording::Trial;
+
+use crate::hmm::TrainingHistory;
+use crate::model_set::{ModelError, ModelSet};
+use crate::recipe::Recipe;
+
+/// Learns from labelled trials.
+pub trait Learner: Sync {
+    /// A classifier learned from these trials; the same bytes for the same trials, whatever the number of threads.
+    ///
+    /// Trials without a category, blocks and outliers teach nothing ([`crate::is_trained`]).
+    ///
+    /// # Errors
+    /// [`ModelError`] where nothing can be learned or a trial lacks what the learner needs.
+    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError>;
+}
+
+/// Tells the categories apart, from what was felt so far.
+pub trait Classifier: Send + Sync {
+    /// The categories in alphabetical order: the order of all scores.
+    fn categories(&self) -> Vec<String>;
+
+    /// For each count of samples, in ascending order and from 1, one score a category for the trial's first samples: a
+    /// log-likelihood, or a log-posterior under equal priors, in nats, so that priors can be added and differences are
+    /// leads. A count beyond the trial's length stands for all of it.
+    ///
+    /// What comes after a count has no part in its scores: a classifier can always be asked while the contact lasts.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the trial is empty or lacks what the classifier needs.
+    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError>;
+
+    /// How the training of each category went, for what is trained step by step.
+    fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
+        None
+    }
+}
+
+impl dyn Classifier + '_ {
+    /// The scores of a whole trial, one a category.
+    ///
+    /// # Errors
+    /// As [`Classifier::scores_after`].
+    pub fn scores(&self, trial: &Trial) -> Result<Vec<f64>, ModelError> {
+        let mut scores = self.scores_after(trial, &[trial.samples.len()])?;
+        Ok(scores.pop().unwrap_or_default())
+    }
+}
+
+impl Learner for Recipe {
+    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+        let (models, _) = ModelSet::train_on(trials.iter().copied(), self)?;
+        Ok(Box::new(models))
+    }
+}
+
+impl Classifier for ModelSet {
+    fn categories(&self) -> Vec<String> {
+        ModelSet::categories(self)
+    }
+
+    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
+        counts
+            .iter()
+            .map(|&count| self.log_probabilities(trial, self.score_kind(), Some(count)))
+            .collect()
+    }
+
+    fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
+        Some(&self.training)
+    }
+}
