@@ -3,9 +3,12 @@ use xml::reader::{EventReader, XmlEvent};
 
 use super::*;
 
+/// Name, attributes and own text.
+type Element = (String, Vec<(String, String)>, String);
+
 /// Elements of a document in order, with attributes and own text, as a foreign parser reads it.
-fn elements(document: &str) -> Vec<(String, Vec<(String, String)>, String)> {
-    let mut found: Vec<(String, Vec<(String, String)>, String)> = Vec::new();
+fn elements(document: &str) -> Vec<Element> {
+    let mut found: Vec<Element> = Vec::new();
     let mut open = Vec::new();
     for event in EventReader::from_str(document) {
         match event.unwrap_or_else(|error| panic!("{error} in\n{document}")) {
@@ -24,7 +27,7 @@ fn elements(document: &str) -> Vec<(String, Vec<(String, String)>, String)> {
     found
 }
 
-fn attribute<'a>(element: &'a (String, Vec<(String, String)>, String), name: &str) -> Option<&'a str> {
+fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {
     element.1.iter().find(|own| own.0 == name).map(|own| own.1.as_str())
 }
 
@@ -185,9 +188,7 @@ fn bars_stand_on_each_other() {
         vec![bars([60.0, 25.0]), bars([40.0, 75.0])],
     )
     .svg();
-    let number = |element: &(String, Vec<(String, String)>, String), name| -> f64 {
-        attribute(element, name).unwrap().parse().unwrap()
-    };
+    let number = |element: &Element, name| -> f64 { attribute(element, name).unwrap().parse().unwrap() };
     let elements = elements(&svg);
     // The first two are the legend's keys.
     let rects: Vec<_> = elements.iter().filter(|element| element.0 == "rect").skip(2).collect();

@@ -24,6 +24,9 @@ pub struct Trials {
     pub taxel: Vec<Trial>,
 }
 
+/// A cell of Table I with the name of its recipe.
+pub type RecipeCell = (&'static str, TableOneCell);
+
 /// What a campaign comes to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
@@ -144,7 +147,7 @@ impl Trials {
     }
 
     /// Trials per reach, and Table I in both recipes, with the evaluations behind each cell.
-    pub fn measure(&self, quick: bool) -> Result<(Measurement, Vec<(&'static str, TableOneCell)>), Failure> {
+    pub fn measure(&self, quick: bool) -> Result<(Measurement, Vec<RecipeCell>), Failure> {
         let mut trials_per_reach = Vec::new();
         for place in 0..2 {
             for training in &TRAINING {

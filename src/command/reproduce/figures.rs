@@ -17,12 +17,15 @@ const CORRECT: &str = "#009e73";
 const WRONG: &str = "#d55e00";
 const INK: &str = "#222222";
 
+/// States, accuracy in per cent, and its interval.
+type Accuracy = (usize, f64, Option<(f64, f64)>);
+
 /// Accuracy of one unit and feature set over the number of states: a quarter of a table.
 struct Quarter<'a> {
     name: String,
     title: String,
-    /// Name, style and (states, accuracy, low, high).
-    series: Vec<(&'a str, Style, Vec<(usize, f64, Option<(f64, f64)>)>)>,
+    /// Name, style and accuracies over states.
+    series: Vec<(&'a str, Style, Vec<Accuracy>)>,
 }
 
 const STATES: [usize; 3] = [5, 10, 20];

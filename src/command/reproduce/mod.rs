@@ -23,12 +23,12 @@ use std::time::Instant;
 
 use clap::Args;
 use underbrush_classifier::ModelSet;
-use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneCell, TableOneUnit};
+use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneUnit};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::{Dataset, write_trials};
 
-use self::campaign::{Measurement, Trials};
+use self::campaign::{Measurement, RecipeCell, Trials};
 use self::online::{Online, Shares};
 use self::results::{Campaigns, Outliers, Results, SamplesUsed, Timing};
 use crate::dataset::PROGRAM_VERSION;
@@ -174,7 +174,7 @@ impl Results {
         reaches: results::Reaches,
         trials: &Trials,
         measurement: Measurement,
-        cells: &[(&'static str, TableOneCell)],
+        cells: &[RecipeCell],
         campaigns: Option<Campaigns>,
         truncated: Vec<results::Truncated>,
         online: &Online,
@@ -211,8 +211,8 @@ impl Results {
 }
 
 /// The confusion matrix of the taxels with 20 states in the authors' recipe (Figs. 6 and 7).
-fn confusion(cells: &[(&str, TableOneCell)], features: FeatureSet) -> Result<ConfusionMatrix, Failure> {
-    let own = |(recipe, cell): &&(&str, TableOneCell)| {
+fn confusion(cells: &[RecipeCell], features: FeatureSet) -> Result<ConfusionMatrix, Failure> {
+    let own = |(recipe, cell): &&RecipeCell| {
         *recipe == campaign::AUTHORS && (cell.unit, cell.features, cell.states) == (TableOneUnit::Taxel, features, 20)
     };
     let (_, cell) = cells

@@ -79,17 +79,18 @@ pub fn text(results: &Results, out: &Path) -> String {
     )
 }
 
-/// How near (recipe, name, accuracy, paper, interval) cells are to the paper.
-fn agreement(what: &str, cells: &[(String, f64, f64, Option<(f64, f64)>)]) -> String {
+/// Name of a cell, accuracy here and in the paper, and the interval of ours.
+type Compared = (String, f64, f64, Option<(f64, f64)>);
+
+/// How near cells are to the paper.
+fn agreement(what: &str, cells: &[Compared]) -> String {
     let differences: Vec<f64> = cells.iter().map(|cell| (cell.1 - cell.2).abs()).collect();
     let mean = differences.iter().sum::<f64>() / cells.len().max(1) as f64;
     let close = differences
         .iter()
         .filter(|difference| **difference <= CLOSE_POINTS)
         .count();
-    let covered = |cell: &&(String, f64, f64, Option<(f64, f64)>)| {
-        cell.3.is_some_and(|(low, high)| (low..=high).contains(&cell.2))
-    };
+    let covered = |cell: &&Compared| cell.3.is_some_and(|(low, high)| (low..=high).contains(&cell.2));
     let higher = cells.iter().filter(|cell| cell.1 > cell.2).count();
     let mut text = format!(
         "{what}, the {} cells differ from the paper's by {mean:.1} points on average; {close} are within {CLOSE_POINTS} \

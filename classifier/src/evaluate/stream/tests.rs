@@ -6,7 +6,7 @@ use super::*;
 use crate::decision::{Decision, Rule};
 use crate::feature::FeatureSet;
 use crate::hmm::{GaussianHmm, HmmParameters, ScoreKind};
-use crate::trial::tests::recording;
+use crate::trial::tests::{Drawn, recording};
 
 /// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then leads by
 /// (3 − 0.5)² / 2 = 3.125 nats.
@@ -38,7 +38,7 @@ fn options(rule: Rule) -> OnlineOptions {
 fn reach() -> Recording {
     let full = [(2, 0.5, Some(0)), (7, 0.5, Some(1)), (9, 3.0, Some(1)), (11, 3.0, None)];
     let broken = [full[0], full[1], full[3]];
-    let frames: Vec<(f64, &[(u16, f64, Option<u16>)])> = (0..6)
+    let frames: Vec<Drawn> = (0..6)
         .map(|k| (0.0, if k == 4 { &broken[..] } else { &full[..] }))
         .collect();
     recording(&frames)
