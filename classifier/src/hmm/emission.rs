@@ -11,9 +11,9 @@ pub(super) struct Emissions {
     /// N × D.
     mean: Vec<f64>,
     /// N × D × D: inverses of the lower Cholesky factors, row-major.
-    whitening: Vec<f64>,
+    pub(super) whitening: Vec<f64>,
     /// N: −½ (D ln 2π + ln |Σ|).
-    log_normalizer: Vec<f64>,
+    pub(super) log_normalizer: Vec<f64>,
 }
 
 impl Emissions {

@@ -5,10 +5,12 @@
 //! [`GaussianHmm::log_probability`] for whole sequences and [`RunningScore`] sample by sample; both run the same code.
 
 mod emission;
+mod linear;
 mod model;
 mod score;
 mod start;
 mod statistics;
+mod tile;
 mod topology;
 mod train;
 

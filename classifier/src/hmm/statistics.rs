@@ -1,7 +1,11 @@
 //! The expectation step: expected counts of states and transitions over all sequences.
 
+mod exact;
+mod scaled;
+
+use super::linear::LinearModel;
 use super::model::GaussianHmm;
-use super::score::{TRUSTED_SUM, largest, log_sum_exp, propagate, relative_weight};
+use super::tile::vectorized;
 use crate::feature::Observations;
 
 /// Expected counts under one model, summed over sequences (Rabiner 1989, section III-C; the paper's reference [14]).
@@ -21,31 +25,77 @@ pub(super) struct Statistics {
     pub(super) second: Vec<f64>,
 }
 
-/// Probabilities under exp(−690), at the end of the range of f64, count as zero.
-const SMALLEST_EXPONENT: f64 = -690.0;
+/// Where a state's expected samples or departures are fewer, the small numbers that they are sums of count as well, and
+/// all is counted again in log space.
+const FEW: f64 = 1e-12;
 
 impl Statistics {
-    /// Expected counts of all sequences. The error is the index of a sequence that the model rules out.
-    pub(super) fn collect(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
-        let (n, d) = (model.states, model.dimension);
-        let mut statistics = Statistics {
+    fn zero(n: usize, d: usize) -> Self {
+        Statistics {
             log_likelihood: 0.0,
             initial: vec![0.0; n],
             transition: vec![0.0; n * n],
             occupancy: vec![0.0; n],
             first: vec![0.0; n * d],
             second: vec![0.0; n * d * d],
-        };
-        let mut pass = Pass::new(n);
-        for (index, sequence) in sequences.iter().enumerate() {
-            let log_likelihood = pass.forward(model, sequence);
-            if log_likelihood == f64::NEG_INFINITY {
-                return Err(index);
+        }
+    }
+
+    /// Expected counts of all sequences. The error is the index of a sequence that the model rules out.
+    ///
+    /// Counted with plain numbers where these can be shown to be exact (`scaled.rs`), else in log space.
+    pub(super) fn collect(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
+        let statistics = Self::collect_scaled(model, sequences)?;
+        let few = |&count: &f64| count < FEW;
+        // A row without any departure keeps its probabilities.
+        let departures = |row: &[f64]| row.iter().sum::<f64>();
+        let scarce = statistics.occupancy.iter().any(few)
+            || statistics
+                .transition
+                .chunks_exact(model.states)
+                .any(|row| (1e-300..FEW).contains(&departures(row)));
+        if scarce {
+            let mut exact = Self::zero(model.states, model.dimension);
+            let mut pass = exact::Pass::new(model.states);
+            for (index, sequence) in sequences.iter().enumerate() {
+                exact.count_exactly(model, sequence, &mut pass).ok_or(index)?;
             }
-            pass.backward(model, sequence, log_likelihood, &mut statistics);
-            statistics.log_likelihood += log_likelihood;
+            return Ok(exact);
         }
         Ok(statistics)
+    }
+
+    /// [`Statistics::collect`] but for states that hardly occur.
+    fn collect_scaled(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
+        let linear = LinearModel::new(model);
+        let mut statistics = Self::zero(model.states, model.dimension);
+        let mut exact = exact::Pass::new(model.states);
+        vectorized(
+            #[inline(always)]
+            || {
+                let mut scaled = scaled::Pass::new(&linear, model.states);
+                for (index, sequence) in sequences.iter().enumerate() {
+                    match scaled.count(&linear, sequence) {
+                        Some(log_likelihood) => statistics.log_likelihood += log_likelihood,
+                        None => statistics.count_exactly(model, sequence, &mut exact).ok_or(index)?,
+                    }
+                }
+                scaled.add_to(&mut statistics, model);
+                Ok::<(), usize>(())
+            },
+        )?;
+        Ok(statistics)
+    }
+
+    /// Adds one sequence's counts, in log space; `None` where the model rules it out.
+    fn count_exactly(&mut self, model: &GaussianHmm, sequence: &Observations, pass: &mut exact::Pass) -> Option<()> {
+        let log_likelihood = pass.forward(model, sequence);
+        if log_likelihood == f64::NEG_INFINITY {
+            return None;
+        }
+        pass.backward(model, sequence, log_likelihood, self);
+        self.log_likelihood += log_likelihood;
+        Some(())
     }
 
     /// Adds one sample's state probabilities γ.
@@ -65,141 +115,5 @@ impl Statistics {
                 }
             }
         }
-    }
-}
-
-/// Forward-backward over one sequence, with buffers kept between sequences.
-struct Pass {
-    /// T × N log-densities of the samples.
-    log_density: Vec<f64>,
-    /// T × N forward log-weights, the sample of their time included.
-    log_alpha: Vec<f64>,
-    /// N backward log-weights of the time at hand.
-    log_beta: Vec<f64>,
-    /// N backward log-weights of the sample after, its density included.
-    log_ahead: Vec<f64>,
-    /// N: the same, relative to their largest.
-    ahead: Vec<f64>,
-    /// N: probability of each state at the time at hand, γ; scratch of the forward pass.
-    probability: Vec<f64>,
-}
-
-impl Pass {
-    fn new(n: usize) -> Self {
-        let zeros = || vec![0.0; n];
-        Pass {
-            log_density: Vec::new(),
-            log_alpha: Vec::new(),
-            log_beta: zeros(),
-            log_ahead: zeros(),
-            ahead: zeros(),
-            probability: zeros(),
-        }
-    }
-
-    /// Fills densities and forward weights; the log-likelihood.
-    fn forward(&mut self, model: &GaussianHmm, sequence: &Observations) -> f64 {
-        let n = model.states;
-        self.log_density.resize(n * sequence.sample_count(), 0.0);
-        self.log_alpha.resize(n * sequence.sample_count(), 0.0);
-        for (t, sample) in sequence.samples().enumerate() {
-            let density = &mut self.log_density[t * n..(t + 1) * n];
-            model.emissions.log_densities(sample, density);
-            let (past, present) = self.log_alpha.split_at_mut(t * n);
-            let alpha = &mut present[..n];
-            if t == 0 {
-                alpha.copy_from_slice(&model.log_initial);
-            } else {
-                propagate(model, &past[(t - 1) * n..], &mut self.probability, alpha);
-            }
-            alpha
-                .iter_mut()
-                .zip(density)
-                .for_each(|(weight, density)| *weight += *density);
-        }
-        let last = self.log_alpha.len() - n;
-        log_sum_exp(self.log_alpha[last..].iter().copied())
-    }
-
-    /// Walks back in time and adds the expected counts.
-    fn backward(&mut self, model: &GaussianHmm, sequence: &Observations, log_likelihood: f64, counts: &mut Statistics) {
-        let n = model.states;
-        self.log_beta.fill(0.0);
-        for t in (0..sequence.sample_count()).rev() {
-            if t + 1 < sequence.sample_count() {
-                self.step_back(model, t, log_likelihood, counts);
-            } else {
-                for (out, alpha) in self.probability.iter_mut().zip(&self.log_alpha[t * n..]) {
-                    *out = probability(alpha - log_likelihood);
-                }
-            }
-            counts.count_sample(model, sequence.sample(t), &self.probability);
-        }
-        counts
-            .initial
-            .iter_mut()
-            .zip(&self.probability)
-            .for_each(|(sum, gamma)| *sum += gamma);
-    }
-
-    /// From β of sample t + 1 to β and γ of sample t, adding the expected transitions ξ between the two.
-    ///
-    /// With ω_j = ln b_j + β_j of sample t + 1: β_i = ln Σ_j a_ij exp(ω_j), and ξ_ij = γ_i a_ij exp(ω_j − β_i), the share
-    /// of j in that sum. As in [`propagate`], sums too small for the fast way are redone in log space.
-    fn step_back(&mut self, model: &GaussianHmm, t: usize, log_likelihood: f64, counts: &mut Statistics) {
-        let n = model.states;
-        let density = &self.log_density[(t + 1) * n..(t + 2) * n];
-        for ((out, density), beta) in self.log_ahead.iter_mut().zip(density).zip(&self.log_beta) {
-            *out = density + beta;
-        }
-        let largest_ahead = largest(self.log_ahead.iter().copied());
-        for (out, weight) in self.ahead.iter_mut().zip(&self.log_ahead) {
-            *out = relative_weight(weight - largest_ahead);
-        }
-        for i in 0..n {
-            let row = &model.transition[i * n..(i + 1) * n];
-            let log_row = &model.log_transition[i * n..(i + 1) * n];
-            let transitions = &mut counts.transition[i * n..(i + 1) * n];
-            let log_terms = log_row
-                .iter()
-                .zip(&self.log_ahead)
-                .map(|(transition, ahead)| transition + ahead);
-            let sum: f64 = row
-                .iter()
-                .zip(&self.ahead)
-                .map(|(probability, ahead)| probability * ahead)
-                .sum();
-            let trusted = sum >= TRUSTED_SUM;
-            let beta = if trusted {
-                largest_ahead + sum.ln()
-            } else {
-                log_sum_exp(log_terms.clone())
-            };
-            let gamma = probability(self.log_alpha[t * n + i] + beta - log_likelihood);
-            self.log_beta[i] = beta;
-            self.probability[i] = gamma;
-            if gamma == 0.0 {
-                continue;
-            }
-            if trusted {
-                let share = gamma / sum;
-                for ((count, probability), ahead) in transitions.iter_mut().zip(row).zip(&self.ahead) {
-                    *count += share * (probability * ahead);
-                }
-            } else {
-                for (count, term) in transitions.iter_mut().zip(log_terms) {
-                    *count += gamma * probability(term - beta);
-                }
-            }
-        }
-    }
-}
-
-/// exp of a log-probability, with zero instead of subnormal numbers.
-fn probability(exponent: f64) -> f64 {
-    if exponent < SMALLEST_EXPONENT {
-        0.0
-    } else {
-        exponent.exp()
     }
 }
