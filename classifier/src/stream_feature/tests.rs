@@ -2,7 +2,10 @@ use underbrush_recording::Region;
 
 use super::*;
 
-fn trial(rows: &[(f64, f64, f64, u32, f64, f64)]) -> Trial {
+/// Time, s; force, N; motion, m; the region's taxels, largest force and sum, N.
+type Row = (f64, f64, f64, u32, f64, f64);
+
+fn trial(rows: &[Row]) -> Trial {
     let samples = rows.iter().map(
         |&(time_s, force_n, motion_m, taxels, largest_force_n, force_sum_n)| Sample {
             time_s,
@@ -44,13 +47,12 @@ fn features_are_those_of_the_whole_computed_at_once() {
         .unwrap()
         .remove(0);
     let of = |name: &str| found[NAMES.iter().position(|known| *known == name).unwrap()];
-    let mean = |f: &dyn Fn(&(f64, f64, f64, u32, f64, f64)) -> f64| rows.iter().map(f).sum::<f64>() / 4.0;
+    let mean = |f: &dyn Fn(&Row) -> f64| rows.iter().map(f).sum::<f64>() / 4.0;
     let time = mean(&|row| row.0);
     let motion = mean(&|row| row.2);
     let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
-    let slope = |value: &dyn Fn(&(f64, f64, f64, u32, f64, f64)) -> f64| {
-        mean(&|row| (row.0 - time) * value(row)) / mean(&|row| (row.0 - time).powi(2))
-    };
+    let slope =
+        |value: &dyn Fn(&Row) -> f64| mean(&|row| (row.0 - time) * value(row)) / mean(&|row| (row.0 - time).powi(2));
     near(of("samples"), 4f64.ln());
     near(expand(of("mean force"), 0.1), 0.5);
     near(expand(of("largest force"), 0.1), 0.9);

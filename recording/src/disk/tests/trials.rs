@@ -251,7 +251,8 @@ fn types_that_pandas_and_polars_write_are_accepted() {
             Sample {
                 time_s: 0.5,
                 force_n: 0.2,
-                motion_m: None
+                motion_m: None,
+                region: None,
             }
         );
     }
@@ -315,6 +316,7 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         time_s: 0.0,
         force_n: 1.0,
         motion_m: None,
+        region: None,
     };
     let good = Trial {
         trial: 1,
