@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::EvaluateError;
+use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
 use underbrush_recording::InputError;
@@ -160,7 +160,7 @@ macro_rules! bad_usage {
         })*
     };
 }
-bad_usage!(TrialError, EvaluateError, DecisionError, OnlineError);
+bad_usage!(TrialError, EvaluateError, ThresholdError, DecisionError, OnlineError);
 
 /// Notes each panic instead of printing it.
 ///
