@@ -53,6 +53,7 @@ fn learners() -> Vec<(&'static str, Box<dyn Learner>)> {
         ),
         ("nearest neighbours", Box::new(NearestNeighbours::default())),
         ("naive Bayes", Box::new(NaiveBayes)),
+        ("recursive regression", Box::new(RecursiveRegression::default())),
         ("logistic regression", Box::new(Logistic::default())),
     ]
 }
@@ -170,4 +171,9 @@ fn what_cannot_be_learned_is_refused() {
     assert_eq!(Logistic::default().learn(&known).err(), Some(missing.clone()));
     assert_eq!(NearestNeighbours::default().learn(&known).err(), Some(missing));
     assert!(NaiveBayes.learn(&known).is_ok());
+    trials[0].samples[2].motion_m = None;
+    let missing = ModelError::Feature(FeatureError::MissingMotion { trial: 0, sample: 2 });
+    let known: Vec<&Trial> = trials.iter().collect();
+    assert_eq!(NaiveBayes.learn(&known).err(), Some(missing.clone()));
+    assert_eq!(RecursiveRegression::default().learn(&known).err(), Some(missing));
 }
