@@ -137,8 +137,11 @@ impl From<ModelError> for Failure {
     }
 }
 
-impl From<CampaignError<DiskError>> for Failure {
-    fn from(error: CampaignError<DiskError>) -> Self {
+impl<E: std::error::Error + 'static> From<CampaignError<E>> for Failure
+where
+    Failure: From<E>,
+{
+    fn from(error: CampaignError<E>) -> Self {
         match error {
             CampaignError::Input(input) => input.into(),
             CampaignError::Receiver(error) => error.into(),

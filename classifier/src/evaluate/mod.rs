@@ -5,6 +5,7 @@ mod confusion;
 mod fold;
 mod interval;
 mod roc;
+mod stream;
 mod table_one;
 mod threshold;
 
@@ -20,6 +21,7 @@ pub use confusion::{CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
+pub use stream::{Stream, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 
