@@ -29,6 +29,7 @@ fn press(category: &str, force_n: f64, number: u64) -> Trial {
                 time_s: f64::from(index) * 0.01,
                 force_n: force_n * (3.0 * phase).min(1.0) * (4.0 * (1.0 - phase)).min(1.0) * ripple,
                 motion_m: None,
+                region: None,
             }
         })
         .collect();

@@ -5,13 +5,20 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::json;
-use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Provenance, SceneText, Shard};
-use underbrush_sim::campaign::{self, Job};
+use underbrush_recording::Recording;
+use underbrush_recording::disk::{
+    Dataset, DatasetPlan, DatasetWriter, DiskError, PlannedEpisode, Provenance, SceneText, Shard,
+};
+use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use crate::failure::Failure;
 use crate::progress::CampaignBar;
+
+/// Version of the program, with a hash of all sources that decide data: while a version is being worked on, its builds
+/// make different data, and none must be continued by another.
+pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("UNDERBRUSH_DATA_SOURCES"));
 
 /// Reaches of some scenes, from one seed.
 pub struct Campaign {
@@ -38,7 +45,7 @@ impl Campaign {
         let missing = writer.missing()?;
         let bar = CampaignBar::new(jobs.len() as u64, (jobs.len() - missing.len()) as u64);
         let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
-        let result = campaign::run(&plans, &to_run, |index, recording| {
+        let result: Result<(), CampaignError<DiskError>> = campaign::run(&plans, &to_run, |index, recording| {
             writer.stage(missing[index], &recording)?;
             bar.reach(recording.outcome());
             Ok(())
@@ -46,6 +53,26 @@ impl Campaign {
         bar.finish();
         result?;
         Ok(writer.finish()?)
+    }
+
+    /// Runs the campaign and hands over each recording with its place among all, in any order; nothing is written.
+    pub fn run<E: std::error::Error + Send + 'static>(
+        &self,
+        receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
+    ) -> Result<(), Failure>
+    where
+        Failure: From<E>,
+    {
+        let (plans, jobs) = (self.plans()?, self.jobs());
+        let bar = CampaignBar::new(jobs.len() as u64, 0);
+        let result = campaign::run(&plans, &jobs, |position, recording| {
+            let outcome = recording.outcome();
+            receive(position, recording)?;
+            bar.reach(outcome);
+            Ok(())
+        });
+        bar.finish();
+        Ok(result?)
     }
 
     /// Whether a finished data set is what this campaign would make.
@@ -106,7 +133,7 @@ impl Campaign {
         Ok(DatasetPlan {
             provenance: Provenance {
                 program: env!("CARGO_PKG_NAME").into(),
-                program_version: env!("CARGO_PKG_VERSION").into(),
+                program_version: PROGRAM_VERSION.into(),
                 engine: underbrush_sim::physics::ENGINE.into(),
                 options,
                 scenes: self

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::EvaluateError;
+use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
 use underbrush_recording::InputError;
@@ -137,8 +137,11 @@ impl From<ModelError> for Failure {
     }
 }
 
-impl From<CampaignError<DiskError>> for Failure {
-    fn from(error: CampaignError<DiskError>) -> Self {
+impl<E: std::error::Error + 'static> From<CampaignError<E>> for Failure
+where
+    Failure: From<E>,
+{
+    fn from(error: CampaignError<E>) -> Self {
         match error {
             CampaignError::Input(input) => input.into(),
             CampaignError::Receiver(error) => error.into(),
@@ -157,7 +160,7 @@ macro_rules! bad_usage {
         })*
     };
 }
-bad_usage!(TrialError, EvaluateError, DecisionError, OnlineError);
+bad_usage!(TrialError, EvaluateError, ThresholdError, DecisionError, OnlineError);
 
 /// Notes each panic instead of printing it.
 ///

@@ -23,7 +23,7 @@ use failure::Failure;
 /// Start with `underbrush reproduce --quick`, or look at one reach: `underbrush reach scenes/mixed.toml --picture reach.svg`.
 /// Results go to stdout, everything else to stderr.
 #[derive(Parser)]
-#[command(name = "underbrush", version, max_term_width = 100)]
+#[command(name = "underbrush", version = dataset::PROGRAM_VERSION, max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     shared: Shared,

@@ -4,6 +4,7 @@
 use std::fmt::Write;
 
 use glam::{DVec2, DVec3};
+use underbrush_classifier::report::{Mark, escape};
 use underbrush_recording::{Category, SkinLayout};
 use underbrush_sim::geometry::Capsule;
 use underbrush_sim::snapshot::Snapshot;
@@ -76,7 +77,8 @@ pub fn draw(snapshot: &Snapshot, layout: &SkinLayout, objects: &[Category], capt
             svg,
             "<rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\" stroke=\"#9aa3ad\"/>"
         );
-        panel.content(&mut svg, snapshot, layout, objects);
+        panel.shapes(&mut svg, snapshot);
+        panel.felt(&mut svg, snapshot, layout, objects);
         svg.push_str("</svg>\n");
         panel.frame(&mut svg, left);
     }
@@ -88,13 +90,97 @@ pub fn draw(snapshot: &Snapshot, layout: &SkinLayout, objects: &[Category], capt
     svg
 }
 
+/// A mark on a taxel.
+pub struct TaxelMark {
+    /// Patch and taxel.
+    pub place: (usize, usize),
+    /// Colour and shape.
+    pub look: (&'static str, Mark),
+}
+
+/// Side lengths of a close-up, m: the forearm with what is around it.
+const CLOSE_M: DVec2 = DVec2::new(0.42, 0.32);
+/// Font size in a close-up, px, and the height of its title: it is shown about as wide as a page.
+const CLOSE_FONT: f64 = 8.0;
+
+/// The surroundings of marked taxels, from the right and from above; none without marks.
+pub fn close_ups(snapshot: &Snapshot, layout: &SkinLayout, marks: &[TaxelMark], description: &str) -> Vec<String> {
+    let frame = &snapshot.frame;
+    let position = |mark: &TaxelMark| {
+        let taxel = layout.patches.get(mark.place.0)?.taxels.get(mark.place.1)?;
+        Some(
+            frame
+                .patch_pose_world
+                .get(mark.place.0)?
+                .transform_point(taxel.position_link),
+        )
+    };
+    let positions: Vec<(DVec3, &TaxelMark)> = marks.iter().filter_map(|mark| Some((position(mark)?, mark))).collect();
+    if positions.is_empty() {
+        return Vec::new();
+    }
+    let centre = positions.iter().map(|(position, _)| *position).sum::<DVec3>() / positions.len() as f64;
+    PANELS
+        .iter()
+        .map(|panel| panel.close_up(snapshot, &positions, centre, description))
+        .collect()
+}
+
 impl Panel {
+    fn close_up(&self, snapshot: &Snapshot, marks: &[(DVec3, &TaxelMark)], centre: DVec3, description: &str) -> String {
+        let size = CLOSE_M * SCALE;
+        let corner = self.to_pixels(centre) - size / 2.0;
+        let top = 1.8 * CLOSE_FONT;
+        let name = self.title.replace(' ', "-");
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.1} {:.1}\" role=\"img\" \
+             aria-labelledby=\"close-{name}-title close-{name}-desc\" font-family=\"sans-serif\" font-size=\"{CLOSE_FONT}\">\n\
+             <title id=\"close-{name}-title\">Arm and skin {title}</title>\n<desc id=\"close-{name}-desc\">{}</desc>\n\
+             <text x=\"1\" y=\"{CLOSE_FONT}\" font-weight=\"bold\">Arm and skin {title}</text>\n\
+             <svg x=\"0\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" viewBox=\"{:.1} {:.1} {:.1} {:.1}\">\n\
+             <rect x=\"-9999\" y=\"-9999\" width=\"29999\" height=\"29999\" fill=\"#f6f7f9\"/>\n",
+            size.x,
+            size.y + top,
+            escape(description),
+            size.x,
+            size.y,
+            corner.x,
+            corner.y,
+            size.x,
+            size.y,
+            title = self.title,
+        );
+        self.shapes(&mut svg, snapshot);
+        // Those towards the viewer last.
+        let mut marks: Vec<_> = marks.iter().collect();
+        marks.sort_by(|a, b| a.0.dot(self.near).total_cmp(&b.0.dot(self.near)));
+        for (position, mark) in marks {
+            let at = self.to_pixels(*position);
+            let _ = writeln!(
+                svg,
+                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"#ffffff\"/>",
+                at.x, at.y
+            );
+            svg += &mark.look.1.svg(at.x, at.y, 3.0, mark.look.0);
+        }
+        let scale_px = 0.1 * SCALE;
+        let (x, y) = (corner.x + size.x - scale_px - 6.0, corner.y + size.y - 6.0);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x:.1} {y:.1}h{scale_px:.1}\" stroke=\"#222222\" stroke-width=\"1.5\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">10 cm</text>",
+            x + scale_px / 2.0,
+            y - 3.0
+        );
+        svg + "</svg>\n</svg>\n"
+    }
+
     fn to_pixels(&self, point: DVec3) -> DVec2 {
         let local = DVec2::new(point.dot(self.right), point.dot(self.up)) - self.corner;
         DVec2::new(local.x, PANEL_M.y - local.y) * SCALE
     }
 
-    fn content(&self, svg: &mut String, snapshot: &Snapshot, layout: &SkinLayout, objects: &[Category]) {
+    fn shapes(&self, svg: &mut String, snapshot: &Snapshot) {
         let mut shapes: Vec<(f64, String)> = Vec::new();
         let depth = |capsule: &Capsule| (capsule.start + capsule.end).dot(self.near) / 2.0;
         for (category, capsules) in &snapshot.objects {
@@ -114,6 +200,10 @@ impl Panel {
         }
         shapes.sort_by(|a, b| a.0.total_cmp(&b.0));
         svg.extend(shapes.into_iter().map(|(_, shape)| shape));
+    }
+
+    /// The taxels that report a force, filled as what they touch, and the goal.
+    fn felt(&self, svg: &mut String, snapshot: &Snapshot, layout: &SkinLayout, objects: &[Category]) {
         for reading in &snapshot.frame.taxels {
             let (patch, taxel) = (usize::from(reading.patch), usize::from(reading.taxel));
             let Some(place) = layout.patches.get(patch).and_then(|patch| patch.taxels.get(taxel)) else {

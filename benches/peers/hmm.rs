@@ -128,6 +128,7 @@ fn read(text: &str) -> Result<Vec<Trial>, Box<dyn Error>> {
             time_s: cells[time_s].parse()?,
             force_n: cells[force_n].parse()?,
             motion_m: None,
+            region: None,
         };
         if let Some(open) = trials.last_mut() {
             open.samples.push(sample);

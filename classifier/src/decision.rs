@@ -190,11 +190,9 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// The choice for log-likelihoods in the order of the categories.
-    ///
-    /// Where no model admits the data (all −inf) or two lead together, there is no lead: uncertain.
-    /// A single category always leads. Scores beyond the categories are not looked at.
-    pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
+    /// The best category's index and its lead over the second, nats of log-posterior, from 0 and infinite where no other
+    /// category admits the data; `None` where none does (all −inf). Scores beyond the categories are not looked at.
+    pub fn lead(&self, log_likelihood: &[f64]) -> Option<(usize, f64)> {
         let (mut best, mut index, mut second) = (f64::NEG_INFINITY, 0, f64::NEG_INFINITY);
         for (i, (likelihood, prior)) in log_likelihood.iter().zip(&self.log_prior).enumerate() {
             let posterior = likelihood + prior;
@@ -204,10 +202,17 @@ impl Judge {
                 second = posterior;
             }
         }
-        if best == f64::NEG_INFINITY {
+        (best > f64::NEG_INFINITY).then_some((index, best - second))
+    }
+
+    /// The choice for log-likelihoods in the order of the categories.
+    ///
+    /// Where no model admits the data (all −inf) or two lead together, there is no lead: uncertain.
+    /// A single category always leads. Scores beyond the categories are not looked at.
+    pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
+        let Some((index, lead)) = self.lead(log_likelihood) else {
             return Choice::Uncertain;
-        }
-        let lead = best - second;
+        };
         match self.rule {
             _ if lead == 0.0 => Choice::Uncertain,
             Rule::Argmax => Choice::Category(index),

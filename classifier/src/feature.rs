@@ -24,6 +24,17 @@ pub enum FeatureError {
         /// Index of the sample in the trial.
         sample: usize,
     },
+    /// The features need the contact region and the trial has none.
+    #[error(
+        "trial {trial}, sample {sample} (from 0) has no contact region; fill the columns region_taxels, \
+         region_largest_force_n and region_force_sum_n (underbrush trials does), or choose a classifier that needs none"
+    )]
+    MissingRegion {
+        /// Number of the trial in its table.
+        trial: u64,
+        /// Index of the sample in the trial.
+        sample: usize,
+    },
     /// NaN or infinity.
     #[error("trial {trial}, sample {sample} (from 0): {feature} is {value}; remove the sample or mend the value")]
     NotFinite {
@@ -253,6 +264,7 @@ mod tests {
                 time_s: k as f64 * 0.01,
                 force_n,
                 motion_m,
+                region: None,
             })
             .collect();
         Trial {

@@ -13,6 +13,7 @@
 //! | scores become a verdict | [`decision::Decision`] |
 //! | anything else that learns from trials stands beside them | [`learner::Learner`], [`learner::Classifier`] |
 //! | verdicts become tables with confidence intervals | [`evaluate`] |
+//! | tables become charts and a page | [`report`] |
 //!
 //! Nothing here knows the simulator: recordings of a real robot and anyone's table of trials will do.
 //!
@@ -32,7 +33,7 @@
 //!         .map(|t| {
 //!             let time_s = f64::from(t) * 0.01;
 //!             let force_n = stiffness_n_per_m * 0.05 * time_s * (1.0 + 0.2 * (k as f64 + 0.7 * f64::from(t)).sin());
-//!             Sample { time_s, force_n, motion_m: None }
+//!             Sample { time_s, force_n, motion_m: None, region: None }
 //!         })
 //!         .collect();
 //!     Trial { trial: k, category: category.map(str::to_owned), reach: None, patch: None, taxel: None, samples }
@@ -60,6 +61,8 @@ mod model_file;
 mod model_set;
 pub mod online;
 pub mod recipe;
+pub mod report;
+pub mod stream_feature;
 pub mod trial;
 
 pub use model_file::FORMAT;

@@ -43,6 +43,7 @@ fn trials() -> Vec<Trial> {
             time_s: number(2),
             force_n: number(3),
             motion_m: Some(number(4)),
+            region: None,
         };
         trials.last_mut().unwrap().samples.push(sample);
     }

@@ -21,4 +21,4 @@ pub use frame::{Frame, Pose, TaxelReading};
 pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use reach::{Contact, GoalRecord, ObjectRecord, Outcome, Recording};
-pub use trial::{Sample, Trial};
+pub use trial::{Region, Sample, Trial};

@@ -11,6 +11,20 @@ pub struct Sample {
     pub force_n: f64,
     /// Contact motion, m: distance in the world frame from where the contact began. `None` where a table has none.
     pub motion_m: Option<f64>,
+    /// The contact region that this sample is part of. `None` where a table has none, or the patch has no grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<Region>,
+}
+
+/// A contact region (paper, section III) at one instant: the taxels in contact that hang together, whatever presses them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Region {
+    /// Number of its taxels.
+    pub taxels: u32,
+    /// The largest sensed force of its taxels, N.
+    pub largest_force_n: f64,
+    /// The sum of the sensed forces of its taxels, N.
+    pub force_sum_n: f64,
 }
 
 /// One trial (paper, sections IV-C and IV-D): the unit that is trained on and classified.

@@ -31,20 +31,27 @@ pub struct Options {
     /// Give a verdict for each taxel in contact in each frame, as JSON lines
     #[arg(long)]
     online: bool,
-    /// From log-likelihoods to verdicts
-    #[arg(long, value_enum, default_value = "argmax")]
-    decision: DecisionName,
-    /// With `--decision uncertain`: least lead of the best category, nats
-    #[arg(long, value_name = "NATS", default_value_t = 15.0)]
-    lead: f64,
-    /// Prior of a category, such as leaf=0.7; all alike if none is given
-    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
-    prior: Vec<(String, f64)>,
+    #[command(flatten)]
+    decision: DecisionArguments,
     /// Score; the model's own if not given
     #[arg(long, value_enum)]
     score: Option<Score>,
     #[command(flatten)]
     cut: TrialArguments,
+}
+
+/// How scores become verdicts.
+#[derive(Args)]
+pub struct DecisionArguments {
+    /// From log-likelihoods to verdicts; the model's own if not given (train --false-positive-rate), argmax if it has none
+    #[arg(long, value_enum)]
+    decision: Option<DecisionName>,
+    /// With `--decision uncertain`: least lead of the best category, nats
+    #[arg(long, value_name = "NATS", default_value_t = 15.0)]
+    lead: f64,
+    /// Prior of a category, such as leaf=0.7; the model's own if none is given, all alike if it has none
+    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
+    prior: Vec<(String, f64)>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -65,17 +72,21 @@ fn prior(text: &str) -> Result<(String, f64), String> {
     parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
-impl Options {
-    fn decision(&self) -> Decision {
+impl DecisionArguments {
+    /// The decision for models that come with this one.
+    pub fn decision(&self, own: Option<&Decision>) -> Decision {
+        let own = own.cloned().unwrap_or(Decision::argmax());
         let rule = match self.decision {
-            DecisionName::Argmax => Decision::argmax().rule,
-            DecisionName::Uncertain => Rule::UncertainBelow { lead: self.lead },
-            DecisionName::Paper => Decision::paper().rule,
+            None => own.rule,
+            Some(DecisionName::Argmax) => Decision::argmax().rule,
+            Some(DecisionName::Uncertain) => Rule::UncertainBelow { lead: self.lead },
+            Some(DecisionName::Paper) => Decision::paper().rule,
         };
-        Decision {
-            prior: self.prior.iter().cloned().collect(),
-            rule,
-        }
+        let prior = match self.prior.is_empty() {
+            true => own.prior,
+            false => self.prior.iter().cloned().collect(),
+        };
+        Decision { prior, rule }
     }
 }
 
@@ -94,7 +105,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if options.online || options.input == Path::new("-") {
         return online(&options, models, kind);
     }
-    let judge = options.decision().prepare(&models.categories())?;
+    let judge = options
+        .decision
+        .decision(models.decision.as_ref())
+        .prepare(&models.categories())?;
     let trials = input::trials(&options.input, &options.cut)?;
     let classify = |trial: &Trial| -> Result<TrialVerdict, Failure> {
         let scores = models
@@ -140,7 +154,7 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
         patch: options.cut.patch.clone(),
         threshold_n: options.cut.threshold_n,
         score: kind,
-        decision: options.decision(),
+        decision: options.decision.decision(models.decision.as_ref()),
     };
     let start = |layout: &SkinLayout| OnlineClassifier::new(models.clone(), layout, &settings);
     let answer = |classifier: &mut OnlineClassifier, frame: &Frame| -> Result<(), Failure> {

@@ -1,11 +1,18 @@
-//! `underbrush evaluate`: cross-validation.
+//! `underbrush evaluate`: cross-validation, or given models on other trials.
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use underbrush_classifier::decision::Decision;
-use underbrush_classifier::evaluate::{Evaluation, FoldBy, Folds, cross_validate};
+use std::fmt::Write;
 
+use clap::{Args, ValueEnum};
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::evaluate::{
+    EvaluateError, Evaluation, FoldBy, Folds, RocCurve, category_roc, cross_validate, evaluate, outlier_roc,
+};
+use underbrush_recording::{Category, Trial};
+
+use super::classify::DecisionArguments;
 use super::train::RecipeArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
@@ -22,6 +29,16 @@ pub struct Options {
     /// How trials are dealt to the folds
     #[arg(long, value_enum, default_value = "position")]
     split: Split,
+    /// Evaluate the models in this file on trials that they were not trained on, outliers among them, instead of
+    /// cross-validating
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "split"])]
+    model: Option<PathBuf>,
+    /// Write ROC curves (CSV): each category against the others by its lead; with --model also outliers against known
+    /// categories
+    #[arg(long, value_name = "FILE")]
+    roc: Option<PathBuf>,
+    #[command(flatten)]
+    decision: DecisionArguments,
     #[command(flatten)]
     recipe: RecipeArguments,
     #[command(flatten)]
@@ -36,9 +53,29 @@ enum Split {
     Reach,
 }
 
-/// Cross-validates and prints confusion matrix and figures.
+/// Evaluates and prints confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let trials = input::some_trials(&options.trials, &options.cut)?;
+    let about = |failure: Failure| failure.about(&options.trials);
+    let (evaluation, decision) = match &options.model {
+        Some(model) => {
+            let models = ModelSet::load(model)?;
+            let decision = options.decision.decision(models.decision.as_ref());
+            (evaluate(&models, &trials, &decision), decision)
+        }
+        None => {
+            let decision = options.decision.decision(None);
+            (cross_validated(&options, &trials, &decision), decision)
+        }
+    };
+    let evaluation = evaluation.map_err(|error| about(error.into()))?;
+    if let Some(path) = &options.roc {
+        output::write_file(path, roc_csv(&evaluation, &decision)?.as_bytes())?;
+    }
+    output::result(json, &evaluation, || text(&evaluation))
+}
+
+fn cross_validated(options: &Options, trials: &[Trial], decision: &Decision) -> Result<Evaluation, EvaluateError> {
     let folds = Folds {
         count: options.folds,
         by: match options.split {
@@ -46,9 +83,34 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             Split::Reach => FoldBy::Reach,
         },
     };
-    let evaluation = cross_validate(&trials, &options.recipe.recipe(), folds, &Decision::argmax())
-        .map_err(|error| Failure::from(error).about(&options.trials))?;
-    output::result(json, &evaluation, || text(&evaluation))
+    cross_validate(trials, &options.recipe.recipe(), folds, decision)
+}
+
+/// One row a point of each curve; an empty threshold takes nothing for positive.
+fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failure> {
+    let mut csv = String::from("positives,threshold_nats,false_positive_rate,true_positive_rate\n");
+    let mut add = |positives: &str, curve: Option<RocCurve>| {
+        for point in curve.iter().flat_map(|curve| &curve.points) {
+            let threshold = point.threshold.map_or(String::new(), |threshold| threshold.to_string());
+            let (false_rate, true_rate) = (point.false_positive_rate, point.true_positive_rate);
+            let _ = writeln!(
+                csv,
+                "{},{threshold},{false_rate},{true_rate}",
+                output::csv_field(positives)
+            );
+        }
+    };
+    for category in evaluation.known_categories() {
+        add(category, category_roc(evaluation, category));
+    }
+    if let Rule::OutlierBand { category_above, .. } = decision.rule {
+        let judge = decision.prepare(evaluation.known_categories())?;
+        add(
+            Category::Outlier.name(),
+            outlier_roc(evaluation, &judge, category_above),
+        );
+    }
+    Ok(csv)
 }
 
 /// An evaluation for a person.

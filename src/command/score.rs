@@ -77,17 +77,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     // The shortest text that reads back as the same number.
     output::lines(
         std::iter::once(header)
-            .chain(rows().map(|row| format!("{},{},{}", csv_field(&row.model), row.trial, row.log_likelihood))),
+            .chain(rows().map(|row| format!("{},{},{}", output::csv_field(&row.model), row.trial, row.log_likelihood))),
     )
-}
-
-/// A category may be any text in a foreign table.
-fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_string()
-    }
 }
 
 /// Trials as `underbrush trials` cuts them by default.

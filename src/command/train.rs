@@ -1,13 +1,17 @@
 //! `underbrush train`: one hidden Markov model per category.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
+use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::evaluate::{ChosenThresholds, Folds, ThresholdTargets, choose_thresholds, cross_validate};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::hmm::{InitialDistribution, Stop, Topology, TrainingOptions};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::{ModelSet, TrainingReport};
+use underbrush_recording::Trial;
 
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
@@ -26,6 +30,14 @@ pub struct Options {
     /// Train on from the models in this file, whose states and features then hold
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["recipe", "states", "features", "topology", "initial"])]
     start: Option<PathBuf>,
+    /// Choose thresholds for classify by cross-validation and store them in the model: at most this fraction of the
+    /// held-out trials of other categories is taken for a category
+    #[arg(long, value_name = "X", conflicts_with = "start")]
+    false_positive_rate: Option<f64>,
+    /// With --false-positive-rate: the fraction of contacts expected to be outliers; known contacts are called outliers
+    /// no more often than there are any
+    #[arg(long, value_name = "X", default_value_t = 0.05, requires = "false_positive_rate")]
+    outlier_prior: f64,
     #[command(flatten)]
     cut: TrialArguments,
 }
@@ -137,6 +149,8 @@ impl RecipeArguments {
 struct Trained<'a> {
     model: &'a Path,
     report: &'a TrainingReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thresholds: Option<&'a ChosenThresholds>,
 }
 
 /// Trains and writes the model file.
@@ -147,6 +161,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         None => ModelSet::train(&trials, &options.recipe.recipe()),
     };
     let (mut models, report) = trained.map_err(|error| Failure::from(error).about(&options.trials))?;
+    let thresholds = thresholds(&options, &trials)?;
+    models.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
     models.provenance.insert(
         "program".into(),
         concat!("underbrush ", env!("CARGO_PKG_VERSION")).into(),
@@ -157,12 +173,65 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         &Trained {
             model: &options.out,
             report: &report,
+            thresholds: thresholds.as_ref(),
         },
-        || text(&options.out, &report),
+        || {
+            text(&report)
+                + &thresholds_text(thresholds.as_ref())
+                + &format!("Model written to {}", options.out.display())
+        },
     )
 }
 
-fn text(path: &Path, report: &TrainingReport) -> String {
+/// Thresholds from the training trials, where they are asked for.
+fn thresholds(options: &Options, trials: &[Trial]) -> Result<Option<ChosenThresholds>, Failure> {
+    let Some(false_positive_rate) = options.false_positive_rate else {
+        return Ok(None);
+    };
+    let targets = ThresholdTargets {
+        false_positive_rate,
+        outlier_prior: options.outlier_prior,
+    };
+    let about = |failure: Failure| failure.about(&options.trials);
+    let (recipe, folds) = (options.recipe.recipe(), Folds::for_thresholds(trials));
+    let held_out = cross_validate(trials, &recipe, folds, &Decision::argmax());
+    let held_out = held_out.map_err(|error| about(error.into()))?;
+    let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| about(error.into()))?;
+    Ok(Some(chosen))
+}
+
+fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
+    let Some(chosen) = chosen else {
+        return String::new();
+    };
+    let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
+    let mut text = String::new();
+    if let Rule::OutlierBand {
+        uncertain_below,
+        category_above,
+    } = chosen.decision.rule
+    {
+        text += &format!(
+            "A lead over {category_above:.2} nats is a category, from {uncertain_below:.2} an outlier, less is uncertain\n"
+        );
+    }
+    text += &format!("On {} held-out trials:", chosen.trials);
+    for (category, own) in &chosen.true_positive_rate {
+        let others = chosen.false_positive_rate.get(category).copied().unwrap_or_default();
+        text += &format!(
+            " {} of {category} and {} of the others are taken for {category},",
+            percent(*own),
+            percent(others)
+        );
+    }
+    text + &format!(
+        " {} uncertain, {} outliers\n",
+        percent(chosen.uncertain),
+        percent(chosen.outlier)
+    )
+}
+
+fn text(report: &TrainingReport) -> String {
     let rows: Vec<Vec<String>> = report
         .categories
         .iter()
@@ -207,5 +276,5 @@ fn text(path: &Path, report: &TrainingReport) -> String {
             report.skipped_trials
         );
     }
-    text + &format!("Model written to {}", path.display())
+    text
 }

@@ -16,7 +16,7 @@ pub struct Options {
     /// Data set (folder) or recording
     dataset: PathBuf,
     /// Table to write: `.csv` or `.parquet`, one row a sample, columns trial, category, reach, patch, taxel, time_s,
-    /// force_n, motion_m
+    /// force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]

@@ -7,6 +7,7 @@ mod inspect;
 mod oracle;
 mod reach;
 mod resume;
+mod thresholds;
 mod torn;
 mod train;
 mod trials;

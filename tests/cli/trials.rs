@@ -21,7 +21,10 @@ fn csv_and_parquet_hold_the_same_rows() {
     let text = std::fs::read_to_string(fixture.table_csv()).unwrap();
     assert_eq!(
         text.lines().next(),
-        Some("trial,category,reach,patch,taxel,time_s,force_n,motion_m")
+        Some(concat!(
+            "trial,category,reach,patch,taxel,time_s,force_n,motion_m,",
+            "region_taxels,region_largest_force_n,region_force_sum_n"
+        ))
     );
     let (csv, parquet) = (
         read_trials(fixture.table_csv()).unwrap(),

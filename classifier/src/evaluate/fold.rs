@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
 use super::EvaluateError;
+use crate::model_set::is_trained;
 
 /// What is kept together in a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -38,6 +39,35 @@ impl Folds {
         }
     }
 
+    /// Five folds to choose thresholds by, fewer where a category has fewer reaches: by reach where every trial to train
+    /// names one, else by position. Five by choice: each classifier then learns from four fifths of the data, nearly as
+    /// much as the one whose thresholds they are.
+    pub fn for_thresholds(trials: &[Trial]) -> Self {
+        let used = || {
+            trials
+                .iter()
+                .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
+        };
+        let by = match used().all(|trial| trial.reach.is_some()) {
+            true => FoldBy::Reach,
+            false => FoldBy::Position,
+        };
+        let mut units: BTreeMap<&str, usize> = BTreeMap::new();
+        match by {
+            FoldBy::Position => used().for_each(|trial| *units.entry(category(trial)).or_default() += 1),
+            FoldBy::Reach => {
+                let votes = votes(used());
+                let winners = votes.values().filter_map(winner);
+                winners.for_each(|category| *units.entry(category).or_default() += 1);
+            }
+        }
+        let fewest = units.into_values().min().unwrap_or(0);
+        Folds {
+            count: fewest.clamp(2, 5),
+            by,
+        }
+    }
+
     /// The fold of each trial, in the same order; every category is in every fold.
     ///
     /// The i-th of n units of a category (trials, or reaches in the order of their index) is in fold ⌊i·k/n⌋. A reach
@@ -52,11 +82,10 @@ impl Folds {
                 self.assign_units(&units, "trials")
             }
             FoldBy::Reach => {
-                let mut votes: BTreeMap<u64, BTreeMap<&str, usize>> = BTreeMap::new();
-                for trial in trials {
-                    let reach = trial.reach.ok_or(EvaluateError::NoReach { trial: trial.trial })?;
-                    *votes.entry(reach).or_default().entry(category(trial)).or_default() += 1;
+                if let Some(trial) = trials.iter().find(|trial| trial.reach.is_none()) {
+                    return Err(EvaluateError::NoReach { trial: trial.trial });
                 }
+                let votes = votes(trials.iter().copied());
                 let units: Vec<&str> = votes.values().filter_map(winner).collect();
                 let folds = self.assign_units(&units, "reaches")?;
                 let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
@@ -94,6 +123,17 @@ impl Folds {
 
 fn category(trial: &Trial) -> &str {
     trial.category.as_deref().unwrap_or_default()
+}
+
+/// Trials by reach and category, of those that name a reach.
+fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<&'a str, usize>> {
+    let mut votes: BTreeMap<u64, BTreeMap<&str, usize>> = BTreeMap::new();
+    for trial in trials {
+        if let Some(reach) = trial.reach {
+            *votes.entry(reach).or_default().entry(category(trial)).or_default() += 1;
+        }
+    }
+    votes
 }
 
 fn winner<'a>(votes: &BTreeMap<&'a str, usize>) -> Option<&'a str> {

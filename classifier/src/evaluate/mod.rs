@@ -3,7 +3,10 @@
 mod confusion;
 mod fold;
 mod interval;
+mod roc;
+mod stream;
 mod table_one;
+mod threshold;
 
 use std::collections::BTreeMap;
 
@@ -15,7 +18,10 @@ use underbrush_recording::Trial;
 pub use confusion::{CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
+pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
+pub use stream::{Stream, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
+pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 
 use crate::decision::{Decision, DecisionError, Verdict};
 use crate::hmm::TrainingHistory;
@@ -111,6 +117,13 @@ pub struct Evaluation {
 const BOOTSTRAP_RESAMPLES: usize = 2000;
 
 impl Evaluation {
+    /// The classifier's categories: the order of [`Prediction::scores`].
+    pub fn known_categories(&self) -> &[String] {
+        // The last two verdicts are uncertain and outlier.
+        let verdicts = &self.confusion.verdict;
+        &verdicts[..verdicts.len() - 2]
+    }
+
     fn of(
         predictions: Vec<Prediction>,
         models: &[String],

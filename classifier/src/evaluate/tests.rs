@@ -17,6 +17,7 @@ fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
                     time_s: 0.01 * k,
                     force_n,
                     motion_m: Some(speed * 0.01 * k * wobble(k + 0.5)),
+                    region: None,
                 }
             })
             .collect();
@@ -178,6 +179,22 @@ fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> {
             std::iter::repeat_n(prediction, count)
         })
         .collect()
+}
+
+/// An evaluation of leaf and trunk scores, by argmax.
+pub(super) fn scored(rows: &[(&str, [f64; 2])]) -> Evaluation {
+    let names = ["leaf".to_owned(), "trunk".to_owned()];
+    let judge = Decision::argmax().prepare(&names).unwrap();
+    let predictions = rows.iter().map(|(category, scores)| Prediction {
+        trial: 0,
+        reach: Some(0),
+        category: (*category).into(),
+        fold: 0,
+        samples: 1,
+        scores: scores.to_vec(),
+        verdict: judge.verdict(judge.choose(scores)),
+    });
+    Evaluation::of(predictions.collect(), &names, vec![]).unwrap()
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Connected components of the taxels in contact in one frame.
 
 use glam::DVec3;
-use underbrush_recording::Grid;
+use underbrush_recording::{Grid, Region};
 
 use super::image::PatchImage;
 
@@ -16,8 +16,22 @@ pub(super) struct Component {
     pub(super) strongest: usize,
     /// Its force, N: the feature "maximum force".
     pub(super) force_n: f64,
+    /// The sum of its taxels' forces, N.
+    pub(super) force_sum_n: f64,
     /// Ground truth: the object of the strongest taxel that has one. Crosstalk can light taxels that touch nothing.
     pub(super) object: Option<u16>,
+}
+
+impl Component {
+    /// What a trial keeps of it.
+    pub(super) fn region(&self) -> Region {
+        Region {
+            // A patch is far from holding 2³² taxels.
+            taxels: u32::try_from(self.taxels.len()).unwrap_or(u32::MAX),
+            largest_force_n: self.force_n,
+            force_sum_n: self.force_sum_n,
+        }
+    }
 }
 
 /// The 4-connected regions of taxels in contact, in the order of their first taxels.
@@ -76,6 +90,7 @@ fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
         centre_world: sum / taxels.len() as f64,
         strongest,
         force_n: image.sensed_force_n(strongest),
+        force_sum_n: taxels.iter().map(|&taxel| image.sensed_force_n(taxel)).sum(),
         object: touching.and_then(|taxel| image.object(taxel)),
         taxels,
     }

@@ -8,7 +8,9 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use thiserror::Error;
-use underbrush_recording::{Frame, ObjectRecord, Recording, Sample, Trial};
+use underbrush_recording::{Frame, ObjectRecord, Recording, Region, Sample, Trial};
+
+use component::components;
 
 pub use image::PatchImage;
 pub use tracking::component_trials;
@@ -108,10 +110,17 @@ pub struct ContactTrial {
 /// [`TrialError`] where the patch is unknown, an option makes no sense, or a frame does not fit the layout.
 pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec<ContactTrial>, TrialError> {
     let mut image = PatchImage::new(&recording.layout, &options.patch, options.threshold_n)?;
+    // Regions need neighbours; without a grid trials come without them.
+    let grid = tracking::grid(&image, options.wrap).ok();
+    let mut regions: Vec<Option<Region>> = vec![None; image.patch().taxels.len()];
     let mut open: Vec<Option<OpenTrial>> = vec![None; image.patch().taxels.len()];
     let mut trials = TrialList::new(recording, options);
     for (index, frame) in recording.frames.iter().enumerate() {
         image.read(index, frame)?;
+        for component in grid.iter().flat_map(|grid| components(&image, *grid)) {
+            let region = component.region();
+            component.taxels.iter().for_each(|&taxel| regions[taxel] = Some(region));
+        }
         for (taxel, slot) in open.iter_mut().enumerate() {
             if !image.is_in_contact(taxel) {
                 trials.close(slot.take())?;
@@ -119,7 +128,8 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
             }
             let position_world = image.position_world(taxel);
             let trial = slot.get_or_insert_with(|| OpenTrial::new(index, taxel, position_world));
-            trial.push(frame, image.sensed_force_n(taxel), position_world, image.object(taxel));
+            let felt = (image.sensed_force_n(taxel), regions[taxel]);
+            trial.push(frame, felt, position_world, image.object(taxel));
         }
     }
     for trial in open {
@@ -150,12 +160,15 @@ impl OpenTrial {
         }
     }
 
-    fn push(&mut self, frame: &Frame, force_n: f64, position_world: DVec3, object: Option<u16>) {
+    /// Adds the force, N, and the region of a frame.
+    fn push(&mut self, frame: &Frame, felt: (f64, Option<Region>), position_world: DVec3, object: Option<u16>) {
+        let (force_n, region) = felt;
         let motion_m = Some(position_world.distance(self.start_world));
         self.samples.push(Sample {
             time_s: frame.time_s,
             force_n,
             motion_m,
+            region,
         });
         if let Some(object) = object {
             *self.votes.entry(object).or_default() += 1;

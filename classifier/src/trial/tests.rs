@@ -364,3 +364,63 @@ fn bad_input_is_named() {
         }
     }
 }
+
+#[test]
+fn samples_know_their_contact_region() {
+    // Pins taxels, largest force and sum of the region that a taxel is part of, at each instant, in taxel and in component
+    // trials: 1, 2 and 8 hang together in a grid of rows of six, 11 stands alone; then 2 breaks and parts the others.
+    let recording = recording(&[
+        (
+            0.0,
+            &[
+                (1, 0.5, Some(0)),
+                (2, 0.25, None),
+                (8, 1.0, Some(0)),
+                (11, 2.0, Some(1)),
+            ],
+        ),
+        (0.0, &[(1, 0.5, Some(0)), (8, 0.75, Some(0)), (11, 2.0, Some(1))]),
+    ]);
+    let of = |contact: &ContactTrial| -> Vec<(u32, f64, f64)> {
+        let regions = contact.trial.samples.iter().map(|sample| sample.region.unwrap());
+        regions
+            .map(|region| (region.taxels, region.largest_force_n, region.force_sum_n))
+            .collect()
+    };
+    let options = TrialOptions {
+        wrap: Some(false),
+        ..any_force()
+    };
+    let taxels = taxel_trials(&recording, &options).unwrap();
+    let joined = (3, 1.0, 1.75);
+    let expected = [
+        (Some(1), vec![joined, (1, 0.5, 0.5)]),
+        (Some(2), vec![joined]),
+        (Some(8), vec![joined, (1, 0.75, 0.75)]),
+        (Some(11), vec![(1, 2.0, 2.0), (1, 2.0, 2.0)]),
+    ];
+    assert_eq!(
+        taxels
+            .iter()
+            .map(|contact| (contact.trial.taxel, of(contact)))
+            .collect::<Vec<_>>(),
+        expected
+    );
+    let components = component_trials(&recording, &options).unwrap();
+    assert_eq!(of(&components[0])[0], joined);
+    assert!(
+        components
+            .iter()
+            .all(|contact| of(contact).len() == contact.trial.samples.len())
+    );
+    // Where the patch has no grid, nobody knows the neighbours.
+    let mut loose = recording;
+    loose.layout.patches[0].grid = None;
+    let trials = taxel_trials(&loose, &options).unwrap();
+    assert!(
+        trials
+            .iter()
+            .flat_map(|contact| &contact.trial.samples)
+            .all(|sample| sample.region.is_none())
+    );
+}

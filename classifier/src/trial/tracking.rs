@@ -44,7 +44,8 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
             let centre_world = component.centre_world;
             let open = track.and_then(|track| before[track].take()).map(|track| track.trial);
             let mut trial = open.unwrap_or_else(|| OpenTrial::new(index, component.strongest, centre_world));
-            trial.push(frame, component.force_n, centre_world, component.object);
+            let felt = (component.force_n, Some(component.region()));
+            trial.push(frame, felt, centre_world, component.object);
             tracks.push(Track { trial, centre_world });
         }
         for ended in before.into_iter().flatten() {
@@ -86,7 +87,7 @@ fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<
     followed
 }
 
-fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {
+pub(super) fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {
     let patch = image.patch();
     let no_grid = |found: String| TrialError::NoGrid {
         patch: patch.name.clone(),

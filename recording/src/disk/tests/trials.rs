@@ -14,14 +14,21 @@ use proptest::prelude::*;
 
 use super::{Change, number};
 use crate::disk::{DiskError, read_trials, write_trials};
-use crate::{InputError, Sample, Trial};
+use crate::{InputError, Region, Sample, Trial};
 
 fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
-    let samples = prop::collection::btree_map(-1_000_000..1_000_000i32, (number(), prop::option::of(number())), 1..9);
-    let sample = |(time, (force_n, motion_m)): (i32, (f64, Option<f64>))| Sample {
+    let region = (any::<u32>(), number(), number()).prop_map(|(taxels, largest_force_n, force_sum_n)| Region {
+        taxels,
+        largest_force_n,
+        force_sum_n,
+    });
+    let felt = (number(), prop::option::of(number()), prop::option::of(region));
+    let samples = prop::collection::btree_map(-1_000_000..1_000_000i32, felt, 1..9);
+    let sample = |(time, (force_n, motion_m, region)): (i32, (f64, Option<f64>, Option<Region>))| Sample {
         time_s: f64::from(time) * 0.01,
         force_n,
         motion_m,
+        region,
     };
     let name = || prop::option::of("\\PC{1,8}");
     let facts = (
@@ -106,12 +113,29 @@ fn a_table_of_another_hand_is_understood() {
         time_s,
         force_n,
         motion_m,
+        region: None,
     };
     let expected = vec![
         trial(7, Some(3), vec![sample(0.0, 0.5, None), sample(0.01, -0.7, None)]),
         trial(2, None, vec![sample(0.5, 0.1, Some(0.002))]),
     ];
     assert_eq!(read_text(text).unwrap(), expected);
+}
+
+#[test]
+fn a_region_is_whole_or_absent() {
+    // Pins: the three columns of a region belong together, row by row; one that is missing is named with its line.
+    let head = "trial,time_s,force_n,region_taxels,region_largest_force_n,region_force_sum_n\n1,0.0,0.1,,,\n";
+    let trials = read_text(&format!("{head}1,0.01,0.5,3,1.5,2.25\n")).unwrap();
+    let regions: Vec<_> = trials[0].samples.iter().map(|sample| sample.region).collect();
+    let region = Region {
+        taxels: 3,
+        largest_force_n: 1.5,
+        force_sum_n: 2.25,
+    };
+    assert_eq!(regions, [None, Some(region)]);
+    let error = refused(read_text(&format!("{head}1,0.01,0.5,3,,2.25\n")));
+    assert_eq!((error.line, error.field.as_str()), (Some(3), "region_largest_force_n"));
 }
 
 #[test]
@@ -227,7 +251,8 @@ fn types_that_pandas_and_polars_write_are_accepted() {
             Sample {
                 time_s: 0.5,
                 force_n: 0.2,
-                motion_m: None
+                motion_m: None,
+                region: None,
             }
         );
     }
@@ -291,6 +316,7 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         time_s: 0.0,
         force_n: 1.0,
         motion_m: None,
+        region: None,
     };
     let good = Trial {
         trial: 1,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::COLUMNS;
 use super::collect::Row;
-use crate::InputError;
+use crate::{InputError, Region};
 
 /// The largest whole number below which a double holds every whole number.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
@@ -92,6 +92,21 @@ impl<'a> Cells<'a> {
             time_s: self.number(5)?.ok_or_else(|| self.error(5, "a time in seconds"))?,
             force_n: self.number(6)?.ok_or_else(|| self.error(6, "a force in newtons"))?,
             motion_m: self.number(7)?,
+            region: self.region()?,
         })
+    }
+
+    /// The region, where the row has one.
+    fn region(&self) -> Result<Option<Region>, InputError> {
+        let (taxels, largest, sum) = (self.whole(8)?, self.number(9)?, self.number(10)?);
+        if taxels.is_none() && largest.is_none() && sum.is_none() {
+            return Ok(None);
+        }
+        let missing = |column: usize| self.error(column, "a number, as the other columns of the region have one");
+        Ok(Some(Region {
+            taxels: taxels.ok_or_else(|| missing(8))?,
+            largest_force_n: largest.ok_or_else(|| missing(9))?,
+            force_sum_n: sum.ok_or_else(|| missing(10))?,
+        }))
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::{InputError, Sample, Trial};
+use crate::{InputError, Region, Sample, Trial};
 
 /// One sample with everything that its row says.
 pub(super) struct Row {
@@ -17,6 +17,7 @@ pub(super) struct Row {
     pub(super) time_s: f64,
     pub(super) force_n: f64,
     pub(super) motion_m: Option<f64>,
+    pub(super) region: Option<Region>,
 }
 
 /// Trials in the order of their first rows.
@@ -33,6 +34,7 @@ impl Collector {
             time_s: row.time_s,
             force_n: row.force_n,
             motion_m: row.motion_m,
+            region: row.region,
         };
         let Some(&place) = self.places.get(&row.trial) else {
             self.places.insert(row.trial, self.trials.len());

@@ -77,7 +77,13 @@ pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, Disk
         for sample in &trial.samples {
             let [time, force] = [sample.time_s, sample.force_n].map(|number| number.to_string());
             let motion = shown(sample.motion_m);
-            let row = [&number, &category, &reach, &patch, &taxel, &time, &force, &motion];
+            let region_taxels = shown(sample.region.map(|region| region.taxels));
+            let largest = shown(sample.region.map(|region| region.largest_force_n));
+            let sum = shown(sample.region.map(|region| region.force_sum_n));
+            let facts = [&number, &category, &reach, &patch, &taxel];
+            let row = facts
+                .into_iter()
+                .chain([&time, &force, &motion, &region_taxels, &largest, &sum]);
             writer.write_record(row).map_err(failed)?;
         }
     }

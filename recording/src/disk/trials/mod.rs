@@ -1,7 +1,7 @@
 //! Contact trials as a table, CSV or Parquet: one row a sample.
 //!
-//! Columns: `trial`, `time_s`, `force_n` are needed; `category`, `reach`, `patch`, `taxel`, `motion_m` are known;
-//! others are ignored. Rows of a trial need not be adjacent; trials come in the order of their first rows.
+//! Columns: `trial`, `time_s`, `force_n` are needed; `category`, `reach`, `patch`, `taxel`, `motion_m` and, together,
+//! `region_taxels`, `region_largest_force_n`, `region_force_sum_n` are known; others are ignored. Rows of a trial need not be adjacent; trials come in the order of their first rows.
 
 mod cell;
 mod collect;
@@ -16,8 +16,18 @@ use super::check::{Violation, require};
 use crate::{InputError, Trial};
 
 /// The columns in the order in which they are written.
-const COLUMNS: [&str; 8] = [
-    "trial", "category", "reach", "patch", "taxel", "time_s", "force_n", "motion_m",
+const COLUMNS: [&str; 11] = [
+    "trial",
+    "category",
+    "reach",
+    "patch",
+    "taxel",
+    "time_s",
+    "force_n",
+    "motion_m",
+    "region_taxels",
+    "region_largest_force_n",
+    "region_force_sum_n",
 ];
 /// The columns without which a table is no trials table.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
@@ -67,7 +77,7 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
 ///
 /// Numbers must be finite and times strictly increasing within a trial; `category`, `reach`, `patch` and `taxel` must
 /// be the same in all rows of a trial, empty where unknown. An absent `motion_m` gives [`crate::Sample::motion_m`]
-/// `None`.
+/// `None`; the three columns of a region are all given or all empty.
 ///
 /// # Errors
 /// [`DiskError::Input`] with file, line (CSV) or row (Parquet, from 1) and column, and where there is no such file;
@@ -128,7 +138,15 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
         "at least one sample",
     )?;
     for sample in &trial.samples {
-        let numbers = [sample.time_s, sample.force_n, sample.motion_m.unwrap_or_default()];
+        let region = sample.region.map(|region| [region.largest_force_n, region.force_sum_n]);
+        let [largest, sum] = region.unwrap_or_default();
+        let numbers = [
+            sample.time_s,
+            sample.force_n,
+            sample.motion_m.unwrap_or_default(),
+            largest,
+            sum,
+        ];
         let finite = numbers.iter().all(|number| number.is_finite());
         require(finite, || field("samples"), || format!("{sample:?}"), "finite numbers")?;
     }

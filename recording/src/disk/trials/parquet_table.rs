@@ -111,6 +111,9 @@ struct Columns {
     time_s: Float64Builder,
     force_n: Float64Builder,
     motion_m: Float64Builder,
+    region_taxels: UInt32Builder,
+    region_largest_force_n: Float64Builder,
+    region_force_sum_n: Float64Builder,
     rows: usize,
 }
 
@@ -125,6 +128,12 @@ impl Columns {
             self.time_s.append_value(sample.time_s);
             self.force_n.append_value(sample.force_n);
             self.motion_m.append_option(sample.motion_m);
+            let region = sample.region;
+            self.region_taxels.append_option(region.map(|region| region.taxels));
+            self.region_largest_force_n
+                .append_option(region.map(|region| region.largest_force_n));
+            self.region_force_sum_n
+                .append_option(region.map(|region| region.force_sum_n));
         }
         self.rows += trial.samples.len();
     }
@@ -132,7 +141,19 @@ impl Columns {
     /// The rows so far; what follows begins anew.
     fn take(&mut self, path: &Path) -> Result<RecordBatch, DiskError> {
         self.rows = 0;
-        let [trial, category, reach, patch, taxel, time_s, force_n, motion_m] = COLUMNS;
+        let [
+            trial,
+            category,
+            reach,
+            patch,
+            taxel,
+            time_s,
+            force_n,
+            motion_m,
+            region_taxels,
+            largest,
+            sum,
+        ] = COLUMNS;
         TableBuilder::default()
             .column(trial, self.trial.finish())
             .column(category, self.category.finish())
@@ -142,6 +163,9 @@ impl Columns {
             .column(time_s, self.time_s.finish())
             .column(force_n, self.force_n.finish())
             .column(motion_m, self.motion_m.finish())
+            .column(region_taxels, self.region_taxels.finish())
+            .column(largest, self.region_largest_force_n.finish())
+            .column(sum, self.region_force_sum_n.finish())
             .build(path)
     }
 }

@@ -1,0 +1,108 @@
+//! Receiver operating characteristics: what a threshold costs and what it brings, for all thresholds.
+
+use serde::Serialize;
+
+use super::Evaluation;
+use crate::decision::Judge;
+use crate::model_set::is_trained;
+
+/// What taking for positive all that scores `threshold` or more comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RocPoint {
+    /// The least score of a positive; `None`: nothing is taken for positive.
+    pub threshold: Option<f64>,
+    /// Negatives taken for positive, as a fraction of the negatives.
+    pub false_positive_rate: f64,
+    /// Positives taken for positive, as a fraction of the positives.
+    pub true_positive_rate: f64,
+}
+
+/// The curve from (0, 0) to (1, 1), one point a distinct score.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RocCurve {
+    /// By falling threshold.
+    pub points: Vec<RocPoint>,
+    /// The area under the curve: the probability that a positive scores higher than a negative, draws counted half.
+    pub area: f64,
+}
+
+impl RocCurve {
+    /// The curve of the scores of positives and negatives, infinite ones allowed; `None` where either are missing or a
+    /// score is NaN.
+    pub fn of(positives: &[f64], negatives: &[f64]) -> Option<Self> {
+        let mut scored: Vec<(f64, bool)> = Vec::with_capacity(positives.len() + negatives.len());
+        scored.extend(positives.iter().map(|score| (*score, true)));
+        scored.extend(negatives.iter().map(|score| (*score, false)));
+        if positives.is_empty() || negatives.is_empty() || scored.iter().any(|(score, _)| score.is_nan()) {
+            return None;
+        }
+        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut points = vec![RocPoint {
+            threshold: None,
+            false_positive_rate: 0.0,
+            true_positive_rate: 0.0,
+        }];
+        let (mut taken_positives, mut taken_negatives, mut area) = (0usize, 0usize, 0.0);
+        // 0 and −0 are one score, as are equal ones.
+        for draw in scored.chunk_by(|a, b| a.0 == b.0) {
+            let before = (taken_positives, taken_negatives);
+            taken_positives += draw.iter().filter(|(_, positive)| *positive).count();
+            taken_negatives += draw.iter().filter(|(_, positive)| !positive).count();
+            area += (taken_negatives - before.1) as f64 * (taken_positives + before.0) as f64 / 2.0;
+            points.push(RocPoint {
+                threshold: Some(draw[0].0),
+                false_positive_rate: taken_negatives as f64 / negatives.len() as f64,
+                true_positive_rate: taken_positives as f64 / positives.len() as f64,
+            });
+        }
+        Some(RocCurve {
+            points,
+            area: area / positives.len() as f64 / negatives.len() as f64,
+        })
+    }
+}
+
+/// One category against all others: positives are its trials, the score is its lead over the best of the others, nats
+/// (negative where another leads). `None` where all trials, or none, are of the category.
+pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve> {
+    let own = evaluation.known_categories().iter().position(|name| name == category)?;
+    let (mut positives, mut negatives) = (Vec::new(), Vec::new());
+    for prediction in &evaluation.predictions {
+        let others = prediction.scores.iter().enumerate().filter(|(index, _)| *index != own);
+        let best_other = others.map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
+        let score = prediction.scores.get(own).copied().unwrap_or(f64::NEG_INFINITY);
+        // Where nothing admits the trial there is no lead; ∞ − ∞ would be NaN.
+        let lead = if score == best_other { 0.0 } else { score - best_other };
+        match prediction.category == category {
+            true => positives.push(lead),
+            false => negatives.push(lead),
+        }
+    }
+    RocCurve::of(&positives, &negatives)
+}
+
+/// Outliers and blocks (what is never trained, [`is_trained`]) against the known categories, where an outlier is what
+/// leads by little, but not by less than a threshold that is lowered along the curve from `category_above`, nats (paper,
+/// section V-D): the curve ends where everything that leads by at most `category_above` is called an outlier, and goes
+/// on straight to (1, 1).
+///
+/// `judge` gives the priors; its rule has no part. For evaluation only: no threshold is ever chosen on outliers. `None`
+/// where the evaluation holds no outliers, or nothing else.
+pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, category_above: f64) -> Option<RocCurve> {
+    let scores = |known: bool| -> Vec<f64> {
+        let pool = evaluation.predictions.iter();
+        let leads = pool
+            .filter(|prediction| is_trained(&prediction.category) == known)
+            .map(|prediction| judge.lead(&prediction.scores));
+        leads
+            .map(|lead| match lead {
+                Some((_, lead)) if lead <= category_above => lead,
+                _ => f64::NEG_INFINITY,
+            })
+            .collect()
+    };
+    RocCurve::of(&scores(false), &scores(true))
+}
+
+#[cfg(test)]
+mod tests;

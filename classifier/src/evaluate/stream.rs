@@ -1,0 +1,245 @@
+//! Online classification of a recorded reach against its ground truth, frame by frame (paper, Figs. 8 to 11 and 15).
+
+use std::time::Instant;
+
+use serde::Serialize;
+use underbrush_recording::{Category, Frame, Recording};
+
+use crate::decision::Verdict;
+use crate::model_set::ModelSet;
+use crate::online::{OnlineClassifier, OnlineError, OnlineOptions, TaxelVerdict};
+
+/// Whose contact a taxel's verdict is judged by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StreamTruth {
+    /// The object that presses most on the taxel in this frame; a taxel that nothing presses on (crosstalk, creep) has no
+    /// truth.
+    Object,
+    /// The one category of the whole environment, as in the paper's engineered reaches (section V-B), whatever presses.
+    Environment(Category),
+}
+
+/// Taxels in contact by what their verdict is worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// The verdict is the truth; for blocks and outliers, which no model knows, that is [`Verdict::Outlier`].
+    pub correct: usize,
+    /// The verdict is another category, or a trained category is called an outlier.
+    pub misclassified: usize,
+    /// No verdict yet.
+    pub uncertain: usize,
+    /// Without truth.
+    pub unknown: usize,
+}
+
+impl Tally {
+    /// Taxels with truth.
+    pub fn judged(&self) -> usize {
+        self.correct + self.misclassified + self.uncertain
+    }
+
+    fn count(&mut self, truth: Option<Category>, verdict: &Verdict) {
+        let Some(truth) = truth else {
+            self.unknown += 1;
+            return;
+        };
+        let foreign = matches!(truth, Category::Block | Category::Outlier);
+        match verdict {
+            Verdict::Uncertain => self.uncertain += 1,
+            Verdict::Outlier if foreign => self.correct += 1,
+            Verdict::Category(name) if !foreign && name == truth.name() => self.correct += 1,
+            _ => self.misclassified += 1,
+        }
+    }
+}
+
+/// One frame of a reach.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StreamFrame {
+    /// Time since the start of the reach, s.
+    pub time_s: f64,
+    /// Taxels in contact.
+    pub in_contact: usize,
+    /// The same by what their verdict is worth.
+    pub tally: Tally,
+    /// The same by verdict, in the order of [`Stream::verdicts`].
+    pub by_verdict: Vec<usize>,
+    /// Whether an object of each of [`Category::ALL`] truly presses on the patch.
+    pub touched: [bool; 4],
+    /// Mean over the taxels in contact of the samples used (Fig. 9): how many samples of its contact had come when a
+    /// taxel's present verdict was made, and 0 where it is uncertain. 0 without contact.
+    pub mean_samples_used: f64,
+    /// Mean over the taxels in contact of the samples since contact. 0 without contact.
+    pub mean_samples_since_contact: f64,
+}
+
+/// A reach classified online.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stream {
+    /// Names of the verdicts: the models' categories in alphabetical order, uncertain, outlier.
+    pub verdicts: Vec<String>,
+    /// The frames.
+    pub frames: Vec<StreamFrame>,
+    /// Taxels in contact, summed over all frames, by truth ([`Category::ALL`], then without truth) and verdict.
+    pub taxel_frames: [Vec<usize>; 5],
+    /// Wall time of the classifier for each frame, s: the only part that depends on the machine.
+    pub seconds: Vec<f64>,
+}
+
+/// What a taxel was last taken for.
+#[derive(Clone, Debug, Default)]
+struct Last {
+    verdict: Option<Verdict>,
+    samples_used: usize,
+}
+
+/// Classifies a recorded reach frame by frame, as it would have been while the arm moved.
+///
+/// # Errors
+/// [`OnlineError`] where patch, models, rule or a frame do not fit.
+pub fn classify_stream(
+    models: &ModelSet,
+    recording: &Recording,
+    options: &OnlineOptions,
+    truth: StreamTruth,
+) -> Result<Stream, OnlineError> {
+    let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, options)?;
+    let patch = recording.layout.patch_index(&options.patch).unwrap_or_default();
+    let mut verdicts = models.categories();
+    verdicts.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
+    let mut stream = Stream {
+        taxel_frames: std::array::from_fn(|_| vec![0; verdicts.len()]),
+        verdicts,
+        frames: Vec::with_capacity(recording.frames.len()),
+        seconds: Vec::with_capacity(recording.frames.len()),
+    };
+    let mut last: Vec<Last> = Vec::new();
+    for frame in &recording.frames {
+        let pressing = Pressing::of(frame, patch, recording);
+        let start = Instant::now();
+        let judged = classifier.update(frame)?;
+        stream.seconds.push(start.elapsed().as_secs_f64());
+        stream.observe(frame.time_s, judged, &pressing, truth, &mut last);
+    }
+    Ok(stream)
+}
+
+/// What truly presses on the taxels of a patch in one frame.
+struct Pressing {
+    by_taxel: Vec<(usize, Category)>,
+    touched: [bool; 4],
+}
+
+impl Pressing {
+    fn of(frame: &Frame, patch: usize, recording: &Recording) -> Self {
+        let (mut by_taxel, mut touched) = (Vec::new(), [false; 4]);
+        for reading in frame
+            .taxels
+            .iter()
+            .filter(|reading| usize::from(reading.patch) == patch)
+        {
+            let object = reading
+                .object
+                .and_then(|object| recording.objects.get(usize::from(object)));
+            if let Some(object) = object {
+                by_taxel.push((usize::from(reading.taxel), object.category));
+                touched[usize::from(object.category.code().unsigned_abs())] = true;
+            }
+        }
+        Pressing { by_taxel, touched }
+    }
+
+    fn on(&self, taxel: usize) -> Option<Category> {
+        self.by_taxel.iter().find(|own| own.0 == taxel).map(|own| own.1)
+    }
+}
+
+impl Stream {
+    fn observe<'a>(
+        &mut self,
+        time_s: f64,
+        judged: impl Iterator<Item = &'a TaxelVerdict>,
+        pressing: &Pressing,
+        truth: StreamTruth,
+        last: &mut Vec<Last>,
+    ) {
+        let mut frame = StreamFrame {
+            time_s,
+            in_contact: 0,
+            tally: Tally::default(),
+            by_verdict: vec![0; self.verdicts.len()],
+            touched: pressing.touched,
+            mean_samples_used: 0.0,
+            mean_samples_since_contact: 0.0,
+        };
+        let (mut used, mut since_contact) = (0, 0);
+        for taxel in judged {
+            if last.len() <= taxel.taxel {
+                last.resize(taxel.taxel + 1, Last::default());
+            }
+            let last = &mut last[taxel.taxel];
+            if taxel.samples == 1 || last.verdict.as_ref() != Some(&taxel.verdict) {
+                last.verdict = Some(taxel.verdict.clone());
+                last.samples_used = if taxel.verdict == Verdict::Uncertain {
+                    0
+                } else {
+                    taxel.samples
+                };
+            }
+            let truth = match truth {
+                StreamTruth::Object => pressing.on(taxel.taxel),
+                StreamTruth::Environment(category) => Some(category),
+            };
+            frame.in_contact += 1;
+            frame.tally.count(truth, &taxel.verdict);
+            used += last.samples_used;
+            since_contact += taxel.samples;
+            let row = truth.map_or(4, |category| usize::from(category.code().unsigned_abs()));
+            if let Some(column) = self.verdicts.iter().position(|name| name == taxel.verdict.name()) {
+                frame.by_verdict[column] += 1;
+                self.taxel_frames[row][column] += 1;
+            }
+        }
+        let taxels = frame.in_contact.max(1) as f64;
+        frame.mean_samples_used = used as f64 / taxels;
+        frame.mean_samples_since_contact = since_contact as f64 / taxels;
+        self.frames.push(frame);
+    }
+
+    /// The tallies of all frames together.
+    pub fn total(&self) -> Tally {
+        self.frames.iter().fold(Tally::default(), |sum, frame| Tally {
+            correct: sum.correct + frame.tally.correct,
+            misclassified: sum.misclassified + frame.tally.misclassified,
+            uncertain: sum.uncertain + frame.tally.uncertain,
+            unknown: sum.unknown + frame.tally.unknown,
+        })
+    }
+
+    /// The mean over frames with contact of the mean samples used; `None` without any contact.
+    pub fn mean_samples_used(&self) -> Option<f64> {
+        let used: Vec<f64> = self
+            .frames
+            .iter()
+            .filter(|frame| frame.in_contact > 0)
+            .map(|frame| frame.mean_samples_used)
+            .collect();
+        (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64)
+    }
+
+    /// Time spent per 100 taxels in contact, s: all time in frames with contact over all taxels in contact (Fig. 8).
+    pub fn seconds_per_100_taxels(&self) -> Option<f64> {
+        let with_contact = self
+            .frames
+            .iter()
+            .zip(&self.seconds)
+            .filter(|(frame, _)| frame.in_contact > 0);
+        let (taxels, seconds) = with_contact.fold((0, 0.0), |(taxels, sum), (frame, seconds)| {
+            (taxels + frame.in_contact, sum + seconds)
+        });
+        (taxels > 0).then(|| 100.0 * seconds / taxels as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests;

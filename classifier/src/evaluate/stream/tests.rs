@@ -1,0 +1,140 @@
+use std::collections::BTreeMap;
+
+use underbrush_recording::ObjectRecord;
+
+use super::*;
+use crate::decision::{Decision, Rule};
+use crate::feature::FeatureSet;
+use crate::hmm::{GaussianHmm, HmmParameters, ScoreKind};
+use crate::trial::tests::{Drawn, recording};
+
+/// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then leads by
+/// (3 − 0.5)² / 2 = 3.125 nats.
+fn models() -> ModelSet {
+    let model = |mean_n: f64| {
+        let parameters = HmmParameters {
+            initial: vec![1.0],
+            transition: vec![vec![1.0]],
+            mean: vec![vec![mean_n]],
+            covariance: vec![vec![vec![1.0]]],
+        };
+        GaussianHmm::new(parameters).unwrap()
+    };
+    let models = BTreeMap::from([("leaf".to_owned(), model(0.5)), ("trunk".to_owned(), model(3.0))]);
+    ModelSet::new(FeatureSet::Force, models).unwrap()
+}
+
+fn options(rule: Rule) -> OnlineOptions {
+    OnlineOptions {
+        patch: "forearm".into(),
+        threshold_n: 0.0,
+        score: ScoreKind::Forward,
+        decision: Decision::new(rule),
+    }
+}
+
+/// Six frames: taxel 2 feels the leaf (object 0) softly, taxel 7 the trunk (object 1) softly, taxel 9 the trunk hard
+/// and with a break in frame 4, taxel 11 feels hard without an object.
+fn reach() -> Recording {
+    let full = [(2, 0.5, Some(0)), (7, 0.5, Some(1)), (9, 3.0, Some(1)), (11, 3.0, None)];
+    let broken = [full[0], full[1], full[3]];
+    let frames: Vec<Drawn> = (0..6)
+        .map(|k| (0.0, if k == 4 { &broken[..] } else { &full[..] }))
+        .collect();
+    recording(&frames)
+}
+
+#[test]
+fn verdicts_are_tallied_by_truth() {
+    // Pins counts of a reach that can be counted by hand, argmax: one leaf right, one soft trunk wrong, one hard trunk
+    // right but in the frame of its break, one taxel without truth.
+    let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
+    let total = Tally {
+        correct: 6 + 5,
+        misclassified: 6,
+        uncertain: 0,
+        unknown: 6,
+    };
+    assert_eq!(stream.total(), total);
+    assert_eq!(stream.verdicts, ["leaf", "trunk", "uncertain", "outlier"]);
+    let expected = [
+        vec![6, 0, 0, 0],
+        vec![6, 5, 0, 0],
+        vec![0; 4],
+        vec![0; 4],
+        vec![0, 6, 0, 0],
+    ];
+    assert_eq!(stream.taxel_frames, expected);
+    assert_eq!(stream.frames[4].by_verdict, [2, 1, 0, 0]);
+    assert!(
+        stream
+            .frames
+            .iter()
+            .all(|frame| frame.touched == [true, true, false, false])
+    );
+    assert_eq!(stream.seconds.len(), 6);
+}
+
+#[test]
+fn an_environment_is_everyones_truth() {
+    // Pins StreamTruth::Environment: in a trunk-only environment also the taxel without an object is judged by trunk.
+    let truth = StreamTruth::Environment(Category::Trunk);
+    let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), truth).unwrap();
+    let total = Tally {
+        correct: 5 + 6,
+        misclassified: 12,
+        uncertain: 0,
+        unknown: 0,
+    };
+    assert_eq!(stream.total(), total);
+}
+
+#[test]
+fn samples_used_are_those_at_the_verdict() {
+    // Pins Fig. 9's quantity: with 10 nats to lead and 3.125 a sample a verdict needs 4 samples; before it counts 0,
+    // afterwards it stays 4 while samples since contact go on. A new contact begins anew.
+    let rule = Rule::UncertainBelow { lead: 10.0 };
+    let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
+    let used: Vec<f64> = stream.frames.iter().map(|frame| frame.mean_samples_used).collect();
+    assert_eq!(used, [0.0, 0.0, 0.0, 4.0, 4.0, 3.0]);
+    let since: Vec<f64> = stream
+        .frames
+        .iter()
+        .map(|frame| frame.mean_samples_since_contact)
+        .collect();
+    assert_eq!(since, [1.0, 2.0, 3.0, 4.0, 5.0, (6.0 * 3.0 + 1.0) / 4.0]);
+    assert_eq!(stream.mean_samples_used(), Some((4.0 + 4.0 + 3.0) / 6.0));
+    assert_eq!(stream.frames[5].tally.uncertain, 1);
+}
+
+#[test]
+fn a_foreign_object_is_rightly_an_outlier() {
+    // Pins truth without a model: outlier is right, a category wrong; a trained category called an outlier is wrong.
+    let mut recording = reach();
+    recording.objects[1] = ObjectRecord {
+        kind: "foam_roll".into(),
+        category: Category::Outlier,
+        ..recording.objects[1].clone()
+    };
+    let rule = Rule::OutlierBand {
+        uncertain_below: 0.0,
+        category_above: 10.0,
+    };
+    let stream = classify_stream(&models(), &recording, &options(rule), StreamTruth::Object).unwrap();
+    // Leads grow by 3.125 a sample: samples 1 to 3 are outliers, later ones a category.
+    assert_eq!(stream.taxel_frames[0], [3, 0, 0, 3]);
+    assert_eq!(stream.taxel_frames[3], [3, 1, 0, 3 + 3 + 1]);
+    assert_eq!(stream.total().correct, 3 + 7);
+    assert_eq!(stream.total().misclassified, 3 + 4);
+}
+
+#[test]
+fn no_contact_has_no_means() {
+    // Pins that a reach without contact divides nothing by nothing.
+    let nothing: &[(u16, f64, Option<u16>)] = &[];
+    let empty = recording(&[(0.0, nothing); 3]);
+    let stream = classify_stream(&models(), &empty, &options(Rule::Argmax), StreamTruth::Object).unwrap();
+    assert_eq!(stream.mean_samples_used(), None);
+    assert_eq!(stream.seconds_per_100_taxels(), None);
+    assert_eq!(stream.frames[2].mean_samples_used, 0.0);
+}

@@ -1,0 +1,273 @@
+//! Thresholds from training data: for a stated false-positive rate and outlier prior, without any outlier.
+//!
+//! The scores are those of trials held out by cross-validation, so that thresholds know how wrong a classifier can be on
+//! contacts that it has not learned; split by reach, since contacts of one reach resemble each other.
+//!
+//! **The category threshold** bounds confident mistakes. Let α be the false-positive rate. For each category c, of all
+//! held-out trials of other categories, at most a fraction α may be taken for c with a lead above the threshold; it is
+//! the smallest lead that keeps this for every c. The fraction is counted as (k + 1) / (n + 1) for k such trials of n:
+//! then the probability that a new trial of another category, drawn like the held-out ones, is taken for c is at most α
+//! (Vovk, Gammerman, Shafer 2005, "Algorithmic learning in a random world", section 2.2).
+//!
+//! **The uncertain threshold** bounds false alarms. With no model of outliers nothing can be said about how many are
+//! found, only about how many known contacts are wrongly called so. Let π be the prior of an outlier: of N contacts Nπ
+//! are outliers and N(1 − π) are not. If a fraction β of the known ones falls into the band between the thresholds,
+//! false alarms are no more than the outliers there are as long as β (1 − π) ≤ π. So the uncertain threshold is the
+//! smallest lead for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1), weighted by the
+//! priors of eq. 3: a low prior of outliers makes the band narrow, as in the paper, and what leads by less is uncertain.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use thiserror::Error;
+
+use super::Evaluation;
+use crate::decision::{Choice, Decision, DecisionError, Judge, Rule};
+
+/// What thresholds are to hold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThresholdTargets {
+    /// At most this fraction of the trials of other categories is taken for a category; above 0 and below 1.
+    pub false_positive_rate: f64,
+    /// The fraction of contacts that are expected to be outliers; from 0 and below 1/2.
+    pub outlier_prior: f64,
+}
+
+/// Thresholds, and what they do on the held-out trials from which they were chosen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChosenThresholds {
+    /// The priors given and the thresholds chosen, a [`Rule::OutlierBand`].
+    pub decision: Decision,
+    /// What was asked for.
+    pub targets: ThresholdTargets,
+    /// Held-out trials.
+    pub trials: usize,
+    /// By category: trials of other categories that were taken for it, as a fraction of these.
+    pub false_positive_rate: BTreeMap<String, f64>,
+    /// By category: its own trials that were taken for it, as a fraction of these.
+    pub true_positive_rate: BTreeMap<String, f64>,
+    /// Trials called uncertain, as a fraction of all.
+    pub uncertain: f64,
+    /// Trials called outliers, as a fraction of all; none is one.
+    pub outlier: f64,
+}
+
+/// Why thresholds cannot be chosen.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ThresholdError {
+    /// Priors that make no sense.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// A target out of range.
+    #[error("{name} is {found}; allowed: {allowed}")]
+    BadTarget {
+        /// Which.
+        name: &'static str,
+        /// The number found.
+        found: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Too little data to bound so small a rate.
+    #[error(
+        "only {found} held-out trials are of another category than {category}; a false-positive rate of {rate} needs at \
+         least {needed}: use more trials or allow a higher rate"
+    )]
+    TooFewTrials {
+        /// The category.
+        category: String,
+        /// Trials of other categories.
+        found: usize,
+        /// How many it takes.
+        needed: usize,
+        /// The rate asked for.
+        rate: f64,
+    },
+    /// Mistakes with an infinite lead.
+    #[error(
+        "trials of other categories are taken for {category} with an infinite lead more often than in a fraction {rate}; \
+         train models that exclude nothing (a larger variance floor, ergodic) or allow a higher rate"
+    )]
+    NoThreshold {
+        /// The category.
+        category: String,
+        /// The rate asked for.
+        rate: f64,
+    },
+}
+
+/// Chooses the thresholds for `held_out`, a cross-validation of trials of known categories (its verdicts do not
+/// matter), under `prior` as in [`Decision::prior`]; see the head of this file for the rule.
+///
+/// # Errors
+/// [`ThresholdError`] where a target is out of range, priors do not fit, or the data cannot hold the target.
+pub fn choose_thresholds(
+    held_out: &Evaluation,
+    prior: &BTreeMap<String, f64>,
+    targets: ThresholdTargets,
+) -> Result<ChosenThresholds, ThresholdError> {
+    check(targets)?;
+    let categories = held_out.known_categories();
+    let with_rule = |rule| Decision {
+        prior: prior.clone(),
+        rule,
+    };
+    let judge = with_rule(Rule::Argmax).prepare(categories)?;
+    let leads: Vec<Lead> = leads(held_out, &judge);
+    let category_above = category_above(&leads, categories, targets.false_positive_rate)?;
+    let decision = with_rule(Rule::OutlierBand {
+        uncertain_below: uncertain_below(&leads, categories, prior, targets.outlier_prior, category_above),
+        category_above,
+    });
+    let judge = decision.prepare(categories)?;
+    Ok(measure(held_out, decision, &judge, targets))
+}
+
+fn check(targets: ThresholdTargets) -> Result<(), ThresholdError> {
+    let ThresholdTargets {
+        false_positive_rate,
+        outlier_prior,
+    } = targets;
+    if !(false_positive_rate > 0.0 && false_positive_rate < 1.0) {
+        return Err(ThresholdError::BadTarget {
+            name: "the false-positive rate",
+            found: false_positive_rate,
+            allowed: "above 0 and below 1",
+        });
+    }
+    if !(0.0..0.5).contains(&outlier_prior) {
+        return Err(ThresholdError::BadTarget {
+            name: "the outlier prior",
+            found: outlier_prior,
+            allowed: "from 0 and below 0.5; what is met more often is no outlier, but a category to be trained",
+        });
+    }
+    Ok(())
+}
+
+/// A held-out trial: its category, the category that leads and by how much, nats.
+struct Lead<'a> {
+    truth: &'a str,
+    taken_for: usize,
+    lead: f64,
+}
+
+fn leads<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<Lead<'a>> {
+    let leads = held_out.predictions.iter().map(|prediction| {
+        // What no category admits is uncertain whatever the thresholds: as good as no lead.
+        let (taken_for, lead) = judge.lead(&prediction.scores).unwrap_or((0, 0.0));
+        Lead {
+            truth: &prediction.category,
+            taken_for,
+            lead,
+        }
+    });
+    leads.collect()
+}
+
+/// The smallest lead above which every category is safe.
+fn category_above(leads: &[Lead], categories: &[String], rate: f64) -> Result<f64, ThresholdError> {
+    let mut threshold = 0.0f64;
+    for (index, category) in categories.iter().enumerate() {
+        let others = leads.iter().filter(|lead| lead.truth != category);
+        let found = others.clone().count();
+        // No category's trials can be taken for it where there is only one category.
+        if found == 0 {
+            continue;
+        }
+        let allowed = (rate * (found + 1) as f64).floor() - 1.0;
+        if allowed < 0.0 {
+            return Err(ThresholdError::TooFewTrials {
+                category: category.clone(),
+                found,
+                needed: (1.0 / rate).ceil() as usize - 1,
+                rate,
+            });
+        }
+        let mut mistakes: Vec<f64> = others
+            .filter(|lead| lead.taken_for == index)
+            .map(|lead| lead.lead)
+            .collect();
+        mistakes.sort_by(|a, b| b.total_cmp(a));
+        // With the threshold on the next mistake, which is then no longer above it, only the allowed ones are left.
+        let next = mistakes.get(allowed as usize).copied().unwrap_or(0.0);
+        if next.is_infinite() {
+            let category = category.clone();
+            return Err(ThresholdError::NoThreshold { category, rate });
+        }
+        threshold = threshold.max(next);
+    }
+    Ok(threshold)
+}
+
+/// The smallest lead such that few enough known trials are between it and `category_above`; `category_above` itself
+/// where already one is too many.
+fn uncertain_below(
+    leads: &[Lead],
+    categories: &[String],
+    prior: &BTreeMap<String, f64>,
+    outlier_prior: f64,
+    category_above: f64,
+) -> f64 {
+    let bound = outlier_prior / (1.0 - outlier_prior);
+    let total: f64 = prior.values().sum();
+    // What one trial more adds to the weighted mean of (k + 1) / (n + 1), by category.
+    let weight: BTreeMap<&str, f64> = categories
+        .iter()
+        .map(|category| {
+            let share = prior
+                .get(category)
+                .map_or(1.0 / categories.len() as f64, |prior| prior / total);
+            let count = leads.iter().filter(|lead| lead.truth == category).count();
+            (category.as_str(), share / (count + 1) as f64)
+        })
+        .collect();
+    let mut in_band: Vec<&Lead> = leads.iter().filter(|lead| lead.lead <= category_above).collect();
+    in_band.sort_by(|a, b| b.lead.total_cmp(&a.lead));
+    let mut share: f64 = weight.values().sum();
+    let mut threshold = category_above;
+    for draw in in_band.chunk_by(|a, b| a.lead == b.lead) {
+        share += draw.iter().filter_map(|lead| weight.get(lead.truth)).sum::<f64>();
+        if share > bound {
+            return threshold;
+        }
+        threshold = draw[0].lead;
+    }
+    // The whole rest is rare enough; what leads by less than any known trial was not seen, and is no category either.
+    if share <= bound { 0.0 } else { threshold }
+}
+
+fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: ThresholdTargets) -> ChosenThresholds {
+    let predictions = &held_out.predictions;
+    let choices: Vec<Choice> = predictions
+        .iter()
+        .map(|prediction| judge.choose(&prediction.scores))
+        .collect();
+    let fraction = |choice: Choice, counts: &dyn Fn(&str) -> bool| {
+        let pool = predictions
+            .iter()
+            .zip(&choices)
+            .filter(|(prediction, _)| counts(&prediction.category));
+        let taken = pool.clone().filter(|(_, found)| **found == choice).count();
+        taken as f64 / pool.count().max(1) as f64
+    };
+    let by_category = |own: bool| {
+        let rates = held_out.known_categories().iter().enumerate().map(|(index, category)| {
+            let rate = fraction(Choice::Category(index), &|truth| (truth == category) == own);
+            (category.clone(), rate)
+        });
+        rates.collect()
+    };
+    ChosenThresholds {
+        decision,
+        targets,
+        trials: predictions.len(),
+        false_positive_rate: by_category(false),
+        true_positive_rate: by_category(true),
+        uncertain: fraction(Choice::Uncertain, &|_| true),
+        outlier: fraction(Choice::Outlier, &|_| true),
+    }
+}
+
+#[cfg(test)]
+mod tests;

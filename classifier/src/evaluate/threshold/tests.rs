@@ -1,0 +1,166 @@
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+use super::*;
+use crate::evaluate::tests::scored;
+
+const TARGETS: ThresholdTargets = ThresholdTargets {
+    false_positive_rate: 0.1,
+    outlier_prior: 0.05,
+};
+
+/// Scores of `count` trials of each category whose lead for their own is normal with mean 3 and deviation 3 nats.
+fn drawn(count: usize, seed: u64) -> Evaluation {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let lead = Normal::new(3.0, 3.0).unwrap();
+    let rows: Vec<(&str, [f64; 2])> = (0..2 * count)
+        .map(|index| {
+            let lead = lead.sample(&mut rng);
+            match index % 2 {
+                0 => ("leaf", [lead, 0.0]),
+                _ => ("trunk", [0.0, lead]),
+            }
+        })
+        .collect();
+    scored(&rows)
+}
+
+fn band(chosen: &ChosenThresholds) -> (f64, f64) {
+    match chosen.decision.rule {
+        Rule::OutlierBand {
+            uncertain_below,
+            category_above,
+        } => (uncertain_below, category_above),
+        rule => panic!("{rule:?} is no band"),
+    }
+}
+
+#[test]
+fn thresholds_are_the_quantiles_of_the_distribution() {
+    // Pins both thresholds against the normal distribution they are drawn from: a mistake of more than t nats has
+    // probability Φ(−(t + 3)/3) = α, so t = 3·z(1 − α) − 3; the band holds β = π/(1 − π) of the known trials.
+    let z_at_2_percent = 2.053_749;
+    let targets = ThresholdTargets {
+        false_positive_rate: 0.02,
+        outlier_prior: 0.05,
+    };
+    let chosen = choose_thresholds(&drawn(50_000, 1), &BTreeMap::new(), targets).unwrap();
+    let (uncertain_below, category_above) = band(&chosen);
+    let expected = 3.0 * z_at_2_percent - 3.0;
+    // Standard error of the quantile: sqrt(α(1 − α)/n) over the density, 0.039 here; four of them.
+    assert!(
+        (category_above - expected).abs() < 0.16,
+        "{category_above} for {expected}"
+    );
+    assert!((chosen.outlier - 0.05 / 0.95).abs() < 1e-3, "{}", chosen.outlier);
+    assert!(0.0 < uncertain_below && uncertain_below < category_above);
+    assert!(
+        chosen.false_positive_rate.values().all(|rate| *rate <= 0.02),
+        "{chosen:?}"
+    );
+}
+
+#[test]
+fn new_trials_keep_the_rate_on_average() {
+    // Pins the promise: over many small training sets, new trials of another category are taken for a category with
+    // probability at most the rate; 40 trials a category, so that counting k/n instead of (k+1)/(n+1) would fail.
+    let (mut mistakes, mut trials) = (0, 0);
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for _ in 0..400 {
+        let chosen = choose_thresholds(&drawn(40, rng.random()), &BTreeMap::new(), TARGETS).unwrap();
+        let (_, category_above) = band(&chosen);
+        let new = drawn(100, rng.random());
+        for prediction in &new.predictions {
+            let wrong = prediction.scores[usize::from(prediction.category == "leaf")];
+            let own = prediction.scores[usize::from(prediction.category == "trunk")];
+            mistakes += usize::from(wrong - own > category_above);
+            trials += 1;
+        }
+    }
+    let rate = mistakes as f64 / trials as f64;
+    // Two categories share the larger threshold, so the mean is below the bound, but a bound this far off is useless.
+    assert!(rate <= 0.1 && rate > 0.06, "{rate}");
+}
+
+#[test]
+fn counts_stand_at_the_border() {
+    // Pins the counting on eleven hand-made trials a category: at a rate of 0.25 of 12, two mistakes may stay above.
+    let mut rows: Vec<(&str, [f64; 2])> = Vec::new();
+    for lead in [-9.0, -7.0, -5.0, -3.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0] {
+        rows.push(("leaf", [lead, 0.0]));
+        rows.push(("trunk", [0.0, 20.0]));
+    }
+    let targets = ThresholdTargets {
+        false_positive_rate: 0.25,
+        outlier_prior: 0.2,
+    };
+    let chosen = choose_thresholds(&scored(&rows), &BTreeMap::new(), targets).unwrap();
+    // The third largest mistake is 5. The band may hold π/(1 − π) = 1/4 of the known: (k_leaf + 1 + 0 + 1)/12/2 ≤ 1/4
+    // for k_leaf ≤ 4, and leads of 5, 4, 3, 2 are in it.
+    assert_eq!(band(&chosen), (2.0, 5.0));
+    assert_eq!(chosen.false_positive_rate["trunk"], 2.0 / 11.0);
+    assert_eq!(chosen.true_positive_rate["leaf"], 4.0 / 11.0);
+    assert_eq!((chosen.outlier, chosen.uncertain), (4.0 / 22.0, 1.0 / 22.0));
+}
+
+#[test]
+fn no_outliers_expected_leaves_no_band() {
+    // Pins that a prior of zero makes the band empty but for a lead on the threshold itself.
+    let targets = ThresholdTargets {
+        outlier_prior: 0.0,
+        ..TARGETS
+    };
+    let chosen = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), targets).unwrap();
+    let (uncertain_below, category_above) = band(&chosen);
+    assert_eq!(uncertain_below, category_above);
+    let wide = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), TARGETS).unwrap();
+    assert!(band(&wide).0 < band(&wide).1);
+}
+
+#[test]
+fn what_cannot_be_held_is_refused() {
+    // Pins the errors: targets out of range, too few trials, infinite mistakes, foreign priors.
+    let data = drawn(8, 4);
+    let choose = |data: &Evaluation, false_positive_rate, outlier_prior| {
+        let targets = ThresholdTargets {
+            false_positive_rate,
+            outlier_prior,
+        };
+        choose_thresholds(data, &BTreeMap::new(), targets).unwrap_err()
+    };
+    for (rate, prior) in [
+        (0.0, 0.1),
+        (1.0, 0.1),
+        (f64::NAN, 0.1),
+        (0.2, 0.5),
+        (0.2, -0.1),
+        (0.2, f64::NAN),
+    ] {
+        let error = choose(&data, rate, prior);
+        assert!(matches!(error, ThresholdError::BadTarget { .. }), "{error}");
+    }
+    let error = choose(&data, 0.1, 0.1);
+    assert!(
+        matches!(
+            error,
+            ThresholdError::TooFewTrials {
+                found: 8,
+                needed: 9,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    let impossible = scored(
+        &[("leaf", [f64::NEG_INFINITY, 0.0]); 9]
+            .into_iter()
+            .chain([("trunk", [0.0, 1.0]); 9])
+            .collect::<Vec<_>>(),
+    );
+    let error = choose(&impossible, 0.2, 0.1);
+    assert!(matches!(error, ThresholdError::NoThreshold { .. }), "{error}");
+    let foreign = BTreeMap::from([("foam".to_owned(), 1.0)]);
+    let error = choose_thresholds(&data, &foreign, TARGETS).unwrap_err();
+    assert!(matches!(error, ThresholdError::Decision(_)), "{error}");
+}

@@ -1,0 +1,164 @@
+//! Axes: from values to places, and the ticks between.
+
+/// One axis of a chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What is shown, with its unit: `force / N`.
+    pub label: String,
+    /// From values to places.
+    pub scale: Scale,
+}
+
+/// How values lie along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Scale {
+    /// Evenly, over all data; wider where an end is given.
+    Linear {
+        /// An end that is shown in any case.
+        low: Option<f64>,
+        /// The other.
+        high: Option<f64>,
+    },
+    /// By powers of ten; values not above 0 are left out.
+    Logarithmic,
+    /// Names, at 0, 1, 2, …
+    Names(Vec<String>),
+}
+
+impl Axis {
+    /// An even axis over all data.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Axis {
+            label: label.into(),
+            scale: Scale::Linear { low: None, high: None },
+        }
+    }
+
+    /// An even axis that shows these values at least.
+    pub fn spanning(label: impl Into<String>, low: f64, high: f64) -> Self {
+        Axis {
+            label: label.into(),
+            scale: Scale::Linear {
+                low: Some(low),
+                high: Some(high),
+            },
+        }
+    }
+
+    /// An even axis that begins at 0.
+    pub fn from_zero(label: impl Into<String>) -> Self {
+        Axis {
+            label: label.into(),
+            scale: Scale::Linear {
+                low: Some(0.0),
+                high: None,
+            },
+        }
+    }
+
+    /// An axis by powers of ten.
+    pub fn logarithmic(label: impl Into<String>) -> Self {
+        Axis {
+            label: label.into(),
+            scale: Scale::Logarithmic,
+        }
+    }
+
+    /// An axis of names.
+    pub fn names<T: Into<String>>(label: impl Into<String>, names: impl IntoIterator<Item = T>) -> Self {
+        Axis {
+            label: label.into(),
+            scale: Scale::Names(names.into_iter().map(Into::into).collect()),
+        }
+    }
+}
+
+/// A scale fitted to data.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Fitted {
+    low: f64,
+    high: f64,
+    logarithmic: bool,
+    /// Values with their labels.
+    pub(super) ticks: Vec<(f64, String)>,
+}
+
+impl Fitted {
+    /// Fits a scale to values; those that are not finite do not count. About `steps` steps between ticks.
+    pub(super) fn new(scale: &Scale, values: impl Iterator<Item = f64>, steps: f64) -> Self {
+        let logarithmic = *scale == Scale::Logarithmic;
+        let usable = values.filter(|value| value.is_finite() && (!logarithmic || *value > 0.0));
+        let (least, most) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
+            (least.min(value), most.max(value))
+        });
+        let (least, most) = if least > most { (1.0, 1.0) } else { (least, most) };
+        match scale {
+            Scale::Names(names) => Fitted {
+                low: -0.5,
+                high: (names.len().max(1) as f64) - 0.5,
+                logarithmic,
+                ticks: names
+                    .iter()
+                    .enumerate()
+                    .map(|(place, name)| (place as f64, name.clone()))
+                    .collect(),
+            },
+            Scale::Logarithmic => {
+                let (low, high) = (least.log10().floor(), most.log10().ceil());
+                let high = if high > low { high } else { low + 1.0 };
+                let every = ((high - low) / steps).ceil().max(1.0) as usize;
+                let exponents = (low as i32..=high as i32).step_by(every);
+                Fitted {
+                    low,
+                    high,
+                    logarithmic,
+                    ticks: exponents
+                        .map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent)))
+                        .collect(),
+                }
+            }
+            Scale::Linear { low, high } => {
+                let low = low.map_or(least, |low| low.min(least));
+                let high = high.map_or(most, |high| high.max(most));
+                let width = if high > low { high - low } else { low.abs().max(1.0) };
+                let step = round_step(width / steps);
+                let (first, last) = ((low / step).floor(), ((low + width) / step - 1e-9).ceil());
+                let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+                let count = (last - first).clamp(1.0, 50.0) as usize;
+                Fitted {
+                    low: first * step,
+                    high: last * step,
+                    logarithmic,
+                    ticks: (0..=count)
+                        .map(|index| (first + index as f64) * step)
+                        .map(|value| (value, format!("{:.decimals$}", value + 0.0)))
+                        .collect(),
+                }
+            }
+        }
+    }
+
+    /// Where a value lies, 0 at the low end and 1 at the high; `None` for what the scale cannot show.
+    pub(super) fn share(&self, value: f64) -> Option<f64> {
+        let value = if self.logarithmic { value.log10() } else { value };
+        let share = (value - self.low) / (self.high - self.low);
+        share.is_finite().then_some(share.clamp(0.0, 1.0))
+    }
+}
+
+/// The next of 1, 2, 5 times a power of ten.
+fn round_step(step: f64) -> f64 {
+    let power = 10_f64.powf(step.log10().floor());
+    let factor = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|factor| factor * power >= step * 0.999);
+    factor.unwrap_or(10.0) * power
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    match exponent {
+        0..=4 => format!("{}", 10_i64.pow(exponent.unsigned_abs())),
+        -3..=-1 => format!("{:.*}", exponent.unsigned_abs() as usize, 10_f64.powi(exponent)),
+        _ => format!("1e{exponent}"),
+    }
+}

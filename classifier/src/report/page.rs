@@ -1,0 +1,118 @@
+//! A page of HTML that needs nothing beside it.
+
+use std::fmt::Write;
+
+use super::markup::{escape, slug};
+use super::table::Table;
+
+/// A page in the making. All text is escaped; SVG is taken as it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Page {
+    title: String,
+    contents: Vec<(String, String)>,
+    body: String,
+}
+
+/// One column as wide as a line can be read, figures in as many columns as there is room for; a section is kept
+/// together in print where it fits.
+const STYLE: &str = "\
+:root { color-scheme: light }
+body { font: 1rem/1.5 system-ui, sans-serif; color: #1d2126; background: #ffffff; margin: 0 auto; padding: 1rem; max-width: 62rem }
+h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.3rem; margin-top: 2.5rem; border-bottom: 1px solid #c8ced4 }
+p, ul { max-width: 44rem }
+a { color: #0b57a4 } nav ul { columns: 18rem; padding-left: 1.2rem }
+.scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }
+caption { text-align: left; font-weight: 600; padding-bottom: .3rem }
+th, td { padding: .2rem .6rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top }
+th { border-bottom: 2px solid #8a939c; font-weight: 600 } .number { text-align: right; white-space: nowrap }
+figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: #3c444c }
+.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }
+.charts.one { display: block; max-width: 46rem } .wide { max-width: 62rem } svg { width: 100%; height: auto; display: block }
+.paper { border-left: 4px solid #c98a00; padding-left: .8rem; max-width: 43rem }
+@media print { body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid } h2 { break-after: avoid }
+.scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }
+";
+
+impl Page {
+    /// An empty page.
+    pub fn new(title: impl Into<String>) -> Self {
+        Page {
+            title: title.into(),
+            ..Page::default()
+        }
+    }
+
+    /// Begins a section, which the contents at the top name.
+    pub fn section(&mut self, heading: &str) {
+        let name = slug(heading);
+        let _ = writeln!(self.body, "<h2 id=\"{name}\">{}</h2>", escape(heading));
+        self.contents.push((name, heading.to_owned()));
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<p>{}</p>", escape(text));
+    }
+
+    /// What the publication says, set apart from what was found here.
+    pub fn published(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<p class=\"paper\">In the paper: {}</p>", escape(text));
+    }
+
+    /// A list of statements.
+    pub fn list(&mut self, items: &[String]) {
+        let items: Vec<String> = items.iter().map(|item| format!("<li>{}</li>", escape(item))).collect();
+        let _ = writeln!(self.body, "<ul>\n{}\n</ul>", items.join("\n"));
+    }
+
+    /// A table, with a link to its CSV file in the folder `csv` beside the page.
+    pub fn table(&mut self, table: &Table) {
+        self.body += &table.html();
+        self.numbers(table);
+    }
+
+    /// A link to the CSV file of a table that is too long to be shown.
+    pub fn numbers(&mut self, table: &Table) {
+        let name = escape(&table.name);
+        let _ = writeln!(self.body, "<p>Numbers: <a href=\"csv/{name}.csv\">{name}.csv</a></p>");
+    }
+
+    /// Charts that belong together over one caption, side by side where there is room.
+    pub fn figure(&mut self, caption: &str, charts: &[String]) {
+        let class = if charts.len() == 1 { "charts one" } else { "charts" };
+        self.figure_of(class, caption, charts);
+    }
+
+    /// A picture over the whole width.
+    pub fn picture(&mut self, caption: &str, picture: String) {
+        self.figure_of("wide", caption, &[picture]);
+    }
+
+    fn figure_of(&mut self, class: &str, caption: &str, charts: &[String]) {
+        let charts: Vec<String> = charts.iter().map(|chart| format!("<div>{chart}</div>")).collect();
+        let _ = writeln!(
+            self.body,
+            "<figure><div class=\"{class}\">\n{}</div>\n<figcaption>{}</figcaption></figure>",
+            charts.join("\n"),
+            escape(caption)
+        );
+    }
+
+    /// The whole page.
+    pub fn html(&self) -> String {
+        let title = escape(&self.title);
+        let contents: Vec<String> = self
+            .contents
+            .iter()
+            .map(|(name, heading)| format!("<li><a href=\"#{name}\">{}</a></li>", escape(heading)))
+            .collect();
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<nav aria-label=\"Contents\"><ul>\n{}\n</ul></nav>\n\
+             <main>\n{}</main>\n</body>\n</html>\n",
+            contents.join("\n"),
+            self.body
+        )
+    }
+}

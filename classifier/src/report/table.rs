@@ -1,0 +1,136 @@
+//! Tables: for a page with rounded numbers, for other programs with all digits.
+
+use std::fmt::Write;
+
+use super::markup::escape;
+
+/// One entry of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A count.
+    Count(usize),
+    /// A number, with the decimals that a person is shown.
+    Number(f64, usize),
+    /// A difference, always with its sign, with the decimals that a person is shown.
+    Difference(f64, usize),
+    /// Nothing known.
+    Missing,
+}
+
+/// A table with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Name of its CSV file, without the ending.
+    pub name: String,
+    /// One line over it.
+    pub caption: String,
+    /// What stands in the columns, with units.
+    pub columns: Vec<String>,
+    /// The entries, row by row.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Cell::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Cell::Text(text)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(count: usize) -> Self {
+        Cell::Count(count)
+    }
+}
+
+impl Cell {
+    /// A number that may be missing.
+    pub fn optional(value: Option<f64>, decimals: usize) -> Self {
+        value.map_or(Cell::Missing, |value| Cell::Number(value, decimals))
+    }
+
+    /// For a person.
+    pub fn text(&self) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Count(count) => count.to_string(),
+            Cell::Number(value, decimals) if value.is_finite() => format!("{value:.decimals$}"),
+            Cell::Difference(value, decimals) if value.is_finite() => format!("{value:+.decimals$}"),
+            Cell::Number(..) | Cell::Difference(..) | Cell::Missing => "–".into(),
+        }
+    }
+
+    fn csv(&self) -> String {
+        match self {
+            Cell::Text(text) if text.contains([',', '"', '\n', '\r']) => format!("\"{}\"", text.replace('"', "\"\"")),
+            Cell::Text(text) => text.clone(),
+            Cell::Count(count) => count.to_string(),
+            Cell::Number(value, _) | Cell::Difference(value, _) if value.is_finite() => value.to_string(),
+            Cell::Number(..) | Cell::Difference(..) | Cell::Missing => String::new(),
+        }
+    }
+
+    fn is_text(&self) -> bool {
+        matches!(self, Cell::Text(_))
+    }
+}
+
+impl Table {
+    /// An empty table.
+    pub fn new(name: &str, caption: impl Into<String>, columns: &[&str]) -> Self {
+        Table {
+            name: name.into(),
+            caption: caption.into(),
+            columns: columns.iter().map(|&column| column.into()).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// The rows as a person is shown them.
+    pub fn texts(&self) -> Vec<Vec<String>> {
+        self.rows
+            .iter()
+            .map(|row| row.iter().map(Cell::text).collect())
+            .collect()
+    }
+
+    /// As CSV (RFC 4180), with a header and all digits; what is missing or not finite is empty.
+    pub fn csv(&self) -> String {
+        let header = self.columns.iter().map(|column| Cell::from(column.as_str()));
+        let mut csv = String::new();
+        for row in std::iter::once(header.collect()).chain(self.rows.iter().cloned()) {
+            let cells: Vec<String> = row.iter().map(Cell::csv).collect();
+            csv += &cells.join(",");
+            csv.push('\n');
+        }
+        csv
+    }
+
+    /// As HTML, which scrolls sideways where it does not fit.
+    pub fn html(&self) -> String {
+        let mut html = format!(
+            "<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>",
+            escape(&self.caption)
+        );
+        for column in &self.columns {
+            let _ = write!(html, "<th scope=\"col\">{}</th>", escape(column));
+        }
+        html += "</tr></thead>\n<tbody>\n";
+        for row in &self.rows {
+            html += "<tr>";
+            for cell in row {
+                let class = if cell.is_text() { "" } else { " class=\"number\"" };
+                let _ = write!(html, "<td{class}>{}</td>", escape(&cell.text()));
+            }
+            html += "</tr>\n";
+        }
+        html + "</tbody></table></div>\n"
+    }
+}

@@ -1,0 +1,261 @@
+use proptest::prelude::*;
+use xml::reader::{EventReader, XmlEvent};
+
+use super::*;
+
+/// Name, attributes and own text.
+type Element = (String, Vec<(String, String)>, String);
+
+/// Elements of a document in order, with attributes and own text, as a foreign parser reads it.
+fn elements(document: &str) -> Vec<Element> {
+    let mut found: Vec<Element> = Vec::new();
+    let mut open = Vec::new();
+    for event in EventReader::from_str(document) {
+        match event.unwrap_or_else(|error| panic!("{error} in\n{document}")) {
+            XmlEvent::StartElement { name, attributes, .. } => {
+                let attributes = attributes.into_iter().map(|own| (own.name.local_name, own.value));
+                open.push(found.len());
+                found.push((name.local_name, attributes.collect(), String::new()));
+            }
+            XmlEvent::Characters(text) => found[*open.last().unwrap()].2 += &text,
+            XmlEvent::EndElement { .. } => {
+                open.pop();
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {
+    element.1.iter().find(|own| own.0 == name).map(|own| own.1.as_str())
+}
+
+fn chart(x: Axis, y: Axis, layers: Vec<Layer>) -> Chart {
+    Chart {
+        name: "a chart".into(),
+        title: "Force & motion".into(),
+        description: "Rises < 3 N".into(),
+        x,
+        y,
+        layers,
+    }
+}
+
+const STYLES: [Style; 3] = [
+    Style::line("#009e73", Dash::Solid),
+    Style::marked("#d55e00", Dash::Dashed, Mark::Triangle),
+    Style::marked("#0072b2", Dash::Dotted, Mark::Ring),
+];
+
+/// Any number at all, with ordinary ones in the majority.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![4 => -100.0..100.0_f64, 1 => any::<f64>(), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY), 1 => Just(0.0)]
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    let pairs = || prop::collection::vec((number(), number()), 0..40);
+    prop_oneof![
+        pairs().prop_map(Shape::Line),
+        pairs().prop_map(Shape::Steps),
+        pairs().prop_map(Shape::Bands),
+        prop::collection::vec(number(), 0..8).prop_map(Shape::Bars),
+        prop::collection::vec((number(), number(), number(), number()), 0..20).prop_map(|points| {
+            let point = |(x, y, low, high)| Point {
+                x,
+                y,
+                interval: Some((low, high)),
+            };
+            Shape::Points(points.into_iter().map(point).collect())
+        }),
+    ]
+}
+
+fn axis() -> impl Strategy<Value = Axis> {
+    prop_oneof![
+        Just(Axis::linear("x / m")),
+        Just(Axis::from_zero("x / m")),
+        Just(Axis::spanning("share / %", 0.0, 100.0)),
+        Just(Axis::logarithmic("t / s")),
+        Just(Axis::names("which", ["a<b", "\"c\"", "d&e"])),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn any_data_make_well_formed_svg(
+        x in axis(), y in axis(), shapes in prop::collection::vec((shape(), 0..3_usize, "\\PC{0,12}"), 0..4)
+    ) {
+        // Pins: whatever the data (none, NaN, infinity, huge), a chart is XML that a foreign parser reads, no
+        // coordinate is NaN or infinite, and everything lies within the view box.
+        let layers = shapes.into_iter().map(|(shape, style, name)| Layer::new(name, STYLES[style], shape)).collect();
+        let svg = chart(x, y, layers).svg();
+        let elements = elements(&svg);
+        prop_assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        let view: Vec<f64> = attribute(&elements[0], "viewBox").unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
+        for element in elements.iter().filter(|element| element.0 == "polyline") {
+            for pair in attribute(element, "points").unwrap().split(' ') {
+                let (x, y) = pair.split_once(',').unwrap();
+                let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
+                prop_assert!((0.0..=view[2]).contains(&x) && (0.0..=view[3]).contains(&y), "{pair}");
+            }
+        }
+    }
+
+    #[test]
+    fn csv_is_read_back(texts in prop::collection::vec("[ -~\\n]{0,9}", 1..5), value in number()) {
+        // Pins: a foreign reader (the csv crate's rules: RFC 4180) finds the same words and the same number, bit for bit.
+        let columns: Vec<&str> = texts.iter().map(String::as_str).chain(["value"]).collect();
+        let mut table = Table::new("t", "caption", &columns);
+        table.rows.push(texts.iter().map(|text| text.as_str().into()).chain([Cell::Number(value, 2)]).collect());
+        let csv = table.csv();
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(csv.as_bytes());
+        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        prop_assert_eq!(rows.len(), 2);
+        prop_assert_eq!(rows[0].iter().collect::<Vec<_>>(), columns);
+        prop_assert_eq!(rows[1].iter().take(texts.len()).collect::<Vec<_>>(), texts.iter().collect::<Vec<_>>());
+        match rows[1][texts.len()].parse::<f64>() {
+            Ok(found) => prop_assert_eq!(found, value),
+            Err(_) => prop_assert!(!value.is_finite()),
+        }
+    }
+}
+
+#[test]
+fn a_chart_says_what_it_shows() {
+    // Pins the alternative text: role, title and description with the names that aria-labelledby refers to.
+    let svg = chart(Axis::linear("t / s"), Axis::linear("force / N"), Vec::new()).svg();
+    let elements = elements(&svg);
+    assert_eq!(attribute(&elements[0], "role"), Some("img"));
+    let labels: Vec<&str> = attribute(&elements[0], "aria-labelledby").unwrap().split(' ').collect();
+    for (label, (name, text)) in labels
+        .iter()
+        .zip([("title", "Force & motion"), ("desc", "Rises < 3 N")])
+    {
+        let element = elements.iter().find(|element| element.0 == name).unwrap();
+        assert_eq!(attribute(element, "id"), Some(*label));
+        assert_eq!(element.2, text);
+    }
+    let words: Vec<&str> = elements
+        .iter()
+        .filter(|element| element.0 == "text")
+        .map(|own| own.2.as_str())
+        .collect();
+    assert!(words.contains(&"t / s") && words.contains(&"force / N"), "{words:?}");
+}
+
+#[test]
+fn a_line_lies_where_its_axes_say() {
+    // Pins the scales against the ticks: a line through (0, 0), (10, 100) passes the ticks' own places.
+    let line = Shape::Line(vec![(0.0, 0.0), (10.0, 100.0)]);
+    let svg = chart(
+        Axis::linear("x"),
+        Axis::linear("y"),
+        vec![Layer::new("", STYLES[0], line)],
+    )
+    .svg();
+    let elements = elements(&svg);
+    let place = |text: &str, axis: &str| -> Vec<f64> {
+        let ticks = elements
+            .iter()
+            .filter(|element| element.0 == "text" && element.2 == text);
+        ticks
+            .map(|tick| attribute(tick, axis).unwrap().parse().unwrap())
+            .collect()
+    };
+    let points = elements.iter().find(|element| element.0 == "polyline").unwrap();
+    let points: Vec<f64> = attribute(points, "points")
+        .unwrap()
+        .split([' ', ','])
+        .map(|n| n.parse().unwrap())
+        .collect();
+    // The text of a tick of y stands 5 px below its line.
+    assert!(place("10", "x").contains(&points[2]), "{svg}");
+    assert!(
+        place("100", "y").iter().any(|y| (y - 5.0 - points[3]).abs() < 0.11),
+        "{svg}"
+    );
+    assert!(place("0", "x").contains(&points[0]), "{svg}");
+}
+
+#[test]
+fn bars_stand_on_each_other() {
+    // Pins stacking: the second layer's bars begin where the first's end, and heights are as their values.
+    let bars = |heights: [f64; 2]| Layer::new("share", STYLES[0], Shape::Bars(heights.to_vec()));
+    let svg = chart(
+        Axis::names("reach", ["1", "2"]),
+        Axis::spanning("share / %", 0.0, 100.0),
+        vec![bars([60.0, 25.0]), bars([40.0, 75.0])],
+    )
+    .svg();
+    let number = |element: &Element, name| -> f64 { attribute(element, name).unwrap().parse().unwrap() };
+    let elements = elements(&svg);
+    // The first two are the legend's keys.
+    let rects: Vec<_> = elements.iter().filter(|element| element.0 == "rect").skip(2).collect();
+    assert_eq!(rects.len(), 4);
+    for (lower, upper) in [(0, 2), (1, 3)] {
+        assert_eq!(number(rects[lower], "x"), number(rects[upper], "x"));
+        let top = number(rects[lower], "y");
+        assert!((number(rects[upper], "y") + number(rects[upper], "height") - top).abs() < 0.11);
+    }
+    assert!((number(rects[0], "height") / number(rects[2], "height") - 1.5).abs() < 0.01);
+}
+
+#[test]
+fn no_peak_is_lost() {
+    // Pins thinning: of 100 000 samples with one peak the drawing keeps the peak, in far fewer points.
+    let mut points: Vec<(f64, f64)> = (0..100_000).map(|i| (f64::from(i), 0.0)).collect();
+    points[31_416].1 = 1.0;
+    let svg = |points: &[(f64, f64)]| {
+        let line = Layer::new("", STYLES[0], Shape::Line(points.to_vec()));
+        chart(Axis::linear("x"), Axis::spanning("y", 0.0, 1.0), vec![line]).svg()
+    };
+    let full = svg(&points);
+    let [with_peak, only_ends] = [&full, &svg(&[points[0], (50_000.0, 1.0), points[99_999]])].map(|svg| {
+        let line = elements(svg)
+            .into_iter()
+            .find(|element| element.0 == "polyline")
+            .unwrap();
+        let ys = attribute(&line, "points").unwrap().split(' ').map(|pair| {
+            let y: f64 = pair.split_once(',').unwrap().1.parse().unwrap();
+            y
+        });
+        ys.fold(f64::INFINITY, f64::min)
+    });
+    assert_eq!(with_peak, only_ends);
+    assert!(full.len() < 60_000, "{}", full.len());
+}
+
+#[test]
+fn a_page_is_well_formed_and_escapes() {
+    // Pins: text cannot break out of the page, every section is in the contents, tables link to their numbers.
+    let mut page = Page::new("Leaf <or> trunk");
+    page.section("Table I & more");
+    page.paragraph("a < b");
+    let mut table = Table::new("table_1", "Accuracy", &["by", "%"]);
+    table.rows.push(vec!["<script>".into(), Cell::Number(81.4, 1)]);
+    page.table(&table);
+    page.figure(
+        "A figure",
+        &[chart(Axis::linear("x"), Axis::linear("y"), Vec::new()).svg()],
+    );
+    let html = page.html();
+    let document = html.strip_prefix("<!DOCTYPE html>\n").unwrap();
+    let elements = elements(document);
+    assert!(!elements.iter().any(|element| element.0 == "script"));
+    let links: Vec<&str> = elements
+        .iter()
+        .filter_map(|element| attribute(element, "href"))
+        .collect();
+    assert_eq!(links, ["#table-i-more", "csv/table_1.csv"]);
+    assert!(
+        elements
+            .iter()
+            .any(|element| attribute(element, "id") == Some("table-i-more"))
+    );
+    assert!(
+        elements
+            .iter()
+            .any(|element| element.0 == "td" && element.2 == "<script>")
+    );
+}

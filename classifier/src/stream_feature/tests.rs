@@ -1,0 +1,126 @@
+use underbrush_recording::Region;
+
+use super::*;
+
+/// Time, s; force, N; motion, m; the region's taxels, largest force and sum, N.
+type Row = (f64, f64, f64, u32, f64, f64);
+
+fn trial(rows: &[Row]) -> Trial {
+    let samples = rows.iter().map(
+        |&(time_s, force_n, motion_m, taxels, largest_force_n, force_sum_n)| Sample {
+            time_s,
+            force_n,
+            motion_m: Some(motion_m),
+            region: Some(Region {
+                taxels,
+                largest_force_n,
+                force_sum_n,
+            }),
+        },
+    );
+    Trial {
+        trial: 3,
+        category: None,
+        reach: None,
+        patch: None,
+        taxel: None,
+        samples: samples.collect(),
+    }
+}
+
+/// Undoes `compress`.
+fn expand(value: f64, knee: f64) -> f64 {
+    value.signum() * knee * value.abs().exp_m1()
+}
+
+#[test]
+fn features_are_those_of_the_whole_computed_at_once() {
+    // Pins the recursions against sums over the whole trial, at uneven times.
+    let rows = [
+        (2.00, 0.2, 0.0, 1, 0.2, 0.2),
+        (2.01, 0.5, 0.001, 3, 1.0, 1.7),
+        (2.03, 0.4, 0.004, 2, 2.0, 2.4),
+        (2.04, 0.9, 0.003, 5, 1.5, 4.0),
+    ];
+    let found = StreamFeatureSet::TaxelAndRegion
+        .after(&trial(&rows), &[4])
+        .unwrap()
+        .remove(0);
+    let of = |name: &str| found[NAMES.iter().position(|known| *known == name).unwrap()];
+    let mean = |f: &dyn Fn(&Row) -> f64| rows.iter().map(f).sum::<f64>() / 4.0;
+    let time = mean(&|row| row.0);
+    let motion = mean(&|row| row.2);
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
+    let slope =
+        |value: &dyn Fn(&Row) -> f64| mean(&|row| (row.0 - time) * value(row)) / mean(&|row| (row.0 - time).powi(2));
+    near(of("samples"), 4f64.ln());
+    near(expand(of("mean force"), 0.1), 0.5);
+    near(expand(of("largest force"), 0.1), 0.9);
+    near(expand(of("first force"), 0.1), 0.2);
+    near(
+        expand(of("deviation of force"), 0.1),
+        mean(&|row| (row.1 - 0.5).powi(2)).sqrt(),
+    );
+    near(expand(of("variation of force per second"), 10.0), 0.9 / 0.04);
+    near(expand(of("largest step of force"), 0.1), 0.5);
+    near(expand(of("slope of force over time"), 0.1), slope(&|row| row.1));
+    near(
+        expand(of("slope of region's largest force over time"), 0.1),
+        slope(&|row| row.4),
+    );
+    let with_motion = mean(&|row| (row.2 - motion) * row.1) / (mean(&|row| (row.2 - motion).powi(2)) + 1e-8);
+    near(expand(of("slope of force over motion"), 10.0), with_motion);
+    near(expand(of("path per second"), 0.01), 0.005 / 0.04);
+    near(expand(of("largest motion"), 1e-4), 0.004);
+    near(of("mean region's taxels").exp_m1(), 11.0 / 4.0);
+    near(of("largest region's taxels").exp_m1(), 5.0);
+    near(expand(of("mean region's force"), 0.1), 8.3 / 4.0);
+    near(
+        of("mean share of region's largest force"),
+        (1.0 + 0.5 + 0.2 + 0.6) / 4.0,
+    );
+}
+
+#[test]
+fn nothing_looks_ahead() {
+    // Pins that the features after k samples are those of a trial of k samples, and that counts beyond the end are the
+    // whole.
+    let rows = [
+        (0.00, 0.2, 0.0, 1, 0.2, 0.2),
+        (0.01, 0.5, 0.001, 3, 1.0, 1.7),
+        (0.02, 0.1, 0.002, 4, 3.0, 9.0),
+    ];
+    for set in [StreamFeatureSet::Taxel, StreamFeatureSet::TaxelAndRegion] {
+        let found = set.after(&trial(&rows), &[1, 2, 3, 50]).unwrap();
+        for count in 1..=3 {
+            assert_eq!(
+                found[count - 1],
+                set.after(&trial(&rows[..count]), &[count]).unwrap()[0]
+            );
+            assert_eq!(found[count - 1].len(), set.dimension());
+        }
+        assert_eq!(found[3], found[2]);
+    }
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    // Pins the errors for samples without motion or region, with NaN, and for no samples at all.
+    let mut bare = trial(&[(0.0, 0.2, 0.0, 1, 0.2, 0.2), (0.01, 0.2, 0.0, 1, 0.2, 0.2)]);
+    bare.samples[1].region = None;
+    assert!(StreamFeatureSet::Taxel.after(&bare, &[2]).is_ok());
+    let after = |trial: &Trial| StreamFeatureSet::TaxelAndRegion.after(trial, &[2]);
+    assert_eq!(after(&bare), Err(FeatureError::MissingRegion { trial: 3, sample: 1 }));
+    bare.samples[1].motion_m = None;
+    assert_eq!(after(&bare), Err(FeatureError::MissingMotion { trial: 3, sample: 1 }));
+    bare.samples[0].force_n = f64::NAN;
+    assert!(matches!(
+        after(&bare),
+        Err(FeatureError::NotFinite {
+            sample: 0,
+            feature: "force_n",
+            ..
+        })
+    ));
+    assert_eq!(after(&trial(&[])), Err(FeatureError::Empty { trial: 3 }));
+}

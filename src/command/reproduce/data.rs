@@ -1,0 +1,86 @@
+//! Which data: scenes, how many reaches of each, and how trials are cut. Everything else of `reproduce` follows.
+
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::Category;
+
+/// A scene as shipped in `scenes/`: its path for messages, and its text.
+pub type SceneSource = (&'static str, &'static str);
+
+macro_rules! scene {
+    ($path:literal) => {
+        ($path, include_str!(concat!("../../../", $path)))
+    };
+}
+
+/// One of the environments that models are trained in (paper, section IV-B).
+pub struct Training {
+    pub scene: SceneSource,
+    /// What is to be learned there.
+    pub category: Category,
+    /// Reaches of a campaign of the paper's size, and of a quick one.
+    pub reaches: u64,
+    pub quick_reaches: u64,
+    /// The paper's trials per reach by component and by taxel, sections IV-C (288 / 10 and 324 / 25) and IV-D (496 / 10
+    /// and 582 / 25).
+    pub paper_trials_per_reach: [(TableOneUnit, f64); 2],
+}
+
+pub const TRAINING: [Training; 2] = [
+    Training {
+        scene: scene!("scenes/leaf.toml"),
+        category: Category::Leaf,
+        reaches: 10,
+        quick_reaches: 4,
+        paper_trials_per_reach: [(TableOneUnit::Component, 28.8), (TableOneUnit::Taxel, 49.6)],
+    },
+    Training {
+        scene: scene!("scenes/trunk.toml"),
+        category: Category::Trunk,
+        reaches: 25,
+        quick_reaches: 8,
+        paper_trials_per_reach: [(TableOneUnit::Component, 12.96), (TableOneUnit::Taxel, 23.28)],
+    },
+];
+
+/// The ten engineered reaches (section V-B): one of each scene, in which the forearm touches this category alone.
+pub const ENGINEERED: [(SceneSource, Category); 10] = [
+    (scene!("scenes/engineered/leaf-clump.toml"), Category::Leaf),
+    (scene!("scenes/engineered/leaf-right.toml"), Category::Leaf),
+    (scene!("scenes/engineered/leaf-row.toml"), Category::Leaf),
+    (scene!("scenes/engineered/leaf-stiff.toml"), Category::Leaf),
+    (scene!("scenes/engineered/leaf-tall.toml"), Category::Leaf),
+    (scene!("scenes/engineered/trunk-gate.toml"), Category::Trunk),
+    (scene!("scenes/engineered/trunk-post.toml"), Category::Trunk),
+    (scene!("scenes/engineered/trunk-right.toml"), Category::Trunk),
+    (scene!("scenes/engineered/trunk-row.toml"), Category::Trunk),
+    (scene!("scenes/engineered/trunk-thick.toml"), Category::Trunk),
+];
+/// Reaches drawn of an engineered scene until one touches what it should; a choice: a handful is enough by far.
+pub const ENGINEERED_DRAWS: u64 = 12;
+
+/// General reaches through leaves and trunks (section V-B), in which the forearm touches both.
+pub const MIXED: SceneSource = scene!("scenes/mixed.toml");
+/// Reaches of it that are kept, for a full run and a quick one, and drawn at most.
+pub const MIXED_REACHES: [usize; 2] = [3, 1];
+pub const MIXED_DRAWS: u64 = 12;
+
+/// Reaches that meet the foam roll first and then leaf or trunk (section V-D).
+pub const OUTLIER: SceneSource = scene!("scenes/outlier.toml");
+/// Reaches of it that are kept, for a full run and a quick one, and drawn at most.
+pub const OUTLIER_REACHES: [usize; 2] = [4, 2];
+pub const OUTLIER_DRAWS: u64 = 16;
+
+/// The controller of all reaches; each scene's own if none.
+pub const CONTROLLER: Option<&str> = None;
+
+/// How trials are cut.
+pub fn trial_options() -> TrialOptions {
+    TrialOptions::default()
+}
+
+/// The lead under which a taxel is uncertain online, nats. Section V-B gives no number; this is section V-D's.
+pub const UNCERTAIN_BELOW_NATS: f64 = 15.0;
+
+/// Lengths to which Fig. 13 truncates trials, samples: the paper's four, and on.
+pub const TRUNCATIONS: [usize; 7] = [200, 150, 100, 50, 25, 12, 6];

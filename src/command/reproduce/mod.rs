@@ -1,0 +1,256 @@
+//! `underbrush reproduce`: the paper's data, models, tables and figures, and a report that shows them beside the
+//! published ones.
+//!
+//! `data` says which reaches; `campaign`, `reaches`, `online` and `truncation` measure; `results` holds all numbers;
+//! `tables`, `figures` and `page` only show them.
+
+mod campaign;
+mod data;
+mod figures;
+mod online;
+mod page;
+mod plan;
+mod reaches;
+mod results;
+mod skin_map;
+mod snapshot;
+mod tables;
+mod truncation;
+mod words;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneUnit};
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::recipe::Recipe;
+use underbrush_recording::disk::{Dataset, write_trials};
+
+use self::campaign::{Measurement, RecipeCell, Trials};
+use self::online::{Online, Shares};
+use self::results::{Campaigns, Outliers, Results, SamplesUsed, Timing};
+use crate::dataset::PROGRAM_VERSION;
+use crate::failure::Failure;
+use crate::{audit, output, progress};
+
+/// Options of `underbrush reproduce`.
+#[derive(Args)]
+pub struct Options {
+    /// Folder for data set, trials, models, tables and report
+    ///
+    /// An interrupted run there is continued, and what is finished is not made again, where seed, size and the program's
+    /// sources are the same. Results of another run are never mixed in: they are refused, or replaced with --fresh.
+    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
+    out: PathBuf,
+    /// A third of the paper's reaches: 4 leaf and 8 trunk instead of 10 and 25
+    #[arg(long)]
+    quick: bool,
+    /// Seed
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    /// Make Table I from N independent campaigns, of this seed and the next ones, and report mean and spread
+    ///
+    /// Each campaign's result is kept: more can be added later, and an interrupted run goes on after the last.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    campaigns: u64,
+    /// Throw away what another run has left in the folder, and begin anew
+    #[arg(long)]
+    fresh: bool,
+}
+
+/// The paper's mean of Fig. 9, samples (section V-B).
+const PAPER_SAMPLES_USED: f64 = 11.9;
+/// The paper's computation time per 100 taxels in contact, s (section V-B, Fig. 8).
+const PAPER_SECONDS_PER_100_TAXELS: f64 = 0.83;
+
+/// Says what goes on and notes how long each stage takes.
+struct Stages {
+    start: Instant,
+    done: Vec<(&'static str, f64)>,
+}
+
+impl Stages {
+    fn run<T>(&mut self, what: &'static str, work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+        output::remark(what);
+        let start = Instant::now();
+        let result = work()?;
+        self.done.push((what, start.elapsed().as_secs_f64()));
+        Ok(result)
+    }
+}
+
+/// Runs everything and prints the tables.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let Options { out, quick, seed, .. } = &options;
+    let (quick, seed) = (*quick, *seed);
+    let mut stages = Stages {
+        start: Instant::now(),
+        done: Vec::new(),
+    };
+    plan::Plan::new(seed, quick).settle(out, options.fresh)?;
+
+    let dataset = stages.run("Training reaches", || make_or_reuse(out, seed, quick))?;
+    audit::warn(dataset.episodes());
+    let trials = stages.run("Trials", || Trials::of_dataset(&dataset))?;
+    write_trials(out.join("trials-component.parquet"), trials.component.iter().cloned())?;
+    write_trials(out.join("trials-taxel.parquet"), trials.taxel.iter().cloned())?;
+    let (measurement, cells) = stages.run("Table I, two recipes", || trials.measure(quick))?;
+    let truncated = stages.run("Truncated trials", || truncation::run(&trials.taxel))?;
+    let models = stages.run("Models", || Ok(ModelSet::train(&trials.taxel, &Recipe::authors())?.0))?;
+    output::write_file(&out.join("model.json"), models.save_string()?.as_bytes())?;
+
+    let reaches = stages.run("Engineered, general and outlier reaches", || {
+        reaches::draw(&out.join("reaches"), seed, quick)
+    })?;
+    let online = stages.run("Online verdicts", || Online::run(&models, &reaches))?;
+    let snapshot = stages.run("A moment of the general reach", || {
+        snapshot::take(&models, &online, seed)
+    })?;
+    let campaigns = match options.campaigns {
+        1 => None,
+        count => stages.run("Further campaigns", || campaigns(out, seed, quick, count, &measurement))?,
+    };
+
+    let found = results::Reaches::of(dataset.episodes());
+    let results = Results::new(
+        seed,
+        quick,
+        found,
+        &trials,
+        measurement,
+        &cells,
+        campaigns,
+        truncated,
+        &online,
+        stages,
+    )?;
+    let bytes = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
+    output::write_file(&out.join("summary.json"), &bytes)?;
+    page::write(&out.join("report"), &results, &online, snapshot.as_ref())?;
+    output::result(json, &results, || words::text(&results, out))
+}
+
+/// Makes the training data, goes on with an interrupted set, or takes the finished one.
+fn make_or_reuse(out: &Path, seed: u64, quick: bool) -> Result<Dataset, Failure> {
+    let (campaign, folder) = (campaign::campaign(seed, quick)?, out.join("dataset"));
+    match Dataset::open(&folder) {
+        Ok(dataset) if campaign.has_made(&dataset)? => {
+            output::remark(format!("  taken from {}", folder.display()));
+            Ok(dataset)
+        }
+        _ => campaign.write(&folder, true),
+    }
+}
+
+/// The first campaign and `count` − 1 more.
+fn campaigns(
+    out: &Path,
+    seed: u64,
+    quick: bool,
+    count: u64,
+    first: &Measurement,
+) -> Result<Option<Campaigns>, Failure> {
+    let bar = progress::bar(count - 1, "further campaigns");
+    let seeds: Vec<u64> = (0..count).map(|number| seed.wrapping_add(number)).collect();
+    let mut measured = vec![first.clone()];
+    for seed in &seeds[1..] {
+        measured.push(campaign::measured(out, *seed, quick)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(Campaigns::of(seeds, &measured))
+}
+
+impl Results {
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each part of a run is made once, here put together"
+    )]
+    fn new(
+        seed: u64,
+        quick: bool,
+        reaches: results::Reaches,
+        trials: &Trials,
+        measurement: Measurement,
+        cells: &[RecipeCell],
+        campaigns: Option<Campaigns>,
+        truncated: Vec<results::Truncated>,
+        online: &Online,
+        stages: Stages,
+    ) -> Result<Self, Failure> {
+        let cells_here = measurement.table_1.iter();
+        Ok(Results {
+            program: PROGRAM_VERSION,
+            seed,
+            quick,
+            reaches,
+            mean_absolute_difference_points: results::mean_difference(
+                cells_here.map(|cell| (cell.recipe.as_str(), cell.accuracy, cell.paper)),
+            ),
+            orderings: results::orderings_of(&measurement.table_1),
+            trials_per_reach: measurement.trials_per_reach,
+            table_1: measurement.table_1,
+            campaigns,
+            figure_5: results::examples(&trials.taxel),
+            figure_6: confusion(cells, FeatureSet::Force)?,
+            figure_7: confusion(cells, FeatureSet::ForceAndMotion)?,
+            figure_9: samples_used(online),
+            figure_10: online.shown().and_then(|reach| Shares::of(&reach.stream.total())),
+            figure_11: online.engineered.clone(),
+            figure_13: truncated,
+            figure_15: Outliers {
+                drawn: online.outlier_drawn,
+                reaches: online.outlier.len(),
+                detection: online.detection.clone(),
+            },
+            timing: Timing::of(stages, online),
+        })
+    }
+}
+
+/// The confusion matrix of the taxels with 20 states in the authors' recipe (Figs. 6 and 7).
+fn confusion(cells: &[RecipeCell], features: FeatureSet) -> Result<ConfusionMatrix, Failure> {
+    let own = |(recipe, cell): &&RecipeCell| {
+        *recipe == campaign::AUTHORS && (cell.unit, cell.features, cell.states) == (TableOneUnit::Taxel, features, 20)
+    };
+    let (_, cell) = cells
+        .iter()
+        .find(own)
+        .ok_or_else(|| Failure::run("Table I lacks the cells of Figs. 6 and 7"))?;
+    Ok(cell.evaluation.confusion.clone())
+}
+
+fn samples_used(online: &Online) -> SamplesUsed {
+    let engineered = online.engineered.iter().filter_map(|reach| reach.mean_samples_used);
+    let mixed = online.mixed.iter().filter_map(|reach| reach.stream.mean_samples_used());
+    let all: Vec<f64> = engineered.chain(mixed).collect();
+    SamplesUsed {
+        mean_samples_used: online.shown().and_then(|reach| reach.stream.mean_samples_used()),
+        mean_over_reaches: (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64),
+        reaches: all.len(),
+        paper: PAPER_SAMPLES_USED,
+    }
+}
+
+impl Timing {
+    fn of(stages: Stages, online: &Online) -> Self {
+        let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+            let line = text.lines().find(|line| line.starts_with("model name"))?;
+            Some(line.split_once(':')?.1.trim().to_owned())
+        });
+        Timing {
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            threads: rayon::current_num_threads(),
+            processor: processor.unwrap_or_else(|| std::env::consts::ARCH.into()),
+            wall_s: stages.start.elapsed().as_secs_f64(),
+            stages: stages.done,
+            figure_8_seconds_per_100_taxels: online.shown().and_then(|reach| reach.stream.seconds_per_100_taxels()),
+            figure_8_paper_seconds_per_100_taxels: PAPER_SECONDS_PER_100_TAXELS,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

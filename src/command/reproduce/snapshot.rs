@@ -1,0 +1,69 @@
+//! One moment of a general reach with the verdicts on its taxels (paper, Fig. 12).
+
+use std::collections::BTreeMap;
+
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::online::OnlineClassifier;
+use underbrush_recording::SkinLayout;
+use underbrush_sim::snapshot::Snapshot;
+
+use super::data;
+use super::online::{self, Online};
+use super::reaches;
+use crate::failure::Failure;
+
+/// Arm, clutter and verdicts at one moment.
+pub struct Moment {
+    pub snapshot: Snapshot,
+    pub layout: SkinLayout,
+    /// Index of the patch that is classified.
+    pub patch: usize,
+    /// Verdict by taxel of that patch.
+    pub verdicts: BTreeMap<usize, Verdict>,
+    pub scene: String,
+    pub reach_index: u64,
+}
+
+/// Runs the reach that Figs. 8 to 10 show once more and stops it where most taxels are in contact: the moment is chosen
+/// by how much there is to see, not by how well it is classified. `None` where no general reach was found.
+pub fn take(models: &ModelSet, online: &Online, seed: u64) -> Result<Option<Moment>, Failure> {
+    let Some(shown) = online.shown() else { return Ok(None) };
+    let most = shown
+        .stream
+        .frames
+        .iter()
+        .enumerate()
+        .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
+    let Some((chosen, _)) = most else { return Ok(None) };
+    let plan = reaches::mixed_plan(seed)?;
+    let options = online::options(models, online::uncertain_rule());
+    let layout = plan.arm.skin.layout.clone();
+    let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options)?;
+    let (mut index, mut taken, mut fault) = (0, None, None);
+    plan.run(shown.reach_index, &mut |world, clutter, frame| {
+        if index <= chosen && fault.is_none() {
+            match classifier.update(frame) {
+                Ok(judged) if index == chosen => {
+                    let verdicts = judged.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
+                    taken = Some((Snapshot::take(world, clutter, frame), verdicts));
+                }
+                Ok(_) => {}
+                Err(error) => fault = Some(error),
+            }
+        }
+        index += 1;
+    })?;
+    if let Some(error) = fault {
+        return Err(error.into());
+    }
+    let patch = layout.patch_index(&data::trial_options().patch).unwrap_or_default();
+    Ok(taken.map(|(snapshot, verdicts)| Moment {
+        snapshot,
+        layout,
+        patch,
+        verdicts,
+        scene: shown.scene.clone(),
+        reach_index: shown.reach_index,
+    }))
+}

@@ -1,0 +1,39 @@
+//! Accuracy of truncated trials (paper, section V-C, Fig. 13).
+
+use rayon::prelude::*;
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::evaluate::{Folds, cross_validate};
+use underbrush_classifier::recipe::Recipe;
+use underbrush_recording::Trial;
+
+use super::data::TRUNCATIONS;
+use super::results::Truncated;
+use crate::failure::Failure;
+
+/// Cross-validates taxels by force with 10 and 20 states on whole trials and on ever shorter ones.
+pub fn run(taxel_trials: &[Trial]) -> Result<Vec<Truncated>, Failure> {
+    let lengths = std::iter::once(None).chain(TRUNCATIONS.into_iter().map(Some));
+    let cases: Vec<(usize, Option<usize>)> = lengths.flat_map(|most| [(10, most), (20, most)]).collect();
+    let found: Vec<Result<Truncated, Failure>> = cases
+        .into_par_iter()
+        .map(|(states, max_samples)| {
+            let recipe = Recipe {
+                states,
+                max_samples,
+                ..Recipe::authors()
+            };
+            let evaluation = cross_validate(taxel_trials, &recipe, Folds::paper(), &Decision::argmax())?;
+            let interval = evaluation
+                .accuracy_interval_by_reach
+                .unwrap_or(evaluation.accuracy_interval_by_trial);
+            Ok(Truncated {
+                states,
+                max_samples,
+                accuracy: 100.0 * evaluation.accuracy,
+                low: 100.0 * interval.low,
+                high: 100.0 * interval.high,
+            })
+        })
+        .collect();
+    found.into_iter().collect()
+}

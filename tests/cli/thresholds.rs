@@ -1,0 +1,128 @@
+//! Thresholds chosen by `underbrush train`, used by `classify` and `evaluate --model`.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::support::fixture::fixture;
+use crate::support::{table, underbrush};
+
+/// The fixture's trials without their reaches: leaves are touched in one reach only, which is too few to split by.
+fn table_without_reaches(folder: &Path) -> PathBuf {
+    let rows = table::rows(&std::fs::read_to_string(fixture().table_csv()).unwrap());
+    let columns = ["trial", "category", "time_s", "force_n"];
+    let mut lines = vec![columns.join(",")];
+    lines.extend(
+        rows.iter()
+            .map(|row| columns.map(|column| row[column].as_str()).join(",")),
+    );
+    let path = folder.join("without-reaches.csv");
+    std::fs::write(&path, lines.join("\n")).unwrap();
+    path
+}
+
+/// A model with thresholds, and the folder that holds it.
+fn model() -> (tempfile::TempDir, PathBuf, Value) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.json");
+    let table = table_without_reaches(folder.path());
+    let options = ["--false-positive-rate", "0.3", "--outlier-prior", "0.2"];
+    let result = underbrush![
+        "train", table, "--out", path, "--states", "3", options[0], options[1], options[2], options[3], "--json"
+    ];
+    let result = result.json();
+    (folder, path, result)
+}
+
+#[test]
+fn classify_follows_the_thresholds_in_the_model() {
+    // Pins: the file holds the thresholds that train reports; classify's verdicts follow from them and from the scores
+    // that score prints; --decision overrules them.
+    let (_folder, path, result) = model();
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    assert_eq!(file["decision"], result["thresholds"]["decision"]);
+    let band = &file["decision"]["rule"]["outlier_band"];
+    let (low, high) = (
+        band["uncertain_below"].as_f64().unwrap(),
+        band["category_above"].as_f64().unwrap(),
+    );
+    for rate in result["thresholds"]["false_positive_rate"]
+        .as_object()
+        .unwrap()
+        .values()
+    {
+        assert!(rate.as_f64().unwrap() <= 0.3, "{result}");
+    }
+    let table_csv = fixture().table_csv();
+    let scores = table::scores(&underbrush!["score", path, table_csv, "--by", "viterbi"].success());
+    let rows = table::rows(&underbrush!["classify", path, table_csv].success());
+    let mut seen = std::collections::BTreeSet::new();
+    for row in &rows {
+        let of = |model: &str| scores[&(model.to_string(), row["trial"].parse().unwrap())];
+        let lead = of("leaf") - of("trunk");
+        let expected = match lead.abs() {
+            lead if lead < low => "uncertain",
+            lead if lead <= high => "outlier",
+            _ if lead > 0.0 => "leaf",
+            _ => "trunk",
+        };
+        assert_eq!(row["verdict"], expected, "{row:?}");
+        seen.insert(row["verdict"].clone());
+    }
+    assert!(seen.len() > 2, "too few kinds of verdict to tell: {seen:?}");
+    let argmax = underbrush!["classify", path, table_csv, "--decision", "argmax"].success();
+    assert!(!argmax.contains("outlier") && argmax == underbrush!["classify", fixture().model(), table_csv].success());
+}
+
+#[test]
+fn given_models_are_evaluated_with_their_thresholds() {
+    // Pins: evaluate --model counts classify's verdicts on trials with truth, and writes curves from (0, 0) to (1, 1).
+    let (folder, path, _) = model();
+    let (table_csv, roc) = (fixture().table_csv(), folder.path().join("roc.csv"));
+    let figures = underbrush!["evaluate", table_csv, "--model", path, "--roc", roc, "--json"].json();
+    let rows = table::rows(&underbrush!["classify", path, table_csv].success());
+    for (row, truth) in figures["confusion"]["truth"].as_array().unwrap().iter().enumerate() {
+        for (column, verdict) in figures["confusion"]["verdict"].as_array().unwrap().iter().enumerate() {
+            let same = |found: &&std::collections::BTreeMap<String, String>| {
+                Some(found["truth"].as_str()) == truth.as_str() && Some(found["verdict"].as_str()) == verdict.as_str()
+            };
+            let count = rows.iter().filter(same).count() as u64;
+            assert_eq!(
+                figures["confusion"]["count"][row][column], count,
+                "{truth} taken for {verdict}"
+            );
+        }
+    }
+    let curves = table::rows(&std::fs::read_to_string(roc).unwrap());
+    for category in ["leaf", "trunk"] {
+        let ends: Vec<_> = curves.iter().filter(|row| row["positives"] == category).collect();
+        let rates = |row: &std::collections::BTreeMap<String, String>| {
+            [row["false_positive_rate"].clone(), row["true_positive_rate"].clone()]
+        };
+        assert_eq!(rates(ends[0]), ["0", "0"]);
+        assert_eq!(rates(ends[ends.len() - 1]), ["1", "1"]);
+    }
+    underbrush!["evaluate", table_csv, "--model", path, "--folds", "3"].refused(&["--model", "--folds"]);
+}
+
+#[test]
+fn rates_that_the_data_cannot_hold_are_refused() {
+    // Pins: a rate too small for the number of trials names how many it takes; a rate alone of 0 is refused.
+    let folder = tempfile::tempdir().unwrap();
+    let (table_csv, out) = (table_without_reaches(folder.path()), folder.path().join("model.json"));
+    let train = |rate: &str| {
+        underbrush![
+            "train",
+            table_csv,
+            "--out",
+            out,
+            "--states",
+            "2",
+            "--false-positive-rate",
+            rate
+        ]
+    };
+    train("1e-6").refused(&["999999", "held-out trials"]);
+    train("0").refused(&["false-positive rate is 0", "above 0"]);
+    assert!(!out.exists());
+}
