@@ -26,15 +26,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     let repeats: usize = repeats.parse()?;
     let observations = |trial: &Trial| models.features().observations(trial, None);
     let all: Vec<Observations> = trials.iter().map(observations).collect::<Result<_, _>>()?;
+    let every: Vec<&Observations> = all.iter().collect();
     let samples: usize = all.iter().map(Observations::sample_count).sum();
     let mut result = serde_json::Map::new();
     for (category, model) in models.models() {
         let mut entry = serde_json::Map::new();
         for (kind, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
-            let score = || -> Result<Vec<f64>, _> { all.iter().map(|one| model.log_probability(kind, one)).collect() };
-            entry.insert(name.into(), json!(score()?));
-            let seconds = quickest(repeats, || black_box(score()).map(drop))?;
-            entry.insert(format!("{name}_ns_per_sample"), json!(1e9 * seconds / samples as f64));
+            let one_by_one =
+                || -> Result<Vec<f64>, _> { all.iter().map(|one| model.log_probability(kind, one)).collect() };
+            let together = || model.log_probabilities(kind, &every);
+            if one_by_one()? != together()? {
+                return Err("scores one by one and together differ".into());
+            }
+            entry.insert(name.into(), json!(together()?));
+            for (way, seconds) in [
+                ("", quickest(repeats, || black_box(together()).map(drop))?),
+                ("_single", quickest(repeats, || black_box(one_by_one()).map(drop))?),
+            ] {
+                entry.insert(
+                    format!("{name}{way}_ns_per_sample"),
+                    json!(1e9 * seconds / samples as f64),
+                );
+            }
         }
         let own = trials.iter().filter(|trial| trial.category.as_ref() == Some(category));
         let own: Vec<Observations> = own.map(observations).collect::<Result<_, _>>()?;

@@ -9,9 +9,7 @@ use underbrush_recording::{Category, InputError, Trial};
 
 use crate::decision::Decision;
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
-use crate::hmm::{
-    GaussianHmm, RunningScore, ScoreKind, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train,
-};
+use crate::hmm::{GaussianHmm, ScoreKind, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
 use crate::recipe::{Recipe, ScalingKind};
 
 /// Why models cannot be trained, read or used.
@@ -307,14 +305,6 @@ impl ModelSet {
         self.models
             .values()
             .map(|model| Ok(model.log_probability(kind, &sequence)?))
-            .collect()
-    }
-
-    /// Empty filters, one a model, for [`crate::online`].
-    pub(crate) fn running_scores(&self, kind: ScoreKind) -> Vec<RunningScore> {
-        self.models
-            .values()
-            .map(|model| RunningScore::new(kind, model))
             .collect()
     }
 }

@@ -1,12 +1,15 @@
 //! Classification while the arm moves: one new frame in, one verdict per taxel in contact out.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use glam::DVec3;
 use thiserror::Error;
 use underbrush_recording::{Frame, SkinLayout};
 
 use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
 use crate::feature::{FeatureError, FeatureSet};
-use crate::hmm::{RunningScore, ScoreKind};
+use crate::hmm::{FilterBank, ScoreKind};
 use crate::model_set::ModelSet;
 use crate::trial::{PatchImage, TrialError};
 
@@ -59,18 +62,23 @@ pub struct TaxelVerdict {
 pub struct OnlineClassifier {
     models: ModelSet,
     judge: Judge,
-    score: ScoreKind,
     image: PatchImage,
-    contacts: Vec<Option<Contact>>,
+    bank: FilterBank,
+    /// Streams of the bank without a contact; the first go first, so that those in use stay side by side.
+    free: BinaryHeap<Reverse<usize>>,
+    /// One a taxel.
+    contacts: Vec<Contact>,
     frames: usize,
 }
 
-/// A taxel that is or was in contact.
+/// What is known of a taxel.
 #[derive(Clone, Debug)]
 struct Contact {
-    active: bool,
+    /// Its stream in the bank, while it is in contact.
+    stream: Option<usize>,
     start_world: DVec3,
-    scores: Vec<RunningScore>,
+    /// Whether the frame at hand gave the filters a sample.
+    scored: bool,
     choice: Choice,
     verdict: TaxelVerdict,
 }
@@ -83,13 +91,26 @@ impl OnlineClassifier {
     pub fn new(models: ModelSet, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let judge = options.decision.prepare(&models.categories())?;
         let image = PatchImage::new(layout, &options.patch, options.threshold_n)?;
-        let contacts = vec![None; image.patch().taxels.len()];
+        let taxels = image.patch().taxels.len();
+        let contact = |taxel| Contact {
+            stream: None,
+            start_world: DVec3::ZERO,
+            scored: false,
+            choice: Choice::Uncertain,
+            verdict: TaxelVerdict {
+                taxel,
+                samples: 0,
+                log_likelihood: vec![0.0; models.models().len()],
+                verdict: Verdict::Uncertain,
+            },
+        };
         Ok(OnlineClassifier {
-            models,
             judge,
-            score: options.score,
             image,
-            contacts,
+            bank: FilterBank::new(options.score, models.models().values(), taxels),
+            free: (0..taxels).map(Reverse).collect(),
+            contacts: (0..taxels).map(contact).collect(),
+            models,
             frames: 0,
         })
     }
@@ -102,80 +123,72 @@ impl OnlineClassifier {
     pub fn update(&mut self, frame: &Frame) -> Result<impl Iterator<Item = &TaxelVerdict>, OnlineError> {
         self.image.read(self.frames, frame)?;
         self.frames += 1;
-        for (taxel, slot) in self.contacts.iter_mut().enumerate() {
-            if !self.image.is_in_contact(taxel) {
-                if let Some(contact) = slot {
-                    contact.active = false;
-                }
-                continue;
+        for taxel in 0..self.contacts.len() {
+            if self.image.is_in_contact(taxel) {
+                self.feel(taxel)?;
+            } else if let Some(stream) = self.contacts[taxel].stream.take() {
+                self.free.push(Reverse(stream));
             }
-            let contact = slot.get_or_insert_with(|| Contact::new(taxel, &self.models, self.score));
-            let position_world = self.image.position_world(taxel);
-            if !contact.active {
-                contact.begin(position_world);
-            }
-            contact.verdict.samples += 1;
-            if self
-                .models
-                .max_samples()
-                .is_none_or(|most| contact.verdict.samples <= most)
-            {
-                contact.score(&self.models, self.image.sensed_force_n(taxel), position_world)?;
+        }
+        self.bank.advance(self.models.models().values());
+        for contact in &mut self.contacts {
+            if let Some(stream) = contact.stream.filter(|_| contact.scored) {
+                contact
+                    .verdict
+                    .log_likelihood
+                    .iter_mut()
+                    .zip(self.bank.scores(stream))
+                    .for_each(|(out, score)| *out = score);
                 contact.decide(&self.judge);
             }
         }
         Ok(self
             .contacts
             .iter()
-            .flatten()
-            .filter(|contact| contact.active)
+            .filter(|contact| contact.stream.is_some())
             .map(|contact| &contact.verdict))
+    }
+
+    /// Gives the filters of a taxel in contact its sample.
+    fn feel(&mut self, taxel: usize) -> Result<(), FeatureError> {
+        let contact = &mut self.contacts[taxel];
+        let position_world = self.image.position_world(taxel);
+        let stream = match contact.stream {
+            Some(stream) => stream,
+            None => {
+                // There are as many streams as taxels.
+                let Some(Reverse(stream)) = self.free.pop() else {
+                    return Ok(());
+                };
+                self.bank.begin(stream);
+                contact.stream = Some(stream);
+                contact.start_world = position_world;
+                contact.verdict.samples = 0;
+                stream
+            }
+        };
+        contact.verdict.samples += 1;
+        contact.scored = self
+            .models
+            .max_samples()
+            .is_none_or(|most| contact.verdict.samples <= most);
+        if !contact.scored {
+            return Ok(());
+        }
+        let motion_m = position_world.distance(contact.start_world);
+        let mut sample = [self.image.sensed_force_n(taxel), motion_m];
+        let sample = match self.models.features() {
+            FeatureSet::Force => &mut sample[..1],
+            FeatureSet::ForceAndMotion => &mut sample[..],
+        };
+        if let Some(scaling) = self.models.scaling() {
+            scaling.apply(sample);
+        }
+        self.bank.put(stream, sample)
     }
 }
 
 impl Contact {
-    fn new(taxel: usize, models: &ModelSet, score: ScoreKind) -> Self {
-        let scores = models.running_scores(score);
-        let log_likelihood = vec![0.0; scores.len()];
-        let verdict = TaxelVerdict {
-            taxel,
-            samples: 0,
-            log_likelihood,
-            verdict: Verdict::Uncertain,
-        };
-        Contact {
-            active: false,
-            start_world: DVec3::ZERO,
-            scores,
-            choice: Choice::Uncertain,
-            verdict,
-        }
-    }
-
-    fn begin(&mut self, position_world: DVec3) {
-        self.active = true;
-        self.start_world = position_world;
-        self.scores.iter_mut().for_each(RunningScore::reset);
-        self.verdict.samples = 0;
-    }
-
-    fn score(&mut self, models: &ModelSet, force_n: f64, position_world: DVec3) -> Result<(), FeatureError> {
-        let mut sample = [force_n, position_world.distance(self.start_world)];
-        let sample = match models.features() {
-            FeatureSet::Force => &mut sample[..1],
-            FeatureSet::ForceAndMotion => &mut sample[..],
-        };
-        if let Some(scaling) = models.scaling() {
-            scaling.apply(sample);
-        }
-        let filters = self.scores.iter_mut().zip(models.models().values());
-        for ((score, model), out) in filters.zip(&mut self.verdict.log_likelihood) {
-            score.push(model, sample)?;
-            *out = score.log_probability();
-        }
-        Ok(())
-    }
-
     fn decide(&mut self, judge: &Judge) {
         let choice = judge.choose(&self.verdict.log_likelihood);
         if choice != self.choice {

@@ -7,9 +7,9 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// The Gaussians of all states, ready to evaluate.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Emissions {
-    dimension: usize,
+    pub(super) dimension: usize,
     /// N × D.
-    mean: Vec<f64>,
+    pub(super) mean: Vec<f64>,
     /// N × D × D: inverses of the lower Cholesky factors, row-major.
     pub(super) whitening: Vec<f64>,
     /// N: −½ (D ln 2π + ln |Σ|).

@@ -4,7 +4,9 @@
 //! score and be trained, so whatever scores is known to be sound. Training is [`train()`], scores are
 //! [`GaussianHmm::log_probability`] for whole sequences and [`RunningScore`] sample by sample; both run the same code.
 
+mod bank;
 mod emission;
+mod filter;
 mod linear;
 mod model;
 mod score;
@@ -14,6 +16,7 @@ mod tile;
 mod topology;
 mod train;
 
+pub(crate) use bank::FilterBank;
 pub use model::{GaussianHmm, HmmParameters, ParameterError};
 pub use score::{RunningScore, ScoreKind};
 pub use start::equal_slice_start;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::emission::Emissions;
+use super::filter::FilterModel;
 
 /// Parameters of a hidden Markov model of N states over D features (paper, eq. 1: λ = (A, B, π)), not yet checked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +55,7 @@ pub struct GaussianHmm {
     /// Its transpose: row: to, column: from.
     pub(super) log_transition_into: Vec<f64>,
     pub(super) emissions: Emissions,
+    pub(super) filter: FilterModel,
 }
 
 impl GaussianHmm {
@@ -115,6 +117,7 @@ impl GaussianHmm {
             log_initial: parameters.initial.iter().map(|p| p.ln()).collect(),
             log_transition_into: (0..states).flat_map(into).collect(),
             log_transition,
+            filter: FilterModel::new(&parameters.initial, &transition, emissions.clone()),
             initial: parameters.initial,
             transition,
             mean,

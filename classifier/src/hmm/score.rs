@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::filter::{STREAMS, Weights};
 use super::model::GaussianHmm;
+use super::tile::{Tile, vectorized};
 use crate::feature::{FeatureError, Observations};
 
 /// What a sequence's score under a model is.
@@ -16,94 +18,6 @@ pub enum ScoreKind {
     Viterbi,
 }
 
-/// Weights under exp(−667) = 1e-290 of the largest are left out of fast sums. Clamping them to zero, well before the end
-/// of the range of f64, keeps subnormal numbers, which cost ten times as much, out of the inner loops.
-const NEGLIGIBLE_EXPONENT: f64 = -667.0;
-
-/// A fast sum at or above this is exact to N·1e-20 whatever was left out; below, it is redone in log space.
-pub(super) const TRUSTED_SUM: f64 = 1e-270;
-
-/// Terms under exp(−45) = 3e-20 of the largest do not change a sum in f64.
-const VANISHING_EXPONENT: f64 = -45.0;
-
-/// exp of a weight relative to the largest, zero where negligible.
-pub(super) fn relative_weight(exponent: f64) -> f64 {
-    if exponent < NEGLIGIBLE_EXPONENT {
-        0.0
-    } else {
-        exponent.exp()
-    }
-}
-
-/// ln Σ exp(terms), exact where all terms are −inf or far apart.
-pub(super) fn log_sum_exp(terms: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = largest(terms.clone());
-    if largest == f64::NEG_INFINITY {
-        return largest;
-    }
-    let relative = terms
-        .map(|term| term - largest)
-        .filter(|&exponent| exponent > VANISHING_EXPONENT);
-    largest + relative.map(f64::exp).sum::<f64>().ln()
-}
-
-/// The largest of numbers without NaN, −inf for none.
-pub(super) fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
-    // A comparison, unlike f64::max with its care for NaN, compiles to one instruction.
-    numbers.fold(
-        f64::NEG_INFINITY,
-        |best, number| if number > best { number } else { best },
-    )
-}
-
-/// `next[j] = ln Σ_i exp(log_weight[i]) a_ij`, with `linear` as scratch; all of length N.
-///
-/// The sum runs over numbers scaled by the largest weight. Where its result is so small that what was left out could
-/// matter (paths through states that fit far worse than the best, as in data of another category), that one sum is
-/// redone in log space: fast on ordinary data and exact on all.
-pub(super) fn propagate(model: &GaussianHmm, log_weight: &[f64], linear: &mut [f64], next: &mut [f64]) {
-    let states = model.states;
-    let largest = largest(log_weight.iter().copied());
-    if largest == f64::NEG_INFINITY {
-        next.fill(f64::NEG_INFINITY);
-        return;
-    }
-    for (out, weight) in linear.iter_mut().zip(log_weight) {
-        *out = relative_weight(weight - largest);
-    }
-    next.fill(0.0);
-    for (weight, row) in linear.iter().zip(model.transition.chunks_exact(states)) {
-        if *weight != 0.0 {
-            for (sum, probability) in next.iter_mut().zip(row) {
-                *sum += weight * probability;
-            }
-        }
-    }
-    for (out, into) in next.iter_mut().zip(model.log_transition_into.chunks_exact(states)) {
-        *out = if *out >= TRUSTED_SUM {
-            largest + out.ln()
-        } else {
-            log_sum_exp(
-                log_weight
-                    .iter()
-                    .zip(into)
-                    .map(|(weight, transition)| weight + transition),
-            )
-        };
-    }
-}
-
-/// `next[j] = max_i (log_weight[i] + ln a_ij)`.
-fn propagate_best(model: &GaussianHmm, log_weight: &[f64], next: &mut [f64]) {
-    next.fill(f64::NEG_INFINITY);
-    for (weight, row) in log_weight.iter().zip(model.log_transition.chunks_exact(model.states)) {
-        for (best, transition) in next.iter_mut().zip(row) {
-            let candidate = weight + transition;
-            *best = if candidate > *best { candidate } else { *best };
-        }
-    }
-}
-
 /// The score of a stream that grows sample by sample: one filter for one model and one contact.
 ///
 /// After k samples [`RunningScore::log_probability`] equals the score of the first k samples as a whole sequence,
@@ -112,21 +26,19 @@ fn propagate_best(model: &GaussianHmm, log_weight: &[f64], next: &mut [f64]) {
 pub struct RunningScore {
     kind: ScoreKind,
     samples: usize,
-    log_weight: Vec<f64>,
-    next: Vec<f64>,
-    scratch: Vec<f64>,
+    weights: Weights,
+    /// D tiles: the sample at hand, once for each of the filter's streams.
+    sample: Vec<Tile>,
 }
 
 impl RunningScore {
     /// A filter for `model`, before the first sample.
     pub fn new(kind: ScoreKind, model: &GaussianHmm) -> Self {
-        let zeros = vec![0.0; model.states];
         RunningScore {
             kind,
             samples: 0,
-            log_weight: zeros.clone(),
-            next: zeros.clone(),
-            scratch: zeros,
+            weights: Weights::new(model.states),
+            sample: vec![[0.0; STREAMS]; model.dimension],
         }
     }
 
@@ -147,16 +59,19 @@ impl RunningScore {
     pub fn push(&mut self, model: &GaussianHmm, sample: &[f64]) -> Result<(), FeatureError> {
         let found = if sample.len() != model.dimension {
             format!("{} numbers in a sample", sample.len())
-        } else if self.log_weight.len() != model.states {
+        } else if self.weights.state_count() != model.states {
             format!(
                 "a filter of {} states for a model of {}",
-                self.log_weight.len(),
+                self.weights.state_count(),
                 model.states
             )
         } else if let Some(value) = sample.iter().find(|value| !value.is_finite()) {
             format!("the number {value}")
         } else {
-            self.advance(model, sample);
+            vectorized(
+                #[inline(always)]
+                || self.advance(model, sample),
+            );
             return Ok(());
         };
         Err(FeatureError::BadMatrix {
@@ -166,18 +81,18 @@ impl RunningScore {
     }
 
     /// [`RunningScore::push`] for what is known to be sound.
+    #[inline(always)]
     fn advance(&mut self, model: &GaussianHmm, sample: &[f64]) {
-        if self.samples == 0 {
-            self.next.copy_from_slice(&model.log_initial);
-        } else if self.kind == ScoreKind::Forward {
-            propagate(model, &self.log_weight, &mut self.scratch, &mut self.next);
-        } else {
-            propagate_best(model, &self.log_weight, &mut self.next);
+        for (tile, value) in self.sample.iter_mut().zip(sample) {
+            *tile = [*value; STREAMS];
         }
-        model.emissions.log_densities(sample, &mut self.scratch);
-        for ((weight, next), density) in self.log_weight.iter_mut().zip(&self.next).zip(&self.scratch) {
-            *weight = next + density;
-        }
+        step(
+            self.kind,
+            &mut self.weights,
+            model,
+            &self.sample,
+            [f64::from(self.samples == 0); STREAMS],
+        );
         self.samples += 1;
     }
 
@@ -186,10 +101,25 @@ impl RunningScore {
         if self.samples == 0 {
             return 0.0;
         }
-        match self.kind {
-            ScoreKind::Forward => log_sum_exp(self.log_weight.iter().copied()),
-            ScoreKind::Viterbi => largest(self.log_weight.iter().copied()),
-        }
+        read_out(self.kind, &self.weights)[0]
+    }
+}
+
+/// Takes in one sample of each of a filter's streams.
+#[inline(always)]
+pub(super) fn step(kind: ScoreKind, weights: &mut Weights, model: &GaussianHmm, sample: &[Tile], fresh: Tile) {
+    match kind {
+        ScoreKind::Forward => weights.forward(&model.filter, sample, fresh),
+        ScoreKind::Viterbi => weights.best(&model.filter, sample, fresh),
+    }
+}
+
+/// The scores of a filter's streams.
+#[inline(always)]
+pub(super) fn read_out(kind: ScoreKind, weights: &Weights) -> Tile {
+    match kind {
+        ScoreKind::Forward => weights.log_sum(),
+        ScoreKind::Viterbi => weights.log_best(),
     }
 }
 
@@ -199,16 +129,61 @@ impl GaussianHmm {
     /// # Errors
     /// [`FeatureError::BadMatrix`] where the observations have not this model's number of features.
     pub fn log_probability(&self, kind: ScoreKind, observations: &Observations) -> Result<f64, FeatureError> {
-        if observations.dimension() != self.dimension {
-            let found = format!("{} numbers in a sample", observations.dimension());
+        Ok(self.log_probabilities(kind, &[observations])?[0])
+    }
+
+    /// The scores of many sequences, in nats, as [`GaussianHmm::log_probability`] gives them one by one, bit for bit, but
+    /// four at a time: about three times as fast.
+    ///
+    /// # Errors
+    /// [`FeatureError::BadMatrix`] where a sequence has not this model's number of features.
+    pub fn log_probabilities(&self, kind: ScoreKind, sequences: &[&Observations]) -> Result<Vec<f64>, FeatureError> {
+        if let Some(other) = sequences.iter().find(|sequence| sequence.dimension() != self.dimension) {
+            let found = format!("{} numbers in a sample", other.dimension());
             return Err(FeatureError::BadMatrix {
                 found,
                 dimension: self.dimension,
             });
         }
-        let mut score = RunningScore::new(kind, self);
-        observations.samples().for_each(|sample| score.advance(self, sample));
-        Ok(score.log_probability())
+        // Sequences of like length share a filter, so that few streams wait for the longest.
+        let mut order: Vec<usize> = (0..sequences.len()).collect();
+        order.sort_by_key(|&index| sequences[index].sample_count());
+        let mut scores = vec![0.0; sequences.len()];
+        let mut weights = Weights::new(self.states);
+        let mut sample = vec![[0.0; STREAMS]; self.dimension];
+        vectorized(
+            #[inline(always)]
+            || {
+                for group in order.chunks(STREAMS) {
+                    let longest = sequences[group[group.len() - 1]].sample_count();
+                    for time in 0..longest {
+                        let mut fresh = [f64::from(time == 0); STREAMS];
+                        for stream in 0..STREAMS {
+                            // A stream that has ended, or never was, follows the longest and begins again and again.
+                            let own = sequences[group[stream.min(group.len() - 1)]];
+                            let ended = time >= own.sample_count();
+                            let source = if ended { sequences[group[group.len() - 1]] } else { own };
+                            if ended || stream >= group.len() {
+                                fresh[stream] = 1.0;
+                            }
+                            for (tile, value) in sample.iter_mut().zip(source.sample(time)) {
+                                tile[stream] = *value;
+                            }
+                        }
+                        step(kind, &mut weights, self, &sample, fresh);
+                        if group.iter().any(|&index| sequences[index].sample_count() == time + 1) {
+                            let found = read_out(kind, &weights);
+                            for (&index, found) in group.iter().zip(found) {
+                                if sequences[index].sample_count() == time + 1 {
+                                    scores[index] = found;
+                                }
+                            }
+                        }
+                    }
+                }
+            },
+        );
+        Ok(scores)
     }
 }
 

@@ -117,3 +117,6 @@ impl Statistics {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -107,6 +107,36 @@ fn running_scores_are_those_of_the_trial_so_far() {
 }
 
 #[test]
+fn a_frame_allocates_nothing() {
+    // Pins that contacts beginning, going on and ending cost no allocation, from the first frame on. A change of verdict
+    // copies the category's name, so here all verdicts stay uncertain.
+    let recording = reach();
+    let models = models(
+        &recording,
+        &Recipe {
+            states: 3,
+            features: FeatureSet::ForceAndMotion,
+            ..Recipe::authors()
+        },
+    );
+    for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
+        let options = OnlineOptions {
+            decision: Decision::new(Rule::UncertainBelow { lead: 1e9 }),
+            ..options(kind)
+        };
+        let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, &options).unwrap();
+        let mut verdicts = 0;
+        let allocations = allocation_counter::measure(|| {
+            for frame in &recording.frames {
+                verdicts += classifier.update(frame).unwrap().count();
+            }
+        });
+        assert!(verdicts > 100);
+        assert_eq!(allocations.count_total, 0);
+    }
+}
+
+#[test]
 fn wrong_streams_are_refused() {
     // Pins the errors for an unknown patch and for a frame with NaN.
     let mut recording = reach();

@@ -3,7 +3,6 @@
 use super::Statistics;
 use crate::feature::Observations;
 use crate::hmm::model::GaussianHmm;
-use crate::hmm::score::{TRUSTED_SUM, largest, log_sum_exp, propagate, relative_weight};
 
 /// Probabilities under exp(−690), at the end of the range of f64, count as zero.
 const SMALLEST_EXPONENT: f64 = -690.0;
@@ -147,5 +146,82 @@ fn probability(exponent: f64) -> f64 {
         0.0
     } else {
         exponent.exp()
+    }
+}
+
+/// Weights under exp(−667) = 1e-290 of the largest are left out of fast sums. Clamping them to zero, well before the end
+/// of the range of f64, keeps subnormal numbers, which cost ten times as much, out of the inner loops.
+const NEGLIGIBLE_EXPONENT: f64 = -667.0;
+
+/// A fast sum at or above this is exact to N·1e-20 whatever was left out; below, it is redone in log space.
+const TRUSTED_SUM: f64 = 1e-270;
+
+/// Terms under exp(−45) = 3e-20 of the largest do not change a sum in f64.
+const VANISHING_EXPONENT: f64 = -45.0;
+
+/// exp of a weight relative to the largest, zero where negligible.
+fn relative_weight(exponent: f64) -> f64 {
+    if exponent < NEGLIGIBLE_EXPONENT {
+        0.0
+    } else {
+        exponent.exp()
+    }
+}
+
+/// ln Σ exp(terms), exact where all terms are −inf or far apart.
+fn log_sum_exp(terms: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = largest(terms.clone());
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    let relative = terms
+        .map(|term| term - largest)
+        .filter(|&exponent| exponent > VANISHING_EXPONENT);
+    largest + relative.map(f64::exp).sum::<f64>().ln()
+}
+
+/// The largest of numbers without NaN, −inf for none.
+fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    // A comparison, unlike f64::max with its care for NaN, compiles to one instruction.
+    numbers.fold(
+        f64::NEG_INFINITY,
+        |best, number| if number > best { number } else { best },
+    )
+}
+
+/// `next[j] = ln Σ_i exp(log_weight[i]) a_ij`, with `linear` as scratch; all of length N.
+///
+/// The sum runs over numbers scaled by the largest weight. Where its result is so small that what was left out could
+/// matter (paths through states that fit far worse than the best, as in data of another category), that one sum is
+/// redone in log space: fast on ordinary data and exact on all.
+fn propagate(model: &GaussianHmm, log_weight: &[f64], linear: &mut [f64], next: &mut [f64]) {
+    let states = model.states;
+    let largest = largest(log_weight.iter().copied());
+    if largest == f64::NEG_INFINITY {
+        next.fill(f64::NEG_INFINITY);
+        return;
+    }
+    for (out, weight) in linear.iter_mut().zip(log_weight) {
+        *out = relative_weight(weight - largest);
+    }
+    next.fill(0.0);
+    for (weight, row) in linear.iter().zip(model.transition.chunks_exact(states)) {
+        if *weight != 0.0 {
+            for (sum, probability) in next.iter_mut().zip(row) {
+                *sum += weight * probability;
+            }
+        }
+    }
+    for (out, into) in next.iter_mut().zip(model.log_transition_into.chunks_exact(states)) {
+        *out = if *out >= TRUSTED_SUM {
+            largest + out.ln()
+        } else {
+            log_sum_exp(
+                log_weight
+                    .iter()
+                    .zip(into)
+                    .map(|(weight, transition)| weight + transition),
+            )
+        };
     }
 }

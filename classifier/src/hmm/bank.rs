@@ -1,0 +1,122 @@
+//! Filters of many streams at once: one a taxel in contact, for each of some models.
+
+use super::filter::{STREAMS, Weights};
+use super::model::GaussianHmm;
+use super::score::{ScoreKind, read_out, step};
+use super::tile::{Tile, vectorized};
+use crate::feature::FeatureError;
+
+/// Filters of a fixed number of streams under each of some models of the same features.
+///
+/// Samples are put in one by one, then all filters advance together, four streams at a time. Nothing is allocated after
+/// [`FilterBank::new`]. Scores are those of [`super::RunningScore`], bit for bit.
+#[derive(Clone, Debug)]
+pub(crate) struct FilterBank {
+    kind: ScoreKind,
+    dimension: usize,
+    models: usize,
+    groups: Vec<Group>,
+}
+
+/// Four streams.
+#[derive(Clone, Debug)]
+struct Group {
+    /// D tiles.
+    sample: Vec<Tile>,
+    /// Streams with a sample that has not been taken in.
+    waiting: [bool; STREAMS],
+    /// Over 0: streams whose next sample is their first.
+    fresh: Tile,
+    /// One a model.
+    weights: Vec<Weights>,
+    scores: Vec<Tile>,
+}
+
+impl FilterBank {
+    /// Filters for so many streams, none of which has begun.
+    pub(crate) fn new<'a>(kind: ScoreKind, models: impl Iterator<Item = &'a GaussianHmm>, streams: usize) -> Self {
+        let (mut weights, mut dimension) = (Vec::new(), 0);
+        for model in models {
+            weights.push(Weights::new(model.states));
+            dimension = model.dimension;
+        }
+        let group = Group {
+            sample: vec![[0.0; STREAMS]; dimension],
+            waiting: [false; STREAMS],
+            fresh: [1.0; STREAMS],
+            scores: vec![[0.0; STREAMS]; weights.len()],
+            weights,
+        };
+        FilterBank {
+            kind,
+            dimension,
+            models: group.weights.len(),
+            groups: vec![group; streams.div_ceil(STREAMS)],
+        }
+    }
+
+    /// Makes the next sample of a stream its first.
+    pub(crate) fn begin(&mut self, stream: usize) {
+        self.groups[stream / STREAMS].fresh[stream % STREAMS] = 1.0;
+    }
+
+    /// Puts in the next sample of a stream, of D numbers.
+    ///
+    /// # Errors
+    /// [`FeatureError::BadMatrix`] where the sample is not D finite numbers; the stream stays as it was.
+    pub(crate) fn put(&mut self, stream: usize, sample: &[f64]) -> Result<(), FeatureError> {
+        let bad = |found: String| FeatureError::BadMatrix {
+            found,
+            dimension: self.dimension,
+        };
+        if sample.len() != self.dimension {
+            return Err(bad(format!("{} numbers in a sample", sample.len())));
+        }
+        if let Some(value) = sample.iter().find(|value| !value.is_finite()) {
+            return Err(bad(format!("the number {value}")));
+        }
+        let group = &mut self.groups[stream / STREAMS];
+        for (tile, value) in group.sample.iter_mut().zip(sample) {
+            tile[stream % STREAMS] = *value;
+        }
+        group.waiting[stream % STREAMS] = true;
+        Ok(())
+    }
+
+    /// Takes in all samples put in since the last time. `models` are those given to [`FilterBank::new`], in their order.
+    pub(crate) fn advance<'a>(&mut self, models: impl Iterator<Item = &'a GaussianHmm> + Clone) {
+        let kind = self.kind;
+        vectorized(
+            #[inline(always)]
+            || {
+                for group in &mut self.groups {
+                    let Some(some) = group.waiting.iter().position(|&waiting| waiting) else {
+                        continue;
+                    };
+                    // Streams without a sample begin with that of another, and again with their next.
+                    for stream in 0..STREAMS {
+                        if !group.waiting[stream] {
+                            group.fresh[stream] = 1.0;
+                            group.sample.iter_mut().for_each(|tile| tile[stream] = tile[some]);
+                        }
+                    }
+                    let filters = group.weights.iter_mut().zip(&mut group.scores);
+                    for (model, (weights, score)) in models.clone().zip(filters) {
+                        step(kind, weights, model, &group.sample, group.fresh);
+                        *score = read_out(kind, weights);
+                    }
+                    for stream in 0..STREAMS {
+                        group.fresh[stream] = if group.waiting[stream] { 0.0 } else { 1.0 };
+                    }
+                    group.waiting = [false; STREAMS];
+                }
+            },
+        );
+    }
+
+    /// The scores of a stream under all models after its last sample, nats.
+    pub(crate) fn scores(&self, stream: usize) -> impl Iterator<Item = f64> {
+        let scores = &self.groups[stream / STREAMS].scores[..self.models];
+        scores.iter().map(move |tile| tile[stream % STREAMS])
+    }
+}
