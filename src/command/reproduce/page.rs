@@ -162,9 +162,8 @@ impl Report<'_> {
         };
         self.page.section("Table I over many campaigns");
         self.page.paragraph(&format!(
-            "One campaign of the paper's size leaves the accuracies to chance by some points. These are the means of {} \
-             independent campaigns, each with clutter, goals and noise of its own; whiskers are one standard deviation \
-             over campaigns.",
+            "Means of {} independent campaigns, each with clutter, goals and noise of its own; whiskers are one standard \
+             deviation over campaigns.",
             campaigns.seeds.len()
         ));
         for recipe in [AUTHORS, MODERN] {

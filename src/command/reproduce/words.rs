@@ -151,8 +151,9 @@ pub fn campaigns(results: &Results, recipe: &str) -> Option<String> {
         })
         .collect();
     let what = format!(
-        "In the mean of {} campaigns and the {recipe} recipe",
-        campaigns.seeds.len()
+        "In the mean of {} campaigns and the {} recipe",
+        campaigns.seeds.len(),
+        possessive(recipe)
     );
     Some(agreement(&what, &cells))
 }
@@ -175,7 +176,9 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
         };
         format!(
             "{} recipe: that {} {verdict} {} pairs of cells",
-            ordering.recipe, ordering.statement, ordering.pairs
+            possessive(&ordering.recipe),
+            ordering.statement,
+            ordering.pairs
         )
     };
     orderings.iter().map(sentence).collect()
