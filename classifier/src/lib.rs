@@ -11,7 +11,7 @@
 //! | trials train one model per category, by a recipe | [`ModelSet::train`], [`recipe::Recipe`], [`hmm`] |
 //! | models score a trial, or a stream while the arm moves | [`ModelSet::score`], [`online::OnlineClassifier`] |
 //! | scores become a verdict | [`decision::Decision`] |
-//! | anything else that learns from trials stands beside them | [`learner::Learner`], [`learner::Classifier`] |
+//! | anything else that learns from trials stands beside them | [`learner::Learner`], [`baseline`] |
 //! | verdicts become tables with confidence intervals | [`evaluate`] |
 //! | tables become charts and a page | [`report`] |
 //!
@@ -52,6 +52,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod baseline;
 pub mod decision;
 pub mod evaluate;
 pub mod feature;

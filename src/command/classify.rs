@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
@@ -20,8 +21,20 @@ use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
 
+/// What `underbrush classify --help` says of the stream.
+const PROTOCOL: &str = "\
+With `-`, one frame a line on stdin, as a JSON object with the fields of a recording's frame (recording/src/frame.rs), \
+for the skin of Cody; each line is answered by one line on stdout before the next is read:
+
+  in   {\"time_s\":0.01,…,\"patch_pose_world\":[…],\"taxels\":[{\"patch\":0,\"taxel\":18,\"sensed_force_n\":0.4,…}]}
+  out  {\"time_s\":0.01,\"taxels\":[{\"taxel\":18,\"samples\":1,\"verdict\":\"leaf\",\"scores\":{\"leaf\":3.0,\"trunk\":1.3}}]}
+
+Taxels that are not in contact are not answered; a contact begins where a taxel first senses more than --threshold-n and \
+ends where it does not. How long answers took stands on stderr at the end.";
+
 /// Options of `underbrush classify`.
 #[derive(Args)]
+#[command(after_help = PROTOCOL)]
 pub struct Options {
     /// Model file
     model: PathBuf,
@@ -157,7 +170,8 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
         decision: options.decision.decision(models.decision.as_ref()),
     };
     let start = |layout: &SkinLayout| OnlineClassifier::new(models.clone(), layout, &settings);
-    let answer = |classifier: &mut OnlineClassifier, frame: &Frame| -> Result<(), Failure> {
+    let mut latency = Latency::default();
+    let mut answer = |classifier: &mut OnlineClassifier, frame: &Frame, since: Instant| -> Result<(), Failure> {
         let taxels = classifier
             .update(frame)?
             .map(|taxel| TaxelLine {
@@ -175,17 +189,20 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
             time_s: frame.time_s,
             taxels,
         });
-        output::lines([line.map_err(|error| Failure::run(error.to_string()))?])
+        output::lines([line.map_err(|error| Failure::run(error.to_string()))?])?;
+        latency.add(since);
+        Ok(())
     };
     if options.input == Path::new("-") {
         let mut classifier = start(&Arm::cody()?.skin.layout)?;
         for (number, line) in std::io::stdin().lock().lines().enumerate() {
             let line = line.map_err(|error| Failure::run(format!("cannot read standard input: {error}")))?;
+            let arrived = Instant::now();
             let frame: Frame = serde_json::from_str(&line).map_err(|error| {
                 let allowed = "one frame as a JSON object a line, with the fields of a recording's frame";
                 InputError::new("-", "frame", error.to_string(), allowed, "mend the line").at_line(number + 1)
             })?;
-            answer(&mut classifier, &frame)?;
+            answer(&mut classifier, &frame, arrived)?;
         }
     } else if options.input.is_dir() {
         let dataset = Dataset::open(&options.input)?;
@@ -195,7 +212,7 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
             recording
                 .frames
                 .iter()
-                .try_for_each(|frame| answer(&mut classifier, frame))?;
+                .try_for_each(|frame| answer(&mut classifier, frame, Instant::now()))?;
         }
     } else {
         input::check_exists(&options.input)?;
@@ -211,7 +228,36 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
         recording
             .frames
             .iter()
-            .try_for_each(|frame| answer(&mut classifier, frame))?;
+            .try_for_each(|frame| answer(&mut classifier, frame, Instant::now()))?;
     }
+    latency.report();
     Ok(())
+}
+
+/// How long answers took: from the frame's line, or from the frame where it is read from a file, until the answer is
+/// written.
+#[derive(Default)]
+struct Latency {
+    microseconds: Vec<f64>,
+}
+
+impl Latency {
+    fn add(&mut self, since: Instant) {
+        self.microseconds.push(1e6 * since.elapsed().as_secs_f64());
+    }
+
+    /// On stderr, where times of day belong: they are no result.
+    fn report(mut self) {
+        self.microseconds.sort_by(f64::total_cmp);
+        let quantile = |q: f64| {
+            let last = self.microseconds.len().checked_sub(1)?;
+            self.microseconds.get((q * last as f64).round() as usize)
+        };
+        if let (Some(median), Some(high), Some(most)) = (quantile(0.5), quantile(0.99), quantile(1.0)) {
+            output::remark(format!(
+                "{} frames answered: median {median:.0} µs, 99 % within {high:.0} µs, at most {most:.0} µs",
+                self.microseconds.len()
+            ));
+        }
+    }
 }

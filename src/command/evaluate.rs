@@ -1,15 +1,19 @@
 //! `underbrush evaluate`: cross-validation, or given models on other trials.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
-use std::fmt::Write;
-
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 use underbrush_classifier::ModelSet;
+use underbrush_classifier::baseline::{Logistic, NaiveBayes, NearestNeighbours, RecursiveRegression};
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{
-    EvaluateError, Evaluation, FoldBy, Folds, RocCurve, category_roc, cross_validate, evaluate, outlier_roc,
+    AccuracyBySamples, EvaluateError, Evaluation, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc,
+    cross_validate, evaluate, outlier_roc,
 };
+use underbrush_classifier::learner::Learner;
+use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::{Category, Trial};
 
 use super::classify::DecisionArguments;
@@ -23,6 +27,12 @@ use crate::output;
 pub struct Options {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required)
     trials: PathBuf,
+    /// What is learned from the trials
+    #[arg(long, value_enum, default_value = "hmm")]
+    classifier: ClassifierName,
+    /// Also ask for a verdict (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact
+    #[arg(long, conflicts_with = "model")]
+    by_samples: bool,
     /// Number of folds
     #[arg(long, default_value_t = 2, value_name = "N")]
     folds: usize,
@@ -31,7 +41,7 @@ pub struct Options {
     split: Split,
     /// Evaluate the models in this file on trials that they were not trained on, outliers among them, instead of
     /// cross-validating
-    #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "split"])]
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "split", "classifier"])]
     model: Option<PathBuf>,
     /// Write ROC curves (CSV): each category against the others by its lead; with --model also outliers against known
     /// categories
@@ -43,6 +53,22 @@ pub struct Options {
     recipe: RecipeArguments,
     #[command(flatten)]
     cut: TrialArguments,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ClassifierName {
+    /// The paper's hidden Markov models, by the recipe given
+    Hmm,
+    /// The authors' earlier method: nearest neighbours on principal components of the first half second
+    NearestNeighbours,
+    /// Naive Bayes on what the taxel felt so far
+    NaiveBayes,
+    /// Recursive regression: the state of a fixed random recurrent network, read out at every sample
+    Recursive,
+    /// Logistic regression on what the taxel and its contact region felt so far
+    Logistic,
+    /// The same without the contact region: it knows what the hidden Markov models know with force and motion
+    LogisticTaxel,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -72,18 +98,58 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(path) = &options.roc {
         output::write_file(path, roc_csv(&evaluation, &decision)?.as_bytes())?;
     }
-    output::result(json, &evaluation, || text(&evaluation))
+    let by_samples = match options.by_samples {
+        true => Some(accuracy_by_samples(
+            &trials,
+            options.learner().as_ref(),
+            options.folds(),
+        )),
+        false => None,
+    };
+    let by_samples = by_samples.transpose().map_err(|error| about(error.into()))?;
+    let results = Results { evaluation, by_samples };
+    output::result(json, &results, || {
+        let series = results.by_samples.as_deref().map_or(String::new(), by_samples_text);
+        text(&results.evaluation) + &series
+    })
+}
+
+#[derive(Serialize)]
+struct Results {
+    #[serde(flatten)]
+    evaluation: Evaluation,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_samples: Option<Vec<AccuracyBySamples>>,
+}
+
+impl Options {
+    fn learner(&self) -> Box<dyn Learner> {
+        match self.classifier {
+            ClassifierName::Hmm => Box::new(self.recipe.recipe()),
+            ClassifierName::NearestNeighbours => Box::new(NearestNeighbours::default()),
+            ClassifierName::NaiveBayes => Box::new(NaiveBayes),
+            ClassifierName::Recursive => Box::new(RecursiveRegression::default()),
+            ClassifierName::Logistic => Box::new(Logistic::default()),
+            ClassifierName::LogisticTaxel => Box::new(Logistic {
+                features: StreamFeatureSet::Taxel,
+                ..Logistic::default()
+            }),
+        }
+    }
+
+    fn folds(&self) -> Folds {
+        Folds {
+            count: self.folds,
+            by: match self.split {
+                Split::Position => FoldBy::Position,
+                Split::Reach => FoldBy::Reach,
+            },
+        }
+    }
 }
 
 fn cross_validated(options: &Options, trials: &[Trial], decision: &Decision) -> Result<Evaluation, EvaluateError> {
-    let folds = Folds {
-        count: options.folds,
-        by: match options.split {
-            Split::Position => FoldBy::Position,
-            Split::Reach => FoldBy::Reach,
-        },
-    };
-    cross_validate(trials, &options.recipe.recipe(), folds, decision)
+    cross_validate(trials, options.learner().as_ref(), options.folds(), decision)
 }
 
 /// One row a point of each curve; an empty threshold takes nothing for positive.
@@ -111,6 +177,32 @@ fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failu
         );
     }
     Ok(csv)
+}
+
+/// The series for a person.
+fn by_samples_text(series: &[AccuracyBySamples]) -> String {
+    let percent = |fraction: f64| format!("{:.1}", 100.0 * fraction);
+    let row = |point: &AccuracyBySamples| {
+        let interval = point.interval_by_reach;
+        vec![
+            point.samples.map_or("all".into(), |samples| samples.to_string()),
+            percent(point.accuracy),
+            interval.map_or("-".into(), |ends| {
+                format!("{}-{}", percent(ends.low), percent(ends.high))
+            }),
+            point.lasting.to_string(),
+            point.accuracy_of_lasting.map_or("-".into(), percent),
+        ]
+    };
+    let rows: Vec<Vec<String>> = series.iter().map(row).collect();
+    let header = [
+        "samples",
+        "accuracy %",
+        "95 % by reach",
+        "trials that last",
+        "accuracy of these %",
+    ];
+    format!("\n\n{}", output::table(&header, &rows))
 }
 
 /// An evaluation for a person.

@@ -57,3 +57,45 @@ fn text_names_the_figures() {
         assert!(text.contains(part), "no {part:?} in:\n{text}");
     }
 }
+
+#[test]
+fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
+    // Pins: each name is known and judged on all trials; with --by-samples the last point, where all is known, is the
+    // evaluation itself; nothing is known of one that lasts longer than any trial.
+    let table = fixture().table_csv();
+    let trials = read_trials(&table).unwrap();
+    let count = trials.iter().filter(|trial| trial.category.is_some()).count() as u64;
+    for name in [
+        "hmm",
+        "nearest-neighbours",
+        "naive-bayes",
+        "recursive",
+        "logistic",
+        "logistic-taxel",
+    ] {
+        let figures = underbrush![
+            "evaluate",
+            table,
+            "--classifier",
+            name,
+            "--states",
+            "2",
+            "--by-samples",
+            "--json"
+        ]
+        .json();
+        assert_eq!(figures["predictions"].as_array().unwrap().len() as u64, count, "{name}");
+        let series = figures["by_samples"].as_array().unwrap();
+        assert_eq!(series.len(), 10);
+        assert_eq!(
+            (&series[0]["samples"], &series[0]["lasting"]),
+            (&1.into(), &count.into())
+        );
+        assert_eq!(series[9]["accuracy"], figures["accuracy"], "{name}");
+        let lasting: Vec<u64> = series[..9]
+            .iter()
+            .map(|point| point["lasting"].as_u64().unwrap())
+            .collect();
+        assert!(lasting.is_sorted_by(|a, b| a >= b), "{lasting:?}");
+    }
+}

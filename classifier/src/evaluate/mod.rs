@@ -1,5 +1,6 @@
 //! Evaluation: folds, confusion matrices, figures per category with confidence intervals, and the paper's Table I.
 
+mod by_samples;
 mod confusion;
 mod fold;
 mod interval;
@@ -15,6 +16,7 @@ use serde::Serialize;
 use thiserror::Error;
 use underbrush_recording::Trial;
 
+pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples};
 pub use confusion::{CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
