@@ -23,7 +23,7 @@ p, ul { max-width: 44rem }
 a { color: #0b57a4 } nav ul { columns: 18rem; padding-left: 1.2rem }
 .scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }
 caption { text-align: left; font-weight: 600; padding-bottom: .3rem }
-th, td { padding: .2rem .6rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top; white-space: nowrap }
+th, td { padding: .2rem .45rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top; white-space: nowrap }
 th { border-bottom: 2px solid #8a939c; font-weight: 600 } .number { text-align: right }
 figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: #3c444c }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }

@@ -5,6 +5,7 @@
 //! beside the paper; `results` holds all numbers; `tables`, `figures` and `page` only show them.
 
 mod campaign;
+mod classifiers;
 mod comparison;
 mod data;
 mod figures;
@@ -31,6 +32,7 @@ use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::{Dataset, write_trials};
 
 use self::campaign::{Measurement, RecipeCell, Trials};
+use self::classifiers::Compared;
 use self::online::{Classified, Online, Shares};
 use self::results::{Campaigns, Outliers, Results, Roc, SamplesUsed, Timing};
 use self::thresholds::Thresholds;
@@ -101,6 +103,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     write_trials(out.join("trials-taxel.parquet"), trials.taxel.iter().cloned())?;
     let (measurement, cells) = stages.run("Table I, two recipes", || trials.measure(quick))?;
     let truncated = stages.run("Truncated trials", || truncation::run(&trials.taxel))?;
+    let compared = stages.run("Other classifiers", || classifiers::run(&trials.taxel))?;
     let models = stages.run("Models", || Ok(ModelSet::train(&trials.taxel, &Recipe::authors())?.0))?;
     output::write_file(&out.join("model.json"), models.save_string()?.as_bytes())?;
 
@@ -130,6 +133,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         &cells,
         campaigns,
         truncated,
+        compared,
         &online,
         &thresholds,
         stages,
@@ -185,6 +189,7 @@ impl Results {
         cells: &[RecipeCell],
         campaigns: Option<Campaigns>,
         truncated: Vec<results::Truncated>,
+        classifiers: Vec<Compared>,
         online: &Online,
         thresholds: &Thresholds,
         stages: Stages,
@@ -209,6 +214,7 @@ impl Results {
             figure_10: online.shown().and_then(|reach| Shares::of(&reach.stream.total())),
             figure_11: online.engineered.clone(),
             figure_13: truncated,
+            classifiers,
             figure_15: Outliers {
                 drawn: online.outlier_drawn,
                 reaches: online.outlier.len(),

@@ -9,6 +9,7 @@ use underbrush_recording::disk::Episode;
 use underbrush_recording::{Category, Trial};
 
 use super::campaign::{Cell, TrialsPerReach};
+use super::classifiers::Compared;
 use super::online::{Detection, Engineered, Shares};
 use crate::audit::{self, Worst};
 
@@ -34,6 +35,7 @@ pub struct Results {
     pub figure_11: Vec<Engineered>,
     pub figure_13: Vec<Truncated>,
     pub figure_15: Outliers,
+    pub classifiers: Vec<Compared>,
     /// Thresholds chosen from the training data; `None` where none hold what is asked for.
     pub thresholds: Option<ChosenThresholds>,
     pub roc: Roc,

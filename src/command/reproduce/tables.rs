@@ -3,6 +3,7 @@
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::report::{Cell, Table};
 
+use super::classifiers::PAPER_BEST;
 use super::online::Online;
 use super::results::{Ordering, Results, features_name, unit_name};
 use super::thresholds::Thresholds;
@@ -323,6 +324,49 @@ pub fn detection(results: &Results) -> Table {
             Cell::Number(row.uncertain_percent, 1),
             Cell::Number(row.outlier_percent, 1),
         ]);
+    }
+    table
+}
+
+pub fn classifiers(results: &Results) -> Table {
+    let columns = ["classifier", "accuracy / %", "from", "to", "against the paper's best"];
+    let caption = "Taxels, two folds by whole reaches, whole trials, with the 95 % interval by reach";
+    let mut table = Table::new("classifiers", caption, &columns);
+    for compared in &results.classifiers {
+        table.rows.push(vec![
+            compared.classifier.into(),
+            Cell::Number(compared.accuracy, 1),
+            Cell::Number(compared.low, 1),
+            Cell::Number(compared.high, 1),
+            Cell::Difference(compared.accuracy - PAPER_BEST, 1),
+        ]);
+    }
+    table
+}
+
+pub fn by_samples(results: &Results) -> Table {
+    let columns = [
+        "classifier",
+        "samples at most",
+        "accuracy / %",
+        "from",
+        "to",
+        "trials lasting so long",
+        "accuracy on these / %",
+    ];
+    let mut table = Table::new("accuracy_by_samples", "Accuracy by samples since contact", &columns);
+    for compared in &results.classifiers {
+        for point in &compared.by_samples {
+            table.rows.push(vec![
+                compared.classifier.into(),
+                point.samples.map_or("all".into(), Cell::Count),
+                Cell::Number(100.0 * point.accuracy, 1),
+                Cell::optional(point.interval_by_reach.map(|interval| 100.0 * interval.low), 1),
+                Cell::optional(point.interval_by_reach.map(|interval| 100.0 * interval.high), 1),
+                point.lasting.into(),
+                Cell::optional(point.accuracy_of_lasting.map(|accuracy| 100.0 * accuracy), 1),
+            ]);
+        }
     }
     table
 }

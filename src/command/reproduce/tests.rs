@@ -86,6 +86,7 @@ fn a_report_is_whole() {
     };
     let campaigns = Campaigns::of(vec![0, 1], &[measurement.clone(), measurement.clone()]);
     let reaches = results::Reaches::of(&[]);
+    let compared = classifiers::run(&trials.taxel).unwrap();
     let truncated = truncation::run(&trials.taxel).unwrap();
     let results = Results::new(
         0,
@@ -96,6 +97,7 @@ fn a_report_is_whole() {
         &cells,
         campaigns,
         truncated,
+        compared,
         &online,
         &thresholds,
         stages,
@@ -156,6 +158,7 @@ fn a_report_is_whole() {
         "figure_13",
         "figure_15",
         "roc",
+        "classifiers",
         "timing",
     ] {
         assert!(!summary[key].is_null(), "{key}");

@@ -5,6 +5,7 @@ use std::path::Path;
 use underbrush_classifier::decision::Rule;
 
 use super::campaign::AUTHORS;
+use super::classifiers::PAPER_BEST;
 use super::results::{Ordering, Results, features_name, unit_name};
 use super::tables;
 use super::thresholds::Thresholds;
@@ -58,6 +59,7 @@ pub fn text(results: &Results, out: &Path) -> String {
             5,
         );
     }
+    add(&tables::classifiers(results), 5);
     add(&tables::figure_11(results), 9);
     add(&tables::detection(results), 7);
     for (recipe, points) in &results.mean_absolute_difference_points {
@@ -149,8 +151,9 @@ pub fn campaigns(results: &Results, recipe: &str) -> Option<String> {
         })
         .collect();
     let what = format!(
-        "In the mean of {} campaigns and the {recipe} recipe",
-        campaigns.seeds.len()
+        "In the mean of {} campaigns and the {} recipe",
+        campaigns.seeds.len(),
+        possessive(recipe)
     );
     Some(agreement(&what, &cells))
 }
@@ -173,7 +176,9 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
         };
         format!(
             "{} recipe: that {} {verdict} {} pairs of cells",
-            ordering.recipe, ordering.statement, ordering.pairs
+            possessive(&ordering.recipe),
+            ordering.statement,
+            ordering.pairs
         )
     };
     orderings.iter().map(sentence).collect()
@@ -250,5 +255,31 @@ pub fn thresholds(thresholds: &Thresholds) -> String {
         rates.join(", "),
         100.0 * chosen.uncertain,
         100.0 * chosen.outlier
+    )
+}
+
+/// The best classifier against the paper's best figure and against the hidden Markov models on the same trials.
+pub fn classifiers(results: &Results) -> String {
+    let best = results
+        .classifiers
+        .iter()
+        .max_by(|a, b| a.accuracy.total_cmp(&b.accuracy));
+    let (Some(best), Some(first)) = (best, results.classifiers.first()) else {
+        return "No classifier was compared.".into();
+    };
+    let against = match () {
+        () if best.low > PAPER_BEST => "its whole interval is above",
+        () if best.high < PAPER_BEST => "its whole interval is below",
+        () => "its interval includes",
+    };
+    format!(
+        "The best on whole trials is {} with {:.1} % ({:.1} to {:.1}): {against} the paper's best of {PAPER_BEST} %, and it is \
+         {:+.1} points from {} on the same trials and folds.",
+        best.classifier,
+        best.accuracy,
+        best.low,
+        best.high,
+        best.accuracy - first.accuracy,
+        first.classifier
     )
 }

@@ -3,12 +3,14 @@
 
 mod over_time;
 mod roc;
+mod speed;
 mod table_one;
 
 use underbrush_classifier::report::{Axis, Chart, Dash, Layer, Mark, Point, Scale, Shape, Style};
 
 pub use over_time::{figure_8, figure_9, figure_10, figure_15};
 pub use roc::roc;
+pub use speed::by_samples;
 pub use table_one::{campaigns, table_1};
 
 use super::results::Results;
