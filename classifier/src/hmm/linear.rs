@@ -112,7 +112,7 @@ impl LinearModel {
 }
 
 /// A square matrix by tiles of columns, without the rows that are zero in all of a tile's columns before its first and
-/// after its last other one: half of a left-to-right model.
+/// after its last other one, as far as these fill tiles: half of a left-to-right model.
 #[derive(Clone)]
 pub(super) struct TiledMatrix {
     spans: Vec<Span>,
@@ -134,13 +134,13 @@ impl TiledMatrix {
         for tile in 0..tiles_for(size) {
             let row = |row: usize| -> Tile {
                 std::array::from_fn(|k| match tile * WIDTH + k {
-                    column if column < size => entry(row, column),
+                    column if column.max(row) < size => entry(row, column),
                     _ => 0.0,
                 })
             };
             let filled = |&index: &usize| row(index) != [0.0; WIDTH];
-            let first = (0..size).find(filled).unwrap_or(size);
-            let end = (0..size).rfind(filled).map_or(first, |last| last + 1);
+            let first = (0..size).find(filled).unwrap_or(0) / WIDTH * WIDTH;
+            let end = (0..size).rfind(filled).map_or(first, |last| (last / WIDTH + 1) * WIDTH);
             let begin = rows.len();
             rows.extend((first..end).map(row));
             spans.push(Span {
@@ -172,14 +172,11 @@ impl TiledMatrix {
         let (rows, weights) = (&self.rows[span.places.clone()], &weights[span.rows.clone()]);
         // Two sums hide the latency of addition.
         let (mut even, mut odd) = ([0.0; WIDTH], [0.0; WIDTH]);
-        let (row_pairs, last_row) = rows.as_chunks::<2>();
-        let (weight_pairs, last_weight) = weights.as_chunks::<2>();
-        for (row, weight) in row_pairs.iter().zip(weight_pairs) {
+        for (row, weight) in rows.as_chunks::<WIDTH>().0.iter().zip(weights.as_chunks::<WIDTH>().0) {
             even = zip(even, row[0], |sum, entry| sum + entry * weight[0]);
             odd = zip(odd, row[1], |sum, entry| sum + entry * weight[1]);
-        }
-        for (row, weight) in last_row.iter().zip(last_weight) {
-            even = zip(even, *row, |sum, entry| sum + entry * weight);
+            even = zip(even, row[2], |sum, entry| sum + entry * weight[2]);
+            odd = zip(odd, row[3], |sum, entry| sum + entry * weight[3]);
         }
         add(even, odd)
     }

@@ -295,18 +295,18 @@ impl Pass {
         let weights = &self.weight[(into.start - 1) * tiles..(into.end - 1) * tiles];
         let ratios = &self.ahead[into.start * tiles..into.end * tiles];
         for (from, span) in self.backward.spans().iter().enumerate() {
-            let counts = self.own_transitions[span.places.clone()].chunks_mut(WIDTH);
-            let entries = self.backward.rows[span.places.clone()].chunks(WIDTH);
-            for ((counts, entries), first) in counts.zip(entries).zip(span.rows.clone().step_by(WIDTH)) {
-                let mut sums = [[0.0; WIDTH]; WIDTH];
-                let samples = weights.chunks_exact(tiles).zip(ratios.chunks_exact(tiles));
-                for (weight, ratio) in samples {
-                    let ratio = &ratio.as_flattened()[first..first + counts.len()];
-                    for (sum, ratio) in sums.iter_mut().zip(ratio) {
-                        *sum = zip(*sum, weight[from], |sum, weight| sum + weight * ratio);
-                    }
+            let counts = self.own_transitions[span.places.clone()].as_chunks_mut::<WIDTH>().0;
+            let entries = self.backward.rows[span.places.clone()].as_chunks::<WIDTH>().0;
+            for ((counts, entries), to) in counts.iter_mut().zip(entries).zip(span.rows.start / WIDTH..) {
+                let [mut a, mut b, mut c, mut d] = [[0.0; WIDTH]; WIDTH];
+                for (weight, ratio) in weights.chunks_exact(tiles).zip(ratios.chunks_exact(tiles)) {
+                    let (weight, ratio) = (weight[from], ratio[to]);
+                    a = zip(a, weight, |sum, weight| sum + weight * ratio[0]);
+                    b = zip(b, weight, |sum, weight| sum + weight * ratio[1]);
+                    c = zip(c, weight, |sum, weight| sum + weight * ratio[2]);
+                    d = zip(d, weight, |sum, weight| sum + weight * ratio[3]);
                 }
-                for ((count, entry), sum) in counts.iter_mut().zip(entries).zip(sums) {
+                for ((count, entry), sum) in counts.iter_mut().zip(entries).zip([a, b, c, d]) {
                     *count = add(*count, multiply(*entry, sum));
                 }
             }
@@ -367,7 +367,12 @@ impl Pass {
             }
         }
         for (tile, span) in self.backward.spans().iter().enumerate() {
-            for (to, counts) in span.rows.clone().zip(&self.transitions[span.places.clone()]) {
+            for (to, counts) in span
+                .rows
+                .clone()
+                .zip(&self.transitions[span.places.clone()])
+                .filter(|(to, _)| *to < n)
+            {
                 for (from, count) in (tile * WIDTH..n).zip(counts) {
                     statistics.transition[from * n + to] += count;
                 }
