@@ -99,9 +99,9 @@ pub struct TaxelMark {
 }
 
 /// Side lengths of a close-up, m: the forearm with what is around it.
-const CLOSE_M: DVec2 = DVec2::new(0.42, 0.32);
+const CLOSE_M: DVec2 = DVec2::new(0.30, 0.23);
 /// Font size in a close-up, px, and the height of its title: it is shown about as wide as a page.
-const CLOSE_FONT: f64 = 8.0;
+const CLOSE_FONT: f64 = 5.6;
 
 /// The surroundings of marked taxels, from the right and from above; none without marks.
 pub fn close_ups(snapshot: &Snapshot, layout: &SkinLayout, marks: &[TaxelMark], description: &str) -> Vec<String> {
@@ -158,17 +158,17 @@ impl Panel {
             let at = self.to_pixels(*position);
             let _ = writeln!(
                 svg,
-                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"#ffffff\"/>",
+                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"#ffffff\"/>",
                 at.x, at.y
             );
-            svg += &mark.look.1.svg(at.x, at.y, 3.0, mark.look.0);
+            svg += &mark.look.1.svg(at.x, at.y, 2.3, mark.look.0);
         }
-        let scale_px = 0.1 * SCALE;
+        let scale_px = 0.05 * SCALE;
         let (x, y) = (corner.x + size.x - scale_px - 6.0, corner.y + size.y - 6.0);
         let _ = writeln!(
             svg,
             "<path d=\"M{x:.1} {y:.1}h{scale_px:.1}\" stroke=\"#222222\" stroke-width=\"1.5\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">10 cm</text>",
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">5 cm</text>",
             x + scale_px / 2.0,
             y - 3.0
         );

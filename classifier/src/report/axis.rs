@@ -78,6 +78,8 @@ impl Axis {
 pub(super) struct Fitted {
     low: f64,
     high: f64,
+    /// The end that the data need.
+    most: f64,
     logarithmic: bool,
     /// Values with their labels.
     pub(super) ticks: Vec<(f64, String)>,
@@ -96,6 +98,7 @@ impl Fitted {
             Scale::Names(names) => Fitted {
                 low: -0.5,
                 high: (names.len().max(1) as f64) - 0.5,
+                most: f64::INFINITY,
                 logarithmic,
                 ticks: names
                     .iter()
@@ -111,6 +114,7 @@ impl Fitted {
                 Fitted {
                     low,
                     high,
+                    most: f64::INFINITY,
                     logarithmic,
                     ticks: exponents
                         .map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent)))
@@ -128,6 +132,7 @@ impl Fitted {
                 Fitted {
                     low: first * step,
                     high: last * step,
+                    most: low + width,
                     logarithmic,
                     ticks: (0..=count)
                         .map(|index| (first + index as f64) * step)
@@ -136,6 +141,15 @@ impl Fitted {
                 }
             }
         }
+    }
+
+    /// The same, ending where the data do and not at the next tick.
+    pub(super) fn tight(mut self) -> Self {
+        if self.most < self.high {
+            self.high = self.most;
+            self.ticks.retain(|(value, _)| *value <= self.most);
+        }
+        self
     }
 
     /// Where a value lies, 0 at the low end and 1 at the high; `None` for what the scale cannot show.

@@ -75,8 +75,8 @@ impl Chart {
         let legend_rows = self.legend(&mut legend);
         let plot = Plot {
             top: (legend_rows + 2.0) * LINE + 6.0,
-            x: Fitted::new(&self.x.scale, self.layers.iter().flat_map(Layer::xs), 6.0),
-            y: Fitted::new(&self.y.scale, self.values(), 4.0),
+            x: Fitted::new(&self.x.scale, self.layers.iter().flat_map(Layer::xs), 6.0).tight(),
+            y: Fitted::new(&self.y.scale, self.values(), 5.0),
         };
         let height = plot.bottom() + 2.0 * LINE + 8.0;
         let name = slug(&self.name);

@@ -23,11 +23,11 @@ p, ul { max-width: 44rem }
 a { color: #0b57a4 } nav ul { columns: 18rem; padding-left: 1.2rem }
 .scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }
 caption { text-align: left; font-weight: 600; padding-bottom: .3rem }
-th, td { padding: .2rem .6rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top }
-th { border-bottom: 2px solid #8a939c; font-weight: 600 } .number { text-align: right; white-space: nowrap }
+th, td { padding: .2rem .6rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top; white-space: nowrap }
+th { border-bottom: 2px solid #8a939c; font-weight: 600 } .number { text-align: right }
 figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: #3c444c }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }
-.charts.one { display: block; max-width: 46rem } .wide { max-width: 62rem } svg { width: 100%; height: auto; display: block }
+.charts.one { display: block; max-width: 36rem } .wide { max-width: 62rem } svg { width: 100%; height: auto; display: block }
 .paper { border-left: 4px solid #c98a00; padding-left: .8rem; max-width: 43rem }
 @media print { body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid } h2 { break-after: avoid }
 .scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }

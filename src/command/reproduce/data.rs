@@ -57,7 +57,7 @@ pub const ENGINEERED: [(SceneSource, Category); 10] = [
     (scene!("scenes/engineered/trunk-thick.toml"), Category::Trunk),
 ];
 /// Reaches drawn of an engineered scene until one touches what it should; a choice: a handful is enough by far.
-pub const ENGINEERED_DRAWS: u64 = 12;
+pub const ENGINEERED_DRAWS: u64 = 8;
 
 /// General reaches through leaves and trunks (section V-B), in which the forearm touches both.
 pub const MIXED: SceneSource = scene!("scenes/mixed.toml");
@@ -84,3 +84,8 @@ pub const UNCERTAIN_BELOW_NATS: f64 = 15.0;
 
 /// Lengths to which Fig. 13 truncates trials, samples: the paper's four, and on.
 pub const TRUNCATIONS: [usize; 7] = [200, 150, 100, 50, 25, 12, 6];
+
+/// What thresholds chosen from training data are to hold: at most so many trials of the other category are taken for one,
+/// and so many contacts are expected to be outliers. Choices: one in twenty, each.
+pub const FALSE_POSITIVE_RATE: f64 = 0.05;
+pub const OUTLIER_PRIOR: f64 = 0.05;

@@ -1,10 +1,11 @@
 //! `underbrush reproduce`: the paper's data, models, tables and figures, and a report that shows them beside the
 //! published ones.
 //!
-//! `data` says which reaches; `campaign`, `reaches`, `online` and `truncation` measure; `results` holds all numbers;
-//! `tables`, `figures` and `page` only show them.
+//! `data` says which reaches; `campaign`, `reaches`, `online`, `thresholds` and `truncation` measure, `comparison` sets
+//! beside the paper; `results` holds all numbers; `tables`, `figures` and `page` only show them.
 
 mod campaign;
+mod comparison;
 mod data;
 mod figures;
 mod online;
@@ -15,6 +16,7 @@ mod results;
 mod skin_map;
 mod snapshot;
 mod tables;
+mod thresholds;
 mod truncation;
 mod words;
 
@@ -29,8 +31,9 @@ use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::{Dataset, write_trials};
 
 use self::campaign::{Measurement, RecipeCell, Trials};
-use self::online::{Online, Shares};
-use self::results::{Campaigns, Outliers, Results, SamplesUsed, Timing};
+use self::online::{Classified, Online, Shares};
+use self::results::{Campaigns, Outliers, Results, Roc, SamplesUsed, Timing};
+use self::thresholds::Thresholds;
 use crate::dataset::PROGRAM_VERSION;
 use crate::failure::Failure;
 use crate::{audit, output, progress};
@@ -104,7 +107,11 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let reaches = stages.run("Engineered, general and outlier reaches", || {
         reaches::draw(&out.join("reaches"), seed, quick)
     })?;
-    let online = stages.run("Online verdicts", || Online::run(&models, &reaches))?;
+    let thresholds = stages.run("Thresholds", || {
+        thresholds::choose(&trials.taxel, &models, &reaches.outlier)
+    })?;
+    let chosen = thresholds.chosen.as_ref().ok().map(|chosen| &chosen.decision);
+    let online = stages.run("Online verdicts", || Online::run(&models, &reaches, chosen))?;
     let snapshot = stages.run("A moment of the general reach", || {
         snapshot::take(&models, &online, seed)
     })?;
@@ -124,11 +131,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         campaigns,
         truncated,
         &online,
+        &thresholds,
         stages,
     )?;
     let bytes = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&out.join("summary.json"), &bytes)?;
-    page::write(&out.join("report"), &results, &online, snapshot.as_ref())?;
+    page::write(&out.join("report"), &results, &online, &thresholds, snapshot.as_ref())?;
     output::result(json, &results, || words::text(&results, out))
 }
 
@@ -178,6 +186,7 @@ impl Results {
         campaigns: Option<Campaigns>,
         truncated: Vec<results::Truncated>,
         online: &Online,
+        thresholds: &Thresholds,
         stages: Stages,
     ) -> Result<Self, Failure> {
         let cells_here = measurement.table_1.iter();
@@ -186,10 +195,10 @@ impl Results {
             seed,
             quick,
             reaches,
-            mean_absolute_difference_points: results::mean_difference(
+            mean_absolute_difference_points: comparison::mean_difference(
                 cells_here.map(|cell| (cell.recipe.as_str(), cell.accuracy, cell.paper)),
             ),
-            orderings: results::orderings_of(&measurement.table_1),
+            orderings: comparison::orderings_of(&measurement.table_1),
             trials_per_reach: measurement.trials_per_reach,
             table_1: measurement.table_1,
             campaigns,
@@ -204,6 +213,11 @@ impl Results {
                 drawn: online.outlier_drawn,
                 reaches: online.outlier.len(),
                 detection: online.detection.clone(),
+            },
+            thresholds: thresholds.chosen.as_ref().ok().cloned(),
+            roc: Roc {
+                leaf_against_trunk_area: thresholds.category_roc.as_ref().map(|curve| curve.area),
+                outlier_area: thresholds.outlier_roc.as_ref().map(|curve| curve.area),
             },
             timing: Timing::of(stages, online),
         })
@@ -234,6 +248,17 @@ fn samples_used(online: &Online) -> SamplesUsed {
     }
 }
 
+/// The median over the frames with contact of the time per 100 taxels, s.
+fn median_seconds(reach: &Classified) -> Option<f64> {
+    let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
+    let with_contact = frames.filter(|(frame, _)| frame.in_contact > 0);
+    let mut seconds: Vec<f64> = with_contact
+        .map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64)
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds.get(seconds.len() / 2).copied()
+}
+
 impl Timing {
     fn of(stages: Stages, online: &Online) -> Self {
         let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
@@ -247,6 +272,7 @@ impl Timing {
             wall_s: stages.start.elapsed().as_secs_f64(),
             stages: stages.done,
             figure_8_seconds_per_100_taxels: online.shown().and_then(|reach| reach.stream.seconds_per_100_taxels()),
+            figure_8_median_seconds_per_100_taxels: online.shown().and_then(median_seconds),
             figure_8_paper_seconds_per_100_taxels: PAPER_SECONDS_PER_100_TAXELS,
         }
     }

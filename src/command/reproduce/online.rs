@@ -114,7 +114,8 @@ fn classify(models: &ModelSet, found: &Found, rule: Rule, truth: StreamTruth) ->
 }
 
 impl Online {
-    pub fn run(models: &ModelSet, reaches: &TestReaches) -> Result<Self, Failure> {
+    /// Classifies all reaches; `chosen` is a rule to compare with the paper's on the outlier reaches.
+    pub fn run(models: &ModelSet, reaches: &TestReaches, chosen: Option<&Decision>) -> Result<Self, Failure> {
         // First, alone on the machine, what Fig. 8 shows the time of.
         let mixed = classify(models, &reaches.mixed, uncertain_rule(), StreamTruth::Object)?;
         let engineered = |(category, found): &(Category, Found)| {
@@ -130,9 +131,13 @@ impl Online {
             })
         };
         let engineered: Vec<Result<Engineered, Failure>> = reaches.engineered.par_iter().map(engineered).collect();
-        let paper = Decision::paper().rule;
-        let outlier = classify(models, &reaches.outlier, paper, StreamTruth::Object)?;
-        let detection = detection("the paper's 15 and 80", &outlier);
+        let paper = Decision::paper();
+        let outlier = classify(models, &reaches.outlier, paper.rule, StreamTruth::Object)?;
+        let mut detection = detection(&rule_name("the paper's", &paper), &outlier);
+        if let Some(chosen) = chosen {
+            let outlier = classify(models, &reaches.outlier, chosen.rule, StreamTruth::Object)?;
+            detection.extend(self::detection(&rule_name("chosen", chosen), &outlier));
+        }
         Ok(Online {
             engineered: engineered.into_iter().collect::<Result<_, _>>()?,
             mixed,
@@ -146,6 +151,17 @@ impl Online {
     /// The general reach that Figs. 8 to 10 and 12 show: the first found, as the paper shows "one of the reaching tasks".
     pub fn shown(&self) -> Option<&Classified> {
         self.mixed.first()
+    }
+}
+
+fn rule_name(whose: &str, decision: &Decision) -> String {
+    match decision.rule {
+        Rule::OutlierBand {
+            uncertain_below,
+            category_above,
+        } => format!("{whose}: {uncertain_below:.1} and {category_above:.1}"),
+        Rule::UncertainBelow { lead } => format!("{whose}: {lead:.1}"),
+        Rule::Argmax => whose.to_owned(),
     }
 }
 

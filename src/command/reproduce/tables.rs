@@ -5,6 +5,7 @@ use underbrush_classifier::report::{Cell, Table};
 
 use super::online::Online;
 use super::results::{Ordering, Results, features_name, unit_name};
+use super::thresholds::Thresholds;
 
 pub fn trials_per_reach(results: &Results) -> Table {
     let columns = ["trials", "count", "per reach", "paper"];
@@ -31,7 +32,10 @@ pub fn table_1(results: &Results, recipe: &str) -> Table {
         "paper",
         "difference",
     ];
-    let caption = format!("Table I, the {recipe} recipe: two-fold accuracy, %, with the 95 % interval by reach");
+    let caption = format!(
+        "Table I, the {} recipe: two-fold accuracy, %, with the 95 % interval by reach",
+        super::words::possessive(recipe)
+    );
     let mut table = Table::new("table_1", caption, &columns);
     for cell in results.table_1.iter().filter(|cell| cell.recipe == recipe) {
         table.rows.push(vec![
@@ -319,6 +323,26 @@ pub fn detection(results: &Results) -> Table {
             Cell::Number(row.uncertain_percent, 1),
             Cell::Number(row.outlier_percent, 1),
         ]);
+    }
+    table
+}
+
+/// The points of both curves.
+pub fn roc(thresholds: &Thresholds) -> Table {
+    let columns = ["curve", "least_lead_nats", "false_positive_rate", "true_positive_rate"];
+    let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
+    for (name, curve) in [
+        ("leaf against trunk", &thresholds.category_roc),
+        ("outlier", &thresholds.outlier_roc),
+    ] {
+        for point in curve.iter().flat_map(|curve| &curve.points) {
+            table.rows.push(vec![
+                name.into(),
+                Cell::optional(point.threshold, 2),
+                Cell::Number(point.false_positive_rate, 4),
+                Cell::Number(point.true_positive_rate, 4),
+            ]);
+        }
     }
     table
 }

@@ -77,7 +77,9 @@ fn a_report_is_whole() {
         mixed: found("trunks", &trunks[..1]),
         outlier: found("trunks", &trunks[1..]),
     };
-    let online = Online::run(&models, &tested).unwrap();
+    let thresholds = thresholds::choose(&trials.taxel, &models, &tested.outlier).unwrap();
+    let chosen = thresholds.chosen.as_ref().ok().map(|chosen| &chosen.decision);
+    let online = Online::run(&models, &tested, chosen).unwrap();
     let stages = Stages {
         start: Instant::now(),
         done: vec![("nothing", 0.5)],
@@ -95,10 +97,11 @@ fn a_report_is_whole() {
         campaigns,
         truncated,
         &online,
+        &thresholds,
         stages,
     )
     .unwrap();
-    page::write(folder.path(), &results, &online, None).unwrap();
+    page::write(folder.path(), &results, &online, &thresholds, None).unwrap();
 
     let html = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
     let elements = elements(html.strip_prefix("<!DOCTYPE html>\n").unwrap());
@@ -152,6 +155,7 @@ fn a_report_is_whole() {
         "figure_11",
         "figure_13",
         "figure_15",
+        "roc",
         "timing",
     ] {
         assert!(!summary[key].is_null(), "{key}");
@@ -205,13 +209,13 @@ fn orderings_are_found_as_they_are() {
             .map(|(unit, features, states, paper)| ("authors".to_owned(), unit, features, states, sign * paper))
             .collect()
     };
-    let found = results::orderings(&table(1.0));
+    let found = comparison::orderings(&table(1.0));
     let counts: Vec<(bool, usize, usize)> = found
         .iter()
         .map(|own| (own.holds, own.pairs_holding, own.pairs))
         .collect();
     assert_eq!(counts, [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
-    let found = results::orderings(&table(-1.0));
+    let found = comparison::orderings(&table(-1.0));
     let counts: Vec<(bool, usize, usize)> = found
         .iter()
         .map(|own| (own.holds, own.pairs_holding, own.pairs))

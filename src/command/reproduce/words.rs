@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use underbrush_classifier::decision::Rule;
+
 use super::campaign::AUTHORS;
 use super::results::{Ordering, Results, features_name, unit_name};
 use super::tables;
+use super::thresholds::Thresholds;
 use crate::{audit, output};
 
 /// A difference that counts as agreement with the paper, points: the mark set for the mean over the cells.
@@ -127,7 +130,7 @@ pub fn table_1(results: &Results, recipe: &str) -> String {
             (name, cell.accuracy, cell.paper, Some((cell.low, cell.high)))
         })
         .collect();
-    agreement(&format!("In the {recipe} recipe"), &cells)
+    agreement(&format!("In the {} recipe", possessive(recipe)), &cells)
 }
 
 /// Agreement of the mean of campaigns in one recipe.
@@ -150,6 +153,15 @@ pub fn campaigns(results: &Results, recipe: &str) -> Option<String> {
         campaigns.seeds.len()
     );
     Some(agreement(&what, &cells))
+}
+
+/// The authors' recipe, the modern recipe.
+pub fn possessive(recipe: &str) -> String {
+    if recipe == AUTHORS {
+        format!("{recipe}'")
+    } else {
+        recipe.to_owned()
+    }
 }
 
 /// Each ordering as a sentence.
@@ -202,4 +214,41 @@ pub fn truncation(results: &Results) -> String {
         })
         .collect();
     format!("With {}.", parts.join("; "))
+}
+
+/// What thresholds were chosen, and what they do on held-out trials.
+pub fn thresholds(thresholds: &Thresholds) -> String {
+    let chosen = match &thresholds.chosen {
+        Ok(chosen) => chosen,
+        Err(why) => return format!("No thresholds could be chosen from the training data: {why}."),
+    };
+    let rule = match chosen.decision.rule {
+        Rule::OutlierBand {
+            uncertain_below,
+            category_above,
+        } => format!("uncertain below a lead of {uncertain_below:.1} nats, a category above {category_above:.1}"),
+        other => format!("{other:?}"),
+    };
+    let rates: Vec<String> = chosen
+        .false_positive_rate
+        .iter()
+        .map(|(category, rate)| {
+            let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
+            format!(
+                "{category}: {:.1} % of its own trials found, {:.1} % of the others'",
+                100.0 * found,
+                100.0 * rate
+            )
+        })
+        .collect();
+    format!(
+        "Chosen from {} training trials held out by reach, for a false-positive rate of {} and an outlier prior of {}: \
+         {rule}. On these trials, {}; {:.1} % uncertain, {:.1} % called outliers though none is.",
+        chosen.trials,
+        chosen.targets.false_positive_rate,
+        chosen.targets.outlier_prior,
+        rates.join(", "),
+        100.0 * chosen.uncertain,
+        100.0 * chosen.outlier
+    )
 }
