@@ -35,6 +35,18 @@ pub trait Classifier: Send + Sync {
     /// [`ModelError`] where the trial is empty or lacks what the classifier needs.
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError>;
 
+    /// The scores of whole trials, one row a trial: [`Classifier::scores_after`] its last sample.
+    ///
+    /// # Errors
+    /// As [`Classifier::scores_after`].
+    fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let of_trial = |trial: &&Trial| {
+            let mut scores = self.scores_after(trial, &[trial.samples.len()])?;
+            Ok(scores.pop().unwrap_or_default())
+        };
+        trials.iter().map(of_trial).collect()
+    }
+
     /// How the training of each category went, for what is trained step by step.
     fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
         None
@@ -47,8 +59,7 @@ impl dyn Classifier + '_ {
     /// # Errors
     /// As [`Classifier::scores_after`].
     pub fn scores(&self, trial: &Trial) -> Result<Vec<f64>, ModelError> {
-        let mut scores = self.scores_after(trial, &[trial.samples.len()])?;
-        Ok(scores.pop().unwrap_or_default())
+        Ok(self.scores_of_all(&[trial])?.pop().unwrap_or_default())
     }
 }
 
@@ -65,10 +76,11 @@ impl Classifier for ModelSet {
     }
 
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        counts
-            .iter()
-            .map(|&count| self.log_probabilities(trial, self.score_kind(), Some(count)))
-            .collect()
+        ModelSet::scores_after(self, trial, self.score_kind(), counts)
+    }
+
+    fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
+        self.score_all(trials, self.score_kind())
     }
 
     fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {

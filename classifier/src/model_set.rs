@@ -9,7 +9,9 @@ use underbrush_recording::{Category, InputError, Trial};
 
 use crate::decision::Decision;
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
-use crate::hmm::{GaussianHmm, ScoreKind, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
+use crate::hmm::{
+    GaussianHmm, RunningScore, ScoreKind, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train,
+};
 use crate::recipe::{Recipe, ScalingKind};
 
 /// Why models cannot be trained, read or used.
@@ -286,26 +288,57 @@ impl ModelSet {
     /// # Errors
     /// [`ModelError::Feature`] where the trial does not give the models' features.
     pub fn score(&self, trial: &Trial, kind: ScoreKind) -> Result<Vec<(String, f64)>, ModelError> {
-        let scores = self.log_probabilities(trial, kind, None)?;
+        let scores = self.score_all(&[trial], kind)?.pop().unwrap_or_default();
         Ok(self.models.keys().cloned().zip(scores).collect())
     }
 
-    /// [`ModelSet::score`] without the names, of the first `count` samples where that is given.
-    pub(crate) fn log_probabilities(
+    /// What [`ModelSet::score`] gives for each of many trials, in the order of [`ModelSet::categories`]: several times as
+    /// fast as one by one.
+    ///
+    /// # Errors
+    /// [`ModelError::Feature`] where a trial does not give the models' features.
+    pub fn score_all(&self, trials: &[&Trial], kind: ScoreKind) -> Result<Vec<Vec<f64>>, ModelError> {
+        let sequences = trials.iter().map(|trial| self.sequence(trial, None));
+        let sequences = sequences.collect::<Result<Vec<_>, FeatureError>>()?;
+        let sequences: Vec<&Observations> = sequences.iter().collect();
+        let mut scores = vec![Vec::with_capacity(self.models.len()); trials.len()];
+        for model in self.models.values() {
+            let of_model = model.log_probabilities(kind, &sequences)?;
+            scores.iter_mut().zip(of_model).for_each(|(row, score)| row.push(score));
+        }
+        Ok(scores)
+    }
+
+    /// [`ModelSet::score`] after each of some counts of samples, ascending and from 1, without the names.
+    pub(crate) fn scores_after(
         &self,
         trial: &Trial,
         kind: ScoreKind,
-        count: Option<usize>,
-    ) -> Result<Vec<f64>, ModelError> {
+        counts: &[usize],
+    ) -> Result<Vec<Vec<f64>>, ModelError> {
+        let sequence = self.sequence(trial, counts.last().copied())?;
+        let mut scores = vec![Vec::with_capacity(self.models.len()); counts.len()];
+        for model in self.models.values() {
+            let mut running = RunningScore::new(kind, model);
+            let mut samples = sequence.samples();
+            for (row, &count) in scores.iter_mut().zip(counts) {
+                for sample in samples.by_ref().take(count.saturating_sub(running.sample_count())) {
+                    running.push(model, sample)?;
+                }
+                row.push(running.log_probability());
+            }
+        }
+        Ok(scores)
+    }
+
+    /// What the models see of a trial, of its first `count` samples where that is given.
+    fn sequence(&self, trial: &Trial, count: Option<usize>) -> Result<Observations, FeatureError> {
         let most = [self.max_samples(), count].into_iter().flatten().min();
         let mut sequence = self.features.observations(trial, most)?;
         if let Some(scaling) = &self.scaling {
             scaling.apply_all(&mut sequence);
         }
-        self.models
-            .values()
-            .map(|model| Ok(model.log_probability(kind, &sequence)?))
-            .collect()
+        Ok(sequence)
     }
 }
 

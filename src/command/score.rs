@@ -52,20 +52,25 @@ struct Row {
     log_likelihood: f64,
 }
 
+/// Trials that one thread scores together.
+const TOGETHER: usize = 64;
+
 /// Prints CSV, one row a model and trial.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let models = ModelSet::load(&options.model)?;
     let trials = input::trials(&options.trials, &whole_skin())?;
     let kind = options.by.into();
-    let score = |trial: &Trial| models.score(trial, kind).map(|scores| (trial.trial, scores));
-    let scored = trials.par_iter().map(score).collect::<Result<Vec<_>, _>>();
-    let scored = scored.map_err(|error| Failure::from(error).about(&options.trials))?;
+    let score = |some: &[Trial]| models.score_all(&some.iter().collect::<Vec<_>>(), kind);
+    let scored = trials.par_chunks(TOGETHER).map(score).collect::<Result<Vec<_>, _>>();
+    let scored = scored
+        .map_err(|error| Failure::from(error).about(&options.trials))?
+        .concat();
     let rows = || {
         models.categories().into_iter().enumerate().flat_map(|(index, model)| {
-            scored.iter().map(move |(trial, scores)| Row {
+            trials.iter().zip(&scored).map(move |(trial, scores)| Row {
                 model: model.clone(),
-                trial: *trial,
-                log_likelihood: scores[index].1,
+                trial: trial.trial,
+                log_likelihood: scores[index],
             })
         })
     };

@@ -243,22 +243,22 @@ fn predict<'a>(
     fold: usize,
 ) -> Result<Vec<Prediction>, EvaluateError> {
     let judge = decision.prepare(&classifier.categories())?;
-    trials
+    let (trials, categories): (Vec<&Trial>, Vec<String>) = trials
         .filter_map(|trial| trial.category.clone().map(|category| (trial, category)))
-        .map(|(trial, category)| {
-            let scores = classifier.scores(trial)?;
-            let verdict = judge.verdict(judge.choose(&scores));
-            Ok(Prediction {
-                trial: trial.trial,
-                reach: trial.reach,
-                category,
-                fold,
-                samples: trial.samples.len(),
-                scores,
-                verdict,
-            })
+        .unzip();
+    let scores = classifier.scores_of_all(&trials)?;
+    let predictions = trials.iter().zip(categories).zip(scores);
+    Ok(predictions
+        .map(|((trial, category), scores)| Prediction {
+            trial: trial.trial,
+            reach: trial.reach,
+            category,
+            fold,
+            samples: trial.samples.len(),
+            verdict: judge.verdict(judge.choose(&scores)),
+            scores,
         })
-        .collect()
+        .collect())
 }
 
 #[cfg(test)]
