@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use underbrush_classifier::trial::{TrialOptions, component_trials, taxel_trials};
+use underbrush_classifier::trial::{Labels, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
 use underbrush_recording::{Category, InputError, Recording, Trial};
 
@@ -17,6 +17,15 @@ pub enum Unit {
     Taxel,
     /// One connected component of taxels (paper, section IV-C)
     Component,
+}
+
+/// What gives a trial its category.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LabelName {
+    /// The object that pressed on the skin
+    Contact,
+    /// The one category of the clutter, as the paper's models are trained: also where nothing pressed
+    Environment,
 }
 
 /// How trials are cut from a data set or a recording; a table of trials is taken as it is.
@@ -34,6 +43,9 @@ pub struct TrialArguments {
     /// Leave out trials of fewer samples
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub min_samples: usize,
+    /// What gives a trial its category
+    #[arg(long, value_enum, default_value = "contact", value_name = "BY")]
+    pub labels: LabelName,
     /// Let components not reach around the forearm's seam, as in the authors' code
     #[arg(long)]
     pub no_wrap: bool,
@@ -46,6 +58,10 @@ impl TrialArguments {
             patch: self.patch.clone(),
             threshold_n: self.threshold_n,
             min_samples: self.min_samples,
+            labels: match self.labels {
+                LabelName::Contact => Labels::Contact,
+                LabelName::Environment => Labels::Environment,
+            },
             wrap: self.no_wrap.then_some(false),
             ..TrialOptions::default()
         }

@@ -101,6 +101,9 @@ struct Reach<'a> {
 /// Back-off after getting stuck (Jain et al. 2013): 5 cm back, then 10 cm sideways, then once more to the goal.
 const BACK_OFF_M: f64 = 0.05;
 const SIDESTEP_M: f64 = 0.10;
+/// What an operator sees as headway, m/s. A choice: at half a metre the eye sees a centimetre a second as motion, and the
+/// controller's slowest published speed is five times that.
+const HEADWAY_M_PER_S: f64 = 0.01;
 /// Time allowed for each of the two, s: at the slower preset's 0.2 m/s either takes half a second. A choice.
 const BACK_OFF_TIME_S: f64 = 2.0;
 
@@ -189,14 +192,16 @@ impl<'a> Reach<'a> {
         observer: &mut Observer,
     ) -> Outcome {
         let preset = self.controller.preset();
-        let time_out_s = time_out_s.unwrap_or(preset.time_out_s);
-        let mut monitor = Monitor::new(
-            Preset {
-                time_out_s,
-                ..preset.clone()
-            },
-            target,
-        );
+        let mut rules = Preset {
+            time_out_s: time_out_s.unwrap_or(preset.time_out_s),
+            ..preset.clone()
+        };
+        if let Some(patience_s) = self.plan.scene.file.goals.patience_s {
+            rules.stuck_window_s = patience_s;
+            // Between the two halves of the time.
+            rules.stuck_distance_m = HEADWAY_M_PER_S * patience_s / 2.0;
+        }
+        let mut monitor = Monitor::new(rules, target);
         loop {
             let touch = feel(&self.world, &self.recording.layout, &self.patches, &mut self.sensor);
             if self.recording.frames.len().is_multiple_of(self.control_period) {

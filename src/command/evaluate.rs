@@ -1,7 +1,7 @@
 //! `underbrush evaluate`: cross-validation, or given models on other trials.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -9,12 +9,12 @@ use underbrush_classifier::ModelSet;
 use underbrush_classifier::baseline::{Logistic, NaiveBayes, NearestNeighbours, RecursiveRegression};
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{
-    AccuracyBySamples, EvaluateError, Evaluation, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc,
-    cross_validate, evaluate, outlier_roc,
+    AccuracyBySamples, Evaluation, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc, cross_validate,
+    evaluate, outlier_roc,
 };
-use underbrush_classifier::learner::Learner;
+use underbrush_classifier::learner::{Classifier, Learner};
 use underbrush_classifier::stream_feature::StreamFeatureSet;
-use underbrush_recording::{Category, Trial};
+use underbrush_recording::Category;
 
 use super::classify::DecisionArguments;
 use super::train::RecipeArguments;
@@ -43,7 +43,11 @@ pub struct Options {
     /// cross-validating
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "split", "classifier"])]
     model: Option<PathBuf>,
-    /// Write ROC curves (CSV): each category against the others by its lead; with --model also outliers against known
+    /// Learn from all trials in this table, data set or recording and test on the others, instead of cross-validating:
+    /// trained at one arm stiffness or hand speed, tested at another
+    #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "split", "model", "by_samples"])]
+    train: Option<PathBuf>,
+    /// Write ROC curves (CSV): each category against the others by its lead; with --model or --train also outliers against known
     /// categories
     #[arg(long, value_name = "FILE")]
     roc: Option<PathBuf>,
@@ -91,7 +95,11 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         }
         None => {
             let decision = options.decision.decision(None);
-            (cross_validated(&options, &trials, &decision), decision)
+            let evaluation = match &options.train {
+                Some(train) => evaluate(learned(&options, train)?.as_ref(), &trials, &decision),
+                None => cross_validate(&trials, options.learner().as_ref(), options.folds(), &decision),
+            };
+            (evaluation, decision)
         }
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
@@ -148,8 +156,11 @@ impl Options {
     }
 }
 
-fn cross_validated(options: &Options, trials: &[Trial], decision: &Decision) -> Result<Evaluation, EvaluateError> {
-    cross_validate(trials, options.learner().as_ref(), options.folds(), decision)
+/// What is learned from the trials in another file.
+fn learned(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
+    let trials = input::some_trials(path, &options.cut)?;
+    let learned = options.learner().learn(&trials.iter().collect::<Vec<_>>());
+    learned.map_err(|error| Failure::from(error).about(path))
 }
 
 /// One row a point of each curve; an empty threshold takes nothing for positive.

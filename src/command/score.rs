@@ -11,7 +11,7 @@ use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::Trial;
 
 use crate::failure::Failure;
-use crate::input::{self, TrialArguments, Unit};
+use crate::input::{self, LabelName, TrialArguments, Unit};
 use crate::output;
 
 /// Options of `underbrush score`.
@@ -93,6 +93,7 @@ fn whole_skin() -> TrialArguments {
         patch: "forearm".into(),
         threshold_n: TrialOptions::default().threshold_n,
         min_samples: 1,
+        labels: LabelName::Contact,
         no_wrap: false,
     }
 }

@@ -424,3 +424,33 @@ fn samples_know_their_contact_region() {
             .all(|sample| sample.region.is_none())
     );
 }
+
+#[test]
+fn the_environment_labels_what_nothing_touched() {
+    // Pins labels: by contact a trial without an object has none; by environment it has that of the only category, foam
+    // blocks aside; in mixed clutter both label alike.
+    let touched: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1)), (9, 1.0, None)];
+    let mut reach = recording(&[(0.0, touched), (0.0, touched)]);
+    let labels = |reach: &Recording, labels| -> Vec<Option<String>> {
+        let options = TrialOptions { labels, ..any_force() };
+        let trials = taxel_trials(reach, &options).unwrap();
+        trials.into_iter().map(|contact| contact.trial.category).collect()
+    };
+    let trunk = Some("trunk".to_owned());
+    assert_eq!(labels(&reach, Labels::Contact), [trunk.clone(), None]);
+    assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), None]);
+    reach.objects[0].category = Category::Block;
+    assert_eq!(labels(&reach, Labels::Contact), [trunk.clone(), None]);
+    assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), trunk]);
+}
+
+#[test]
+fn the_papers_trials_fill_twenty_slices() {
+    // Pins that the paper's trials have a sample for each of the 20 time slices of its largest models, and none fewer.
+    let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];
+    let count = |frames: usize| {
+        let reach = recording(&vec![(0.0, lit); frames]);
+        taxel_trials(&reach, &TrialOptions::paper()).unwrap().len()
+    };
+    assert_eq!((count(19), count(20)), (0, 1));
+}

@@ -90,6 +90,9 @@ pub struct Goals {
     pub count: u32,
     /// How often a goal is tried again, after backing off, where the arm got stuck (Jain et al. 2013).
     pub retries: u32,
+    /// How long the operator, who gives the goals one by one (paper, section IV-B), watches an arm that makes no headway
+    /// before giving the next, s. If not given, nobody watches: the controller's own rule decides when it is stuck.
+    pub patience_s: Option<f64>,
     /// Forward, m, world frame.
     pub x_m: Quantity,
     /// Left, m, world frame.
@@ -104,6 +107,7 @@ impl Default for Goals {
         Goals {
             count: 4,
             retries: 1,
+            patience_s: None,
             x_m: Quantity::uniform(0.45, 0.75),
             y_m: Quantity::uniform(-0.55, 0.20),
             z_m: Quantity::uniform(-0.38, -0.16),

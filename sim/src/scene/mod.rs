@@ -106,6 +106,11 @@ impl Scene {
         if file.goals.retries > 100 {
             return Err(self.fault("goals.retries", file.goals.retries, "up to 100"));
         }
+        if let Some(patience_s) = file.goals.patience_s
+            && !(0.1..=1000.0).contains(&patience_s)
+        {
+            return Err(self.fault("goals.patience_s", patience_s, "0.1 to 1000"));
+        }
         let anywhere = (-5.0, 5.0);
         for (name, quantity) in [
             ("x_m", &file.goals.x_m),

@@ -5,6 +5,7 @@ use underbrush_recording::{Grid, Patch};
 
 use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
+use super::stray::Strays;
 use crate::world::FRAME_PERIOD_S;
 
 /// The capacitive taxels of one patch.
@@ -17,6 +18,7 @@ pub struct Capacitive {
     creep_advance: f64,
     /// The force that each taxel has crept to, N.
     crept_n: Vec<f64>,
+    strays: Strays,
     noise: Noise,
     gate_n: f64,
     floor_n: f64,
@@ -33,6 +35,7 @@ impl Capacitive {
             creep_share: options.creep_share,
             creep_advance: -(-FRAME_PERIOD_S / options.creep_time_s).exp_m1(),
             crept_n: vec![0.0; patch.taxels.len()],
+            strays: Strays::new(options, patch.taxels.len()),
             noise: Noise::new(options.noise_n),
             gate_n: options.gate_sigmas * options.noise_n,
             floor_n: options.floor_n,
@@ -42,13 +45,20 @@ impl Capacitive {
     }
 
     /// Reads all taxels once: true forces in, readings out, N.
-    pub fn read(&mut self, true_force_n: &[f64], reading_n: &mut [f64], random: &mut ChaCha8Rng) {
-        for (taxel, reading) in reading_n.iter_mut().enumerate() {
-            let felt = self.felt(true_force_n, taxel);
+    pub fn read(
+        &mut self,
+        true_force_n: &[f64],
+        reading_n: &mut [f64],
+        random: &mut ChaCha8Rng,
+        random_strays: &mut ChaCha8Rng,
+    ) {
+        let offsets = self.strays.advance(random_strays);
+        for (taxel, (reading, offset)) in reading_n.iter_mut().zip(offsets).enumerate() {
+            let felt = felt(&self.neighbours[taxel], self.crosstalk_share, true_force_n, taxel);
             // Exact for a force that is constant over the frame: dz/dt = (f − z)/τ.
             let crept = &mut self.crept_n[taxel];
             *crept += (felt - *crept) * self.creep_advance;
-            let analog = felt + self.creep_share * *crept + self.noise.draw(random);
+            let analog = felt + self.creep_share * *crept + offset + self.noise.draw(random);
             *reading = if analog.abs() < self.gate_n || analog < self.floor_n {
                 0.0
             } else {
@@ -56,15 +66,15 @@ impl Capacitive {
             };
         }
     }
+}
 
-    /// The force on a taxel's capacitor, N: what the cover leaves it of its own and hands it from its neighbours.
-    ///
-    /// Where a taxel has fewer than four neighbours it keeps their parts, so each column of the kernel sums to 1: force
-    /// is moved, none is lost.
-    fn felt(&self, force_n: &[f64], taxel: usize) -> f64 {
-        let around: f64 = self.neighbours[taxel].iter().map(|next| force_n[*next]).sum();
-        force_n[taxel] + self.crosstalk_share * (around / 4.0 - force_n[taxel])
-    }
+/// The force on a taxel's capacitor, N: what the cover leaves it of its own and hands it from its neighbours.
+///
+/// Where a taxel has fewer than four neighbours it keeps their parts, so each column of the kernel sums to 1: force is
+/// moved, none is lost.
+fn felt(neighbours: &[usize; 4], crosstalk_share: f64, force_n: &[f64], taxel: usize) -> f64 {
+    let around: f64 = neighbours.iter().map(|next| force_n[*next]).sum();
+    force_n[taxel] + crosstalk_share * (around / 4.0 - force_n[taxel])
 }
 
 /// The four neighbours in the patch's grid, around the sleeve where it wraps; without a grid a taxel has none.

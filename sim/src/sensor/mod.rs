@@ -2,7 +2,7 @@
 //!
 //! | patch | the force passes |
 //! |---|---|
-//! | capacitive | crosstalk → creep → noise → gate and floor → quantum → saturation |
+//! | capacitive | crosstalk → creep → strays → noise → gate and floor → quantum → saturation |
 //! | fabric | hysteresis → saturating response → noise → gate → counts |
 //! | both | → dead taxels → delay |
 
@@ -16,6 +16,7 @@ mod capacitive;
 mod converter;
 mod fabric;
 mod options;
+mod stray;
 #[cfg(test)]
 mod tests;
 
@@ -46,10 +47,12 @@ pub struct Sensor {
     readings_n: Vec<Vec<f64>>,
     newest: usize,
     random: ChaCha8Rng,
+    /// Of their own, so that strays do not shift the noise.
+    random_strays: ChaCha8Rng,
 }
 
 impl Sensor {
-    /// The sensor of reach number `reach_index`; it draws from the streams `sensor` and `dead taxels`.
+    /// The sensor of reach number `reach_index`; it draws from the streams `sensor`, `strays` and `dead taxels`.
     pub fn new(options: &SensorOptions, skin: &Skin, seed: u64, scene: &str, reach_index: u64) -> Self {
         let mut taxels = 0;
         let mut patches = Vec::with_capacity(skin.layout.patches.len());
@@ -76,6 +79,7 @@ impl Sensor {
             readings_n: vec![vec![0.0; taxels]; frames],
             newest: 0,
             random: stream(seed, scene, reach_index, "sensor"),
+            random_strays: stream(seed, scene, reach_index, "strays"),
         }
     }
 
@@ -92,7 +96,9 @@ impl Sensor {
             let (force, reading) = (&self.true_force_n[span.clone()], &mut newest[span.clone()]);
             match electronics {
                 Electronics::Perfect => reading.copy_from_slice(force),
-                Electronics::Capacitive(taxels) => taxels.read(force, reading, &mut self.random),
+                Electronics::Capacitive(taxels) => {
+                    taxels.read(force, reading, &mut self.random, &mut self.random_strays);
+                }
                 Electronics::Fabric(taxels) => taxels.read(force, reading, &mut self.random),
             }
         }

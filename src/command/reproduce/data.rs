@@ -76,7 +76,7 @@ pub const CONTROLLER: Option<&str> = None;
 
 /// How trials are cut.
 pub fn trial_options() -> TrialOptions {
-    TrialOptions::default()
+    TrialOptions::paper()
 }
 
 /// The lead under which a taxel is uncertain online, nats. Section V-B gives no number; this is section V-D's.
