@@ -1,5 +1,5 @@
-//! Hidden Markov models of the paper's online size, ten states over force: a trial's score, training, and the verdicts
-//! on a hundred taxels in one frame. Frames come at 100 Hz: an update may take 10 ms.
+//! Hidden Markov models of ten states, the paper's online size, and of twenty, over force: scores of trials, training,
+//! and the verdicts on a hundred taxels in one frame. Frames come at 100 Hz: an update may take 10 ms.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::hint::black_box;
@@ -8,7 +8,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DQuat, DVec3};
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::feature::{FeatureSet, Observations};
 use underbrush_classifier::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions, equal_slice_start, train};
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::recipe::Recipe;
@@ -16,6 +16,8 @@ use underbrush_recording::{Frame, Patch, Pose, Sample, SkinLayout, Taxel, TaxelR
 
 /// Samples of a trial: one second of contact.
 const SAMPLES: u32 = 100;
+/// Numbers of states measured.
+const STATES: [usize; 2] = [10, 20];
 /// Iterations of one measured training.
 const ITERATIONS: usize = 10;
 
@@ -49,53 +51,75 @@ fn trials() -> Vec<Trial> {
         .collect()
 }
 
+/// The authors' models of so many states, trained on the presses.
+fn models(states: usize) -> ModelSet {
+    let recipe = Recipe {
+        states,
+        ..Recipe::authors()
+    };
+    ModelSet::train(&trials(), &recipe)
+        .expect("the trials can be trained on")
+        .0
+}
+
+/// The presses of a category as the models see them.
+fn sequences(category: &str) -> Vec<Observations> {
+    let own = trials()
+        .into_iter()
+        .filter(|trial| trial.category.as_deref() == Some(category));
+    let forces = own.map(|trial| FeatureSet::Force.observations(&trial, None));
+    forces.collect::<Result<_, _>>().expect("the trials have forces")
+}
+
 fn score(criterion: &mut Criterion) {
-    let (models, _) = ModelSet::train(&trials(), &Recipe::authors()).expect("the trials can be trained on");
-    let model = &models.models()["leaf"];
     let mut group = criterion.benchmark_group("hmm/score");
-    group.throughput(Throughput::Elements(u64::from(SAMPLES)));
-    // The model's own category, and the other, which no path through the states fits.
-    for (name, trial) in [("own", press("leaf", 0.5, 7)), ("foreign", press("trunk", 3.0, 7))] {
-        let sequence = FeatureSet::Force
-            .observations(&trial, None)
-            .expect("the trial has forces");
-        for (kind, kind_name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
-            group.bench_function(format!("{kind_name}/{name}"), |bencher| {
-                bencher.iter(|| model.log_probability(kind, black_box(&sequence)));
-            });
+    for states in STATES {
+        let models = models(states);
+        let model = &models.models()["leaf"];
+        // The model's own category, and the other, which no path through the states fits.
+        for (name, category) in [("own", "leaf"), ("foreign", "trunk")] {
+            let sequences = sequences(category);
+            let all: Vec<&Observations> = sequences.iter().collect();
+            for (kind, kind_name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
+                group.throughput(Throughput::Elements(u64::from(SAMPLES) * all.len() as u64));
+                group.bench_function(format!("{kind_name}/{states} states/{name}"), |bencher| {
+                    bencher.iter(|| model.log_probabilities(kind, black_box(&all)));
+                });
+                group.throughput(Throughput::Elements(u64::from(SAMPLES)));
+                group.bench_function(format!("{kind_name}/{states} states/{name}, one trial"), |bencher| {
+                    bencher.iter(|| model.log_probability(kind, black_box(all[0])));
+                });
+            }
         }
     }
 }
 
 fn training(criterion: &mut Criterion) {
-    let sequences: Vec<_> = trials()
-        .iter()
-        .map(|trial| {
-            FeatureSet::Force
-                .observations(trial, None)
-                .expect("the trial has forces")
-        })
-        .collect();
-    let start = equal_slice_start(
-        &sequences,
-        10,
-        Topology::LeftToRight,
-        InitialDistribution::Uniform,
-        1e-4,
-    )
-    .expect("the trials have spread");
+    let sequences = [sequences("leaf"), sequences("trunk")].concat();
     let options = TrainingOptions {
         iterations: ITERATIONS,
         tolerance: 0.0,
         ..TrainingOptions::default()
     };
     let mut group = criterion.benchmark_group("hmm/baum_welch");
-    group
-        .sample_size(20)
-        .throughput(Throughput::Elements(ITERATIONS as u64));
-    group.bench_function("100 trials of 100 samples", |bencher| {
-        bencher.iter(|| train(&start, black_box(&sequences), &options).expect("training runs through"));
-    });
+    // The last model's likelihood takes one pass more than there are iterations.
+    let passes = ITERATIONS as u64 + 1;
+    group.sample_size(20).throughput(Throughput::Elements(
+        passes * u64::from(SAMPLES) * sequences.len() as u64,
+    ));
+    for states in STATES {
+        let start = equal_slice_start(
+            &sequences,
+            states,
+            Topology::LeftToRight,
+            InitialDistribution::Uniform,
+            1e-4,
+        )
+        .expect("the trials have spread");
+        group.bench_function(format!("{states} states"), |bencher| {
+            bencher.iter(|| train(&start, black_box(&sequences), &options).expect("training runs through"));
+        });
+    }
 }
 
 /// A patch of a hundred taxels, and a frame in which all of them feel something.
@@ -143,26 +167,28 @@ fn hundred_taxels() -> (SkinLayout, Frame) {
 }
 
 fn online(criterion: &mut Criterion) {
-    let (models, _) = ModelSet::train(&trials(), &Recipe::authors()).expect("the trials can be trained on");
     let (layout, frame) = hundred_taxels();
     let mut group = criterion.benchmark_group("hmm/online_update");
     group.throughput(Throughput::Elements(frame.taxels.len() as u64));
-    for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
-        let options = OnlineOptions {
-            patch: "forearm".into(),
-            threshold_n: 0.0,
-            score,
-            decision: Decision::argmax(),
-        };
-        let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options).expect("models fit the skin");
-        group.bench_function(format!("100 taxels, 2 models/{name}"), |bencher| {
-            bencher.iter(|| {
-                classifier
-                    .update(black_box(&frame))
-                    .expect("the frame fits the skin")
-                    .count()
+    for states in STATES {
+        let models = models(states);
+        for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
+            let options = OnlineOptions {
+                patch: "forearm".into(),
+                threshold_n: 0.0,
+                score,
+                decision: Decision::argmax(),
+            };
+            let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options).expect("models fit the skin");
+            group.bench_function(format!("{name}/{states} states, 100 taxels, 2 models"), |bencher| {
+                bencher.iter(|| {
+                    classifier
+                        .update(black_box(&frame))
+                        .expect("the frame fits the skin")
+                        .count()
+                });
             });
-        });
+        }
     }
 }
 

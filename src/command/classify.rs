@@ -6,14 +6,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::disk::{Dataset, read_recording};
-use underbrush_recording::{Frame, InputError, SkinLayout, Trial};
+use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::Arm;
 
 use super::score::Score;
@@ -123,19 +122,17 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         .decision(models.decision.as_ref())
         .prepare(&models.categories())?;
     let trials = input::trials(&options.input, &options.cut)?;
-    let classify = |trial: &Trial| -> Result<TrialVerdict, Failure> {
-        let scores = models
-            .score(trial, kind)
-            .map_err(|error| Failure::from(error).about(&options.input))?;
-        let verdict = judge.judge(&scores)?;
-        Ok(TrialVerdict {
-            trial: trial.trial,
-            verdict,
-            truth: trial.category.clone(),
-            scores: scores.into_iter().collect(),
-        })
-    };
-    let verdicts: Vec<TrialVerdict> = trials.par_iter().map(classify).collect::<Result<_, _>>()?;
+    let scores = models
+        .score_all(&trials.iter().collect::<Vec<_>>(), kind)
+        .map_err(|error| Failure::from(error).about(&options.input))?;
+    let categories = models.categories();
+    let verdicts = trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
+        trial: trial.trial,
+        verdict: judge.verdict(judge.choose(&scores)),
+        truth: trial.category.clone(),
+        scores: categories.iter().cloned().zip(scores).collect(),
+    });
+    let verdicts: Vec<TrialVerdict> = verdicts.collect();
     if json {
         return output::result(true, &serde_json::json!({ "verdicts": verdicts }), String::new);
     }

@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_recording::Trial;
 
 use crate::failure::Failure;
 use crate::input::{self, LabelName, TrialArguments, Unit};
@@ -52,19 +50,14 @@ struct Row {
     log_likelihood: f64,
 }
 
-/// Trials that one thread scores together.
-const TOGETHER: usize = 64;
-
 /// Prints CSV, one row a model and trial.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let models = ModelSet::load(&options.model)?;
     let trials = input::trials(&options.trials, &whole_skin())?;
     let kind = options.by.into();
-    let score = |some: &[Trial]| models.score_all(&some.iter().collect::<Vec<_>>(), kind);
-    let scored = trials.par_chunks(TOGETHER).map(score).collect::<Result<Vec<_>, _>>();
-    let scored = scored
-        .map_err(|error| Failure::from(error).about(&options.trials))?
-        .concat();
+    let scored = models
+        .score_all(&trials.iter().collect::<Vec<_>>(), kind)
+        .map_err(|error| Failure::from(error).about(&options.trials))?;
     let rows = || {
         models.categories().into_iter().enumerate().flat_map(|(index, model)| {
             trials.iter().zip(&scored).map(move |(trial, scores)| Row {

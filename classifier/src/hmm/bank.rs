@@ -2,7 +2,7 @@
 
 use super::filter::{STREAMS, Weights};
 use super::model::GaussianHmm;
-use super::score::{ScoreKind, read_out, step};
+use super::score::ScoreKind;
 use super::tile::{Tile, vectorized};
 use crate::feature::FeatureError;
 
@@ -12,7 +12,6 @@ use crate::feature::FeatureError;
 /// [`FilterBank::new`]. Scores are those of [`super::RunningScore`], bit for bit.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterBank {
-    kind: ScoreKind,
     dimension: usize,
     models: usize,
     groups: Vec<Group>,
@@ -27,6 +26,8 @@ struct Group {
     waiting: [bool; STREAMS],
     /// Over 0: streams whose next sample is their first.
     fresh: Tile,
+    /// Streams that have taken in a sample which was not theirs.
+    spoiled: [bool; STREAMS],
     /// One a model.
     weights: Vec<Weights>,
     scores: Vec<Tile>,
@@ -37,18 +38,18 @@ impl FilterBank {
     pub(crate) fn new<'a>(kind: ScoreKind, models: impl Iterator<Item = &'a GaussianHmm>, streams: usize) -> Self {
         let (mut weights, mut dimension) = (Vec::new(), 0);
         for model in models {
-            weights.push(Weights::new(model.states));
+            weights.push(Weights::new(kind, &model.filter));
             dimension = model.dimension;
         }
         let group = Group {
             sample: vec![[0.0; STREAMS]; dimension],
             waiting: [false; STREAMS],
             fresh: [1.0; STREAMS],
+            spoiled: [false; STREAMS],
             scores: vec![[0.0; STREAMS]; weights.len()],
             weights,
         };
         FilterBank {
-            kind,
             dimension,
             models: group.weights.len(),
             groups: vec![group; streams.div_ceil(STREAMS)],
@@ -80,12 +81,14 @@ impl FilterBank {
             tile[stream % STREAMS] = *value;
         }
         group.waiting[stream % STREAMS] = true;
+        if std::mem::take(&mut group.spoiled[stream % STREAMS]) {
+            group.fresh[stream % STREAMS] = 1.0;
+        }
         Ok(())
     }
 
     /// Takes in all samples put in since the last time. `models` are those given to [`FilterBank::new`], in their order.
     pub(crate) fn advance<'a>(&mut self, models: impl Iterator<Item = &'a GaussianHmm> + Clone) {
-        let kind = self.kind;
         vectorized(
             #[inline(always)]
             || {
@@ -93,21 +96,19 @@ impl FilterBank {
                     let Some(some) = group.waiting.iter().position(|&waiting| waiting) else {
                         continue;
                     };
-                    // Streams without a sample begin with that of another, and again with their next.
+                    // Streams without a sample go on with that of another, and begin again with their next.
                     for stream in 0..STREAMS {
                         if !group.waiting[stream] {
-                            group.fresh[stream] = 1.0;
+                            group.spoiled[stream] = true;
                             group.sample.iter_mut().for_each(|tile| tile[stream] = tile[some]);
                         }
                     }
                     let filters = group.weights.iter_mut().zip(&mut group.scores);
                     for (model, (weights, score)) in models.clone().zip(filters) {
-                        step(kind, weights, model, &group.sample, group.fresh);
-                        *score = read_out(kind, weights);
+                        weights.step(&model.filter, &group.sample, group.fresh);
+                        *score = weights.scores();
                     }
-                    for stream in 0..STREAMS {
-                        group.fresh[stream] = if group.waiting[stream] { 0.0 } else { 1.0 };
-                    }
+                    group.fresh = [0.0; STREAMS];
                     group.waiting = [false; STREAMS];
                 }
             },

@@ -117,7 +117,7 @@ impl GaussianHmm {
             log_initial: parameters.initial.iter().map(|p| p.ln()).collect(),
             log_transition_into: (0..states).flat_map(into).collect(),
             log_transition,
-            filter: FilterModel::new(&parameters.initial, &transition, emissions.clone()),
+            filter: FilterModel::new(&parameters.initial, &transition, &emissions),
             initial: parameters.initial,
             transition,
             mean,

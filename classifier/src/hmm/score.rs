@@ -24,7 +24,6 @@ pub enum ScoreKind {
 /// bit for bit. No step allocates.
 #[derive(Clone, Debug)]
 pub struct RunningScore {
-    kind: ScoreKind,
     samples: usize,
     weights: Weights,
     /// D tiles: the sample at hand, once for each of the filter's streams.
@@ -35,9 +34,8 @@ impl RunningScore {
     /// A filter for `model`, before the first sample.
     pub fn new(kind: ScoreKind, model: &GaussianHmm) -> Self {
         RunningScore {
-            kind,
             samples: 0,
-            weights: Weights::new(model.states),
+            weights: Weights::new(kind, &model.filter),
             sample: vec![[0.0; STREAMS]; model.dimension],
         }
     }
@@ -86,13 +84,8 @@ impl RunningScore {
         for (tile, value) in self.sample.iter_mut().zip(sample) {
             *tile = [*value; STREAMS];
         }
-        step(
-            self.kind,
-            &mut self.weights,
-            model,
-            &self.sample,
-            [f64::from(self.samples == 0); STREAMS],
-        );
+        let fresh = [f64::from(self.samples == 0); STREAMS];
+        self.weights.step(&model.filter, &self.sample, fresh);
         self.samples += 1;
     }
 
@@ -101,25 +94,7 @@ impl RunningScore {
         if self.samples == 0 {
             return 0.0;
         }
-        read_out(self.kind, &self.weights)[0]
-    }
-}
-
-/// Takes in one sample of each of a filter's streams.
-#[inline(always)]
-pub(super) fn step(kind: ScoreKind, weights: &mut Weights, model: &GaussianHmm, sample: &[Tile], fresh: Tile) {
-    match kind {
-        ScoreKind::Forward => weights.forward(&model.filter, sample, fresh),
-        ScoreKind::Viterbi => weights.best(&model.filter, sample, fresh),
-    }
-}
-
-/// The scores of a filter's streams.
-#[inline(always)]
-pub(super) fn read_out(kind: ScoreKind, weights: &Weights) -> Tile {
-    match kind {
-        ScoreKind::Forward => weights.log_sum(),
-        ScoreKind::Viterbi => weights.log_best(),
+        self.weights.scores()[0]
     }
 }
 
@@ -149,7 +124,7 @@ impl GaussianHmm {
         let mut order: Vec<usize> = (0..sequences.len()).collect();
         order.sort_by_key(|&index| sequences[index].sample_count());
         let mut scores = vec![0.0; sequences.len()];
-        let mut weights = Weights::new(self.states);
+        let mut weights = Weights::new(kind, &self.filter);
         let mut sample = vec![[0.0; STREAMS]; self.dimension];
         vectorized(
             #[inline(always)]
@@ -157,22 +132,18 @@ impl GaussianHmm {
                 for group in order.chunks(STREAMS) {
                     let longest = sequences[group[group.len() - 1]].sample_count();
                     for time in 0..longest {
-                        let mut fresh = [f64::from(time == 0); STREAMS];
                         for stream in 0..STREAMS {
-                            // A stream that has ended, or never was, follows the longest and begins again and again.
+                            // A stream that has ended, or never was, goes on with the longest one's samples.
                             let own = sequences[group[stream.min(group.len() - 1)]];
                             let ended = time >= own.sample_count();
                             let source = if ended { sequences[group[group.len() - 1]] } else { own };
-                            if ended || stream >= group.len() {
-                                fresh[stream] = 1.0;
-                            }
                             for (tile, value) in sample.iter_mut().zip(source.sample(time)) {
                                 tile[stream] = *value;
                             }
                         }
-                        step(kind, &mut weights, self, &sample, fresh);
+                        weights.step(&self.filter, &sample, [f64::from(time == 0); STREAMS]);
                         if group.iter().any(|&index| sequences[index].sample_count() == time + 1) {
-                            let found = read_out(kind, &weights);
+                            let found = weights.scores();
                             for (&index, found) in group.iter().zip(found) {
                                 if sequences[index].sample_count() == time + 1 {
                                     scores[index] = found;

@@ -10,6 +10,10 @@ pub(super) const WIDTH: usize = 4;
 /// Runs `work` with AVX2 where the processor has it. What `work` calls must be inlined into it.
 #[inline(always)]
 pub(super) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+    #[cfg(test)]
+    if tests::BASELINE_ONLY.get() {
+        return work();
+    }
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(avx2) = fearless_simd::Level::new().as_avx2() {
         return fearless_simd::Simd::vectorize(avx2, work);
@@ -161,8 +165,15 @@ pub(super) fn logarithm(x: f64) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use std::cell::Cell;
+
     use super::*;
+
+    thread_local! {
+        /// Whether this thread does without what only some processors have.
+        pub(in crate::hmm) static BASELINE_ONLY: Cell<bool> = const { Cell::new(false) };
+    }
 
     #[test]
     fn powers_of_two_are_exact_to_the_last_place() {

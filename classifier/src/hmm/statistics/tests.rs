@@ -2,7 +2,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::hmm::{HmmParameters, Topology};
+use crate::hmm::tile::tests::BASELINE_ONLY;
+use crate::hmm::{HmmParameters, ScoreKind, Topology};
 
 /// A model of the authors' start topology over 0 … 3 N, with narrow and wide states.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
@@ -140,4 +141,47 @@ fn what_was_ruled_out_and_comes_back_is_left_to_log_space() {
     let expected = 0.5f64.ln() + 5.0 * peak - 0.5 * 2.0 / variance;
     assert!((statistics.log_likelihood - expected).abs() < 1e-9 * expected.abs());
     assert!((statistics.occupancy[1] - 5.0).abs() < 1e-9);
+}
+
+#[test]
+fn every_processor_gets_the_same_bits() {
+    // Pins that the code for any processor and that for this one's vector instructions, where it has them, give the same
+    // scores and counts to the last bit, on data of the model and on such that no state fits.
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    for (states, dimension) in [(10, 1), (7, 2)] {
+        let model = model(states, Topology::LeftToRight, dimension, &mut rng);
+        let sequences: Vec<Observations> = (0..12)
+            .map(|number| {
+                let mut sequence = press(20 + 9 * number, dimension, number, &mut rng);
+                if number % 3 == 0 {
+                    let far: Vec<f64> = sequence.samples().flatten().map(|value| 8.0 - 3.0 * value).collect();
+                    sequence = Observations::new(dimension, far).unwrap();
+                }
+                sequence
+            })
+            .collect();
+        let all: Vec<&Observations> = sequences.iter().collect();
+        let compute = || {
+            let counts = Statistics::collect(&model, &sequences).ok().unwrap();
+            let scores =
+                [ScoreKind::Forward, ScoreKind::Viterbi].map(|kind| model.log_probabilities(kind, &all).unwrap());
+            let numbers = [
+                counts.initial,
+                counts.transition,
+                counts.occupancy,
+                counts.first,
+                counts.second,
+            ];
+            let numbers = numbers.concat().into_iter().chain(scores.concat());
+            (
+                counts.log_likelihood.to_bits(),
+                numbers.map(f64::to_bits).collect::<Vec<_>>(),
+            )
+        };
+        let here = compute();
+        BASELINE_ONLY.set(true);
+        let anywhere = compute();
+        BASELINE_ONLY.set(false);
+        assert_eq!(here, anywhere, "{states} states");
+    }
 }
