@@ -5,7 +5,13 @@ use std::path::{Path, PathBuf};
 /// What decides the frames of a reach.
 const DATA_SOURCES: [&str; 5] = ["sim/src", "sim/arms", "recording/src", "src/dataset.rs", "Cargo.lock"];
 /// What decides the figures that are computed from them.
-const ANALYSIS_SOURCES: [&str; 2] = ["classifier/src", "src/command/reproduce/data.rs"];
+const ANALYSIS_SOURCES: [&str; 5] = [
+    "classifier/src",
+    "src/command/reproduce/data.rs",
+    "src/command/reproduce/campaign.rs",
+    "src/command/reproduce/splits.rs",
+    "src/command/reproduce/ablation.rs",
+];
 /// What only draws them.
 const DRAWING_SOURCES: &str = "classifier/src/report";
 

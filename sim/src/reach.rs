@@ -32,15 +32,16 @@ pub struct ReachPlan {
 pub type Observer<'a> = dyn FnMut(&World, &Clutter, &Frame) + 'a;
 
 impl ReachPlan {
-    /// A plan with the scene's own arm and, unless another is named, its own controller.
+    /// A plan with the scene's own arm, as stiff as the scene says, and, unless another is named, its own controller.
     ///
     /// # Errors
     /// When the arm's files are bad or no controller has that name.
     pub fn new(scene: Scene, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
-        let arm = match scene.file.arm.as_str() {
+        let mut arm = match scene.file.arm.as_str() {
             "cody" => Arm::cody()?,
             path => Arm::load(scene.path.parent().unwrap_or(std::path::Path::new(".")).join(path))?,
         };
+        arm.scale_stiffness(scene.file.robot.stiffness_scale);
         let name = controller.unwrap_or(&scene.file.controller).to_string();
         if !controller::NAMES.contains(&name.as_str()) {
             let allowed = format!("one of {}", controller::NAMES.join(", "));
@@ -62,7 +63,8 @@ impl ReachPlan {
 
     fn make_controller(&self) -> Box<dyn Controller> {
         // The name was checked when the plan was made; the default stands for a plan put together by hand.
-        controller::by_name(&self.controller, &self.arm)
+        let hand_speed_scale = self.scene.file.robot.hand_speed_scale;
+        controller::by_name(&self.controller, &self.arm, hand_speed_scale)
             .unwrap_or_else(|| Box::new(ModelPredictive::new(Preset::cody_2013(), &self.arm)))
     }
 
@@ -323,3 +325,6 @@ pub fn arm_at_start(arm: &Arm) -> ArmAtStart {
         length_m,
     }
 }
+
+#[cfg(test)]
+mod tests;

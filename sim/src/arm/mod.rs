@@ -149,6 +149,16 @@ impl Arm {
         self.joints.iter().map(|joint| joint.start_rad).collect()
     }
 
+    /// Makes every joint `scale` times as stiff, in the world and in the controller's belief, and keeps its damping ratio:
+    /// D ∝ √K.
+    pub(crate) fn scale_stiffness(&mut self, scale: f64) {
+        for joint in &mut self.joints {
+            joint.stiffness_nm_per_rad *= scale;
+            joint.believed_stiffness_nm_per_rad *= scale;
+            joint.damping_nm_s_per_rad *= scale.sqrt();
+        }
+    }
+
     /// Index of the link called `name`.
     pub fn link_index(&self, name: &str) -> Option<usize> {
         self.links.iter().position(|link| link.name == name)

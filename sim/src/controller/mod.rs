@@ -89,12 +89,13 @@ pub trait Controller: Send + Sync {
 /// Names of all controllers.
 pub const NAMES: [&str; 3] = ["cody-2013", "ijrr-foliage", "blind"];
 
-/// The controller called `name` (one of [`NAMES`]) for an arm.
-pub fn by_name(name: &str, arm: &Arm) -> Option<Box<dyn Controller>> {
+/// The controller called `name` (one of [`NAMES`]) for an arm, at so many times the hand speed of its preset.
+pub fn by_name(name: &str, arm: &Arm, hand_speed_scale: f64) -> Option<Box<dyn Controller>> {
+    let scaled = |preset: Preset| preset.at_hand_speed(hand_speed_scale);
     Some(match name {
-        "cody-2013" => Box::new(ModelPredictive::new(Preset::cody_2013(), arm)),
-        "ijrr-foliage" => Box::new(ModelPredictive::new(Preset::ijrr_foliage(), arm)),
-        "blind" => Box::new(Blind::new(Preset::cody_2013(), arm)),
+        "cody-2013" => Box::new(ModelPredictive::new(scaled(Preset::cody_2013()), arm)),
+        "ijrr-foliage" => Box::new(ModelPredictive::new(scaled(Preset::ijrr_foliage()), arm)),
+        "blind" => Box::new(Blind::new(scaled(Preset::cody_2013()), arm)),
         _ => return None,
     })
 }

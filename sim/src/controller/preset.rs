@@ -133,4 +133,15 @@ impl Preset {
             time_out_s: 100.0,
         }
     }
+
+    /// The same with `scale` times the move and the turn of the tip that one step may want, and as much more or less
+    /// change of the equilibrium angles, which would hold the hand back otherwise.
+    pub fn at_hand_speed(self, scale: f64) -> Preset {
+        Preset {
+            tip_step_m: self.tip_step_m * scale,
+            tip_turn_rad: self.tip_turn_rad * scale,
+            equilibrium_step_rad: self.equilibrium_step_rad.map(|step| step * scale),
+            ..self
+        }
+    }
 }

@@ -20,6 +20,9 @@ pub struct SceneFile {
     /// Controller of the arm: see `underbrush reach --help`.
     #[serde(default = "default_controller")]
     pub controller: String,
+    /// What is changed about the arm.
+    #[serde(default)]
+    pub robot: RobotSection,
     /// Where the clutter stands.
     #[serde(default)]
     pub workspace: Workspace,
@@ -44,6 +47,28 @@ fn default_arm() -> String {
 /// The flipper-era values of the authors' robot.
 fn default_controller() -> String {
     "cody-2013".into()
+}
+
+/// What is changed about the arm and its controller, for other arms of the same build and other speeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RobotSection {
+    /// Factor on the stiffness of every joint, the simulated and the believed; the damping goes with its square root, which
+    /// keeps the joints' damping ratio (a choice).
+    pub stiffness_scale: f64,
+    /// Factor on what the controller allows the hand in one step: move, turn, and change of the equilibrium angles. The
+    /// joints' own slew limits stay.
+    pub hand_speed_scale: f64,
+}
+
+impl Default for RobotSection {
+    /// The arm and the controller as they are.
+    fn default() -> Self {
+        RobotSection {
+            stiffness_scale: 1.0,
+            hand_speed_scale: 1.0,
+        }
+    }
 }
 
 /// Where the clutter stands, in the world frame: origin at the arm's base, x forward, y left, z up.

@@ -12,7 +12,7 @@ use crate::sensor::Fault;
 mod file;
 pub mod quantity;
 
-pub use file::{Goals, Objects, PhysicsSection, Placement, SceneFile, Workspace};
+pub use file::{Goals, Objects, PhysicsSection, Placement, RobotSection, SceneFile, Workspace};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
 #[derive(Clone, Debug)]
@@ -99,6 +99,14 @@ impl Scene {
             return Err(self.fault("workspace.table_height_m", workspace.table_height_m, "a finite height"));
         }
         self.check_physics()?;
+        for (key, scale) in [
+            ("robot.stiffness_scale", file.robot.stiffness_scale),
+            ("robot.hand_speed_scale", file.robot.hand_speed_scale),
+        ] {
+            if !(0.1..=10.0).contains(&scale) {
+                return Err(self.fault(key, scale, "0.1 to 10"));
+            }
+        }
         self.sensor_fault(file.sensor.fault())?;
         if file.goals.count == 0 || file.goals.count > 1000 {
             return Err(self.fault("goals.count", file.goals.count, "1 to 1000 goals"));

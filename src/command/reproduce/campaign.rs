@@ -3,14 +3,15 @@
 use std::path::Path;
 use std::sync::Mutex;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::evaluate::{Folds, Interval, TableOneCell, TableOneUnit, table_one};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
-use underbrush_classifier::trial::{TrialError, component_trials, taxel_trials};
+use underbrush_classifier::trial::{TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
-use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::{Scene, SceneFile};
 
 use super::data::{self, TRAINING};
 use crate::dataset::{Campaign, PROGRAM_VERSION};
@@ -66,18 +67,33 @@ pub fn recipes() -> [(&'static str, Recipe); 2] {
     [(AUTHORS, Recipe::authors()), (MODERN, Recipe::modern())]
 }
 
-pub fn campaign(seed: u64, quick: bool) -> Result<Campaign, Failure> {
-    let scene = |training: &data::Training| {
-        let (path, text) = training.scene;
-        let reaches = if quick {
+/// Reaches of each training scene.
+pub fn reaches(quick: bool) -> [u64; 2] {
+    TRAINING.map(|training| {
+        if quick {
             training.quick_reaches
         } else {
             training.reaches
-        };
-        Ok((Scene::parse(path, text.into())?, reaches))
+        }
+    })
+}
+
+pub fn campaign(seed: u64, quick: bool) -> Result<Campaign, Failure> {
+    changed_campaign(seed, reaches(quick), |_| {})
+}
+
+/// So many reaches of each training scene with something changed. A data set would not tell of the change, as it stores
+/// the scene's text: only for [`Trials::of_campaign`].
+pub fn changed_campaign(seed: u64, reaches: [u64; 2], change: impl Fn(&mut SceneFile)) -> Result<Campaign, Failure> {
+    let scene = |(training, reaches): (&data::Training, u64)| {
+        let (path, text) = training.scene;
+        let mut scene = Scene::parse(path, text.into())?;
+        change(&mut scene.file);
+        Ok((scene, reaches))
     };
+    let scenes = TRAINING.iter().zip(reaches).map(scene);
     Ok(Campaign {
-        scenes: TRAINING.iter().map(scene).collect::<Result<_, Failure>>()?,
+        scenes: scenes.collect::<Result<_, Failure>>()?,
         seed,
         controller: data::CONTROLLER.map(str::to_owned),
         shard: None,
@@ -85,14 +101,13 @@ pub fn campaign(seed: u64, quick: bool) -> Result<Campaign, Failure> {
 }
 
 impl Trials {
-    pub fn cut(recording: &Recording) -> Result<Self, TrialError> {
-        let options = data::trial_options();
+    pub fn cut(recording: &Recording, options: &TrialOptions) -> Result<Self, TrialError> {
         let plain = |found: Vec<underbrush_classifier::trial::ContactTrial>| {
             found.into_iter().map(|contact| contact.trial).collect()
         };
         Ok(Trials {
-            component: plain(component_trials(recording, &options)?),
-            taxel: plain(taxel_trials(recording, &options)?),
+            component: plain(component_trials(recording, options)?),
+            taxel: plain(taxel_trials(recording, options)?),
         })
     }
 
@@ -111,11 +126,11 @@ impl Trials {
     }
 
     /// The trials of a data set.
-    pub fn of_dataset(dataset: &Dataset) -> Result<Self, Failure> {
+    pub fn of_dataset(dataset: &Dataset, options: &TrialOptions) -> Result<Self, Failure> {
         let bar = progress::bar(dataset.episodes().len() as u64, "reaches read");
         let mut trials = Trials::default();
         for episode in 0..dataset.episodes().len() {
-            trials.append(episode, Trials::cut(&dataset.read_reach(episode)?)?);
+            trials.append(episode, Trials::cut(&dataset.read_reach(episode)?, options)?);
             bar.inc(1);
         }
         bar.finish_and_clear();
@@ -123,10 +138,11 @@ impl Trials {
     }
 
     /// Runs a campaign and keeps its trials alone: frames of twenty campaigns would fill a disk.
-    fn of_campaign(campaign: &Campaign) -> Result<Self, Failure> {
+    pub fn of_campaign(campaign: &Campaign) -> Result<Self, Failure> {
+        let options = data::trial_options();
         let cut: Mutex<Vec<(usize, Trials)>> = Mutex::default();
         campaign.run(|place, recording| {
-            let own = Trials::cut(&recording)?;
+            let own = Trials::cut(&recording, &options)?;
             if let Ok(mut cut) = cut.lock() {
                 cut.push((place, own));
             }
@@ -146,21 +162,16 @@ impl Trials {
         }
     }
 
-    /// Trials per reach, and Table I in both recipes, with the evaluations behind each cell.
-    pub fn measure(&self, quick: bool) -> Result<(Measurement, Vec<RecipeCell>), Failure> {
-        let mut trials_per_reach = Vec::new();
+    /// Trials per reach of a campaign of so many reaches of each scene.
+    pub fn per_reach(&self, reaches: [u64; 2]) -> Vec<TrialsPerReach> {
+        let mut rows = Vec::new();
         for place in 0..2 {
-            for training in &TRAINING {
+            for (training, reaches) in TRAINING.iter().zip(reaches) {
                 let (by, paper) = training.paper_trials_per_reach[place];
                 let category = training.category.name();
                 let own = |trial: &&Trial| trial.category.as_deref() == Some(category);
                 let trials = self.of(by).iter().filter(own).count();
-                let reaches = if quick {
-                    training.quick_reaches
-                } else {
-                    training.reaches
-                };
-                trials_per_reach.push(TrialsPerReach {
+                rows.push(TrialsPerReach {
                     by,
                     category: category.into(),
                     trials,
@@ -169,19 +180,29 @@ impl Trials {
                 });
             }
         }
-        let mut cells = Vec::new();
+        rows
+    }
+
+    /// Table I in one recipe, as numbers and with the evaluations behind them.
+    pub fn table_1(&self, name: &'static str, recipe: &Recipe) -> Result<(Vec<Cell>, Vec<RecipeCell>), Failure> {
+        let found = table_one(&self.component, &self.taxel, recipe, Folds::paper())?;
+        let cells = found.iter().map(|cell| Cell::new(name, cell)).collect();
+        Ok((cells, found.into_iter().map(|cell| (name, cell)).collect()))
+    }
+
+    /// Trials per reach, and Table I in both recipes, with the evaluations behind each cell.
+    pub fn measure(&self, quick: bool) -> Result<(Measurement, Vec<RecipeCell>), Failure> {
+        let (mut table_1, mut evaluated) = (Vec::new(), Vec::new());
         for (name, recipe) in recipes() {
-            let found = table_one(&self.component, &self.taxel, &recipe, Folds::paper())?;
-            cells.extend(found.into_iter().map(|cell| (name, cell)));
+            let (cells, found) = self.table_1(name, &recipe)?;
+            table_1.extend(cells);
+            evaluated.extend(found);
         }
-        let table_1 = cells.iter().map(|(name, cell)| Cell::new(name, cell)).collect();
-        Ok((
-            Measurement {
-                trials_per_reach,
-                table_1,
-            },
-            cells,
-        ))
+        let measurement = Measurement {
+            trials_per_reach: self.per_reach(reaches(quick)),
+            table_1,
+        };
+        Ok((measurement, evaluated))
     }
 }
 
@@ -204,40 +225,51 @@ impl Cell {
     }
 }
 
-/// A campaign's result as it is kept, with what it was made by.
+/// A result as it is kept, with what it was made by.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+struct Kept<T> {
     program: String,
     /// Hash of the sources that decide trials, models and figures.
     analysis: String,
     seed: u64,
     quick: bool,
-    measurement: Measurement,
+    result: T,
 }
 
-/// The measurement of the campaign of a seed: as kept by this build, or made now and kept.
-pub fn measured(out: &Path, seed: u64, quick: bool) -> Result<Measurement, Failure> {
-    let path = out.join("campaigns").join(format!("seed-{seed}.json"));
+/// The result called `name` for a seed: as kept by this build, or made now and kept.
+pub fn kept<T: Serialize + DeserializeOwned>(
+    out: &Path,
+    name: &str,
+    (seed, quick): (u64, bool),
+    make: impl FnOnce() -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let path = out.join("campaigns").join(format!("{name}-{seed}.json"));
     let kept = std::fs::read(&path)
         .ok()
-        .and_then(|bytes| serde_json::from_slice::<Kept>(&bytes).ok())
+        .and_then(|bytes| serde_json::from_slice::<Kept<T>>(&bytes).ok())
         .filter(|kept| {
             kept.program == PROGRAM_VERSION
                 && kept.analysis == env!("UNDERBRUSH_ANALYSIS_SOURCES")
                 && (kept.seed, kept.quick) == (seed, quick)
         });
     if let Some(kept) = kept {
-        return Ok(kept.measurement);
+        return Ok(kept.result);
     }
-    let (measurement, _) = Trials::of_campaign(&campaign(seed, quick)?)?.measure(quick)?;
     let kept = Kept {
         program: PROGRAM_VERSION.into(),
         analysis: env!("UNDERBRUSH_ANALYSIS_SOURCES").into(),
         seed,
         quick,
-        measurement,
+        result: make()?,
     };
     let bytes = serde_json::to_vec_pretty(&kept).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&path, &bytes)?;
-    Ok(kept.measurement)
+    Ok(kept.result)
+}
+
+/// The measurement of the campaign of a seed.
+pub fn measured(out: &Path, seed: u64, quick: bool) -> Result<Measurement, Failure> {
+    kept(out, "seed", (seed, quick), || {
+        Ok(Trials::of_campaign(&campaign(seed, quick)?)?.measure(quick)?.0)
+    })
 }

@@ -1,8 +1,9 @@
 //! Which data: scenes, how many reaches of each, and how trials are cut. Everything else of `reproduce` follows.
 
 use underbrush_classifier::evaluate::TableOneUnit;
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::Category;
+use underbrush_sim::scene::{RobotSection, SceneFile};
 
 /// A scene as shipped in `scenes/`: its path for messages, and its text.
 pub type SceneSource = (&'static str, &'static str);
@@ -89,3 +90,69 @@ pub const TRUNCATIONS: [usize; 7] = [200, 150, 100, 50, 25, 12, 6];
 /// and so many contacts are expected to be outliers. Choices: one in twenty, each.
 pub const FALSE_POSITIVE_RATE: f64 = 0.05;
 pub const OUTLIER_PRIOR: f64 = 0.05;
+
+/// The arm and the speed of the campaign's own reaches.
+pub const NOMINAL: &str = "nominal";
+/// Arm stiffness and hand speed at which else the training scenes are run, to train at one and test at the others: the
+/// open question of the follow-up study (arXiv 1409.4972). Half and double by choice.
+pub const SETTINGS: [(&str, RobotSection); 4] = [
+    ("half stiffness", robot(0.5, 1.0)),
+    ("double stiffness", robot(2.0, 1.0)),
+    ("half speed", robot(1.0, 0.5)),
+    ("double speed", robot(1.0, 2.0)),
+];
+/// Reaches of each training scene at a setting, for a full run and a quick one.
+pub const SETTING_REACHES: [[u64; 2]; 2] = [[5, 12], [2, 4]];
+
+const fn robot(stiffness_scale: f64, hand_speed_scale: f64) -> RobotSection {
+    RobotSection {
+        stiffness_scale,
+        hand_speed_scale,
+    }
+}
+
+/// One thing that is otherwise than in the campaign.
+pub enum Change {
+    /// How the same reaches are cut into trials.
+    Cut(fn() -> TrialOptions),
+    /// What is simulated.
+    Scene(fn(&mut SceneFile)),
+}
+
+/// What each part of reality is worth: Table I with one of these changed at a time; name, what it is, and how.
+pub const CHANGES: [(&str, &str, Change); 5] = [
+    (
+        "labels by contact",
+        "a trial's category is what truly touches the taxel, not what stands in the scene",
+        Change::Cut(|| TrialOptions {
+            labels: Labels::Contact,
+            ..trial_options()
+        }),
+    ),
+    (
+        "trials of any length",
+        "also those of fewer samples than models have states",
+        Change::Cut(|| TrialOptions {
+            min_samples: 1,
+            ..trial_options()
+        }),
+    ),
+    (
+        "no strays",
+        "no taxel reads a force where nothing touches",
+        Change::Scene(|scene| scene.sensor.stray_share = 0.0),
+    ),
+    (
+        "perfect sensor",
+        "the sensed force is the true force",
+        Change::Scene(|scene| scene.sensor.perfect = true),
+    ),
+    (
+        "nobody watching",
+        "the controller's own rule ends a goal, and each is tried once more",
+        Change::Scene(|scene| {
+            scene.goals.patience_s = None;
+            scene.goals.retries = 1;
+        }),
+    ),
+];

@@ -1,9 +1,11 @@
 //! `underbrush reproduce`: the paper's data, models, tables and figures, and a report that shows them beside the
 //! published ones.
 //!
-//! `data` says which reaches; `campaign`, `reaches`, `online`, `thresholds` and `truncation` measure, `comparison` sets
+//! `data` says which reaches; `campaign`, `reaches`, `online`, `thresholds`, `truncation`, `classifiers`,
+//! `splits` and `ablation` measure, `comparison` sets
 //! beside the paper; `results` holds all numbers; `tables`, `figures` and `page` only show them.
 
+mod ablation;
 mod campaign;
 mod classifiers;
 mod comparison;
@@ -16,6 +18,7 @@ mod reaches;
 mod results;
 mod skin_map;
 mod snapshot;
+mod splits;
 mod tables;
 mod thresholds;
 mod truncation;
@@ -31,10 +34,12 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::{Dataset, write_trials};
 
+use self::ablation::Ablated;
 use self::campaign::{Measurement, RecipeCell, Trials};
 use self::classifiers::Compared;
 use self::online::{Classified, Online, Shares};
 use self::results::{Campaigns, Outliers, Results, Roc, SamplesUsed, Timing};
+use self::splits::Split;
 use self::thresholds::Thresholds;
 use crate::dataset::PROGRAM_VERSION;
 use crate::failure::Failure;
@@ -98,7 +103,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
     let dataset = stages.run("Training reaches", || make_or_reuse(out, seed, quick))?;
     audit::warn(dataset.episodes());
-    let trials = stages.run("Trials", || Trials::of_dataset(&dataset))?;
+    let trials = stages.run("Trials", || Trials::of_dataset(&dataset, &data::trial_options()))?;
     write_trials(out.join("trials-component.parquet"), trials.component.iter().cloned())?;
     write_trials(out.join("trials-taxel.parquet"), trials.taxel.iter().cloned())?;
     let (measurement, cells) = stages.run("Table I, two recipes", || trials.measure(quick))?;
@@ -118,6 +123,17 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let snapshot = stages.run("A moment of the general reach", || {
         snapshot::take(&models, &online, seed)
     })?;
+    let splits = stages.run("Other arms and speeds", || {
+        campaign::kept(out, "splits", (seed, quick), || splits::run(seed, quick, &trials.taxel))
+    })?;
+    let ablation = match quick {
+        true => Vec::new(),
+        false => stages.run("What each part of reality is worth", || {
+            campaign::kept(out, "ablation", (seed, quick), || {
+                ablation::run(seed, &dataset, &measurement)
+            })
+        })?,
+    };
     let campaigns = match options.campaigns {
         1 => None,
         count => stages.run("Further campaigns", || campaigns(out, seed, quick, count, &measurement))?,
@@ -134,6 +150,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         campaigns,
         truncated,
         compared,
+        splits,
+        ablation,
         &online,
         &thresholds,
         stages,
@@ -190,6 +208,8 @@ impl Results {
         campaigns: Option<Campaigns>,
         truncated: Vec<results::Truncated>,
         classifiers: Vec<Compared>,
+        splits: Vec<Split>,
+        ablation: Vec<Ablated>,
         online: &Online,
         thresholds: &Thresholds,
         stages: Stages,
@@ -215,6 +235,8 @@ impl Results {
             figure_11: online.engineered.clone(),
             figure_13: truncated,
             classifiers,
+            splits,
+            ablation,
             figure_15: Outliers {
                 drawn: online.outlier_drawn,
                 reaches: online.outlier.len(),

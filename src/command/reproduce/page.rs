@@ -14,6 +14,8 @@ use crate::failure::Failure;
 use crate::output;
 use crate::picture::{self, TaxelMark};
 
+mod beyond;
+
 /// Page and tables under way.
 struct Report<'a> {
     results: &'a Results,
@@ -50,6 +52,8 @@ pub fn write(
     report.truncation();
     report.outliers();
     report.classifiers();
+    report.splits();
+    report.ablation();
     for table in &report.tables {
         let path = folder.join("csv").join(format!("{}.csv", table.name));
         output::write_file(&path, table.csv().as_bytes())?;
@@ -379,24 +383,5 @@ impl Report<'_> {
             self.page.figure(caption, &charts);
             self.numbers(tables::roc(self.thresholds));
         }
-    }
-
-    fn classifiers(&mut self) {
-        self.page.section("Other classifiers, and how fast they decide");
-        self.page.published(
-            "the best of Table I is 81.4 %, taxels by force with 20 states, two folds by position; the authors' earlier \
-             method was nearest neighbours on principal components of a fixed window.",
-        );
-        self.page.paragraph(
-            "All classifiers here are tested on whole reaches that they were not trained on, which is stricter, and asked \
-             after a number of samples since contact; a trial that ended before keeps its last verdict.",
-        );
-        self.page.paragraph(&words::classifiers(self.results));
-        self.table(tables::classifiers(self.results));
-        if let Some(chart) = figures::by_samples(self.results) {
-            self.page
-                .figure("Accuracy on all trials against samples since contact.", &[chart]);
-        }
-        self.numbers(tables::by_samples(self.results));
     }
 }

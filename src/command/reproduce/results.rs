@@ -8,9 +8,11 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::disk::Episode;
 use underbrush_recording::{Category, Trial};
 
+use super::ablation::Ablated;
 use super::campaign::{Cell, TrialsPerReach};
 use super::classifiers::Compared;
 use super::online::{Detection, Engineered, Shares};
+use super::splits::Split;
 use crate::audit::{self, Worst};
 
 /// The numbers of one run. Only `timing` depends on the machine.
@@ -36,6 +38,10 @@ pub struct Results {
     pub figure_13: Vec<Truncated>,
     pub figure_15: Outliers,
     pub classifiers: Vec<Compared>,
+    /// Trained at one arm stiffness and hand speed, tested at others.
+    pub splits: Vec<Split>,
+    /// Table I with one thing changed at a time; nothing from a quick run.
+    pub ablation: Vec<Ablated>,
     /// Thresholds chosen from the training data; `None` where none hold what is asked for.
     pub thresholds: Option<ChosenThresholds>,
     pub roc: Roc,
@@ -178,6 +184,15 @@ pub fn features_name(features: FeatureSet) -> &'static str {
     match features {
         FeatureSet::Force => "force",
         FeatureSet::ForceAndMotion => "force+motion",
+    }
+}
+
+impl Results {
+    /// The classifiers that were tried at other settings, in their order.
+    pub fn split_classifiers(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.splits.iter().map(|split| split.classifier.as_str()).collect();
+        names.dedup();
+        names
     }
 }
 

@@ -3,10 +3,12 @@
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::report::{Cell, Table};
 
-use super::classifiers::PAPER_BEST;
 use super::online::Online;
 use super::results::{Ordering, Results, features_name, unit_name};
-use super::thresholds::Thresholds;
+
+mod beyond;
+
+pub use beyond::{ablation, by_samples, classifiers, roc, splits, splits_of};
 
 pub fn trials_per_reach(results: &Results) -> Table {
     let columns = ["trials", "count", "per reach", "paper"];
@@ -324,69 +326,6 @@ pub fn detection(results: &Results) -> Table {
             Cell::Number(row.uncertain_percent, 1),
             Cell::Number(row.outlier_percent, 1),
         ]);
-    }
-    table
-}
-
-pub fn classifiers(results: &Results) -> Table {
-    let columns = ["classifier", "accuracy / %", "from", "to", "against the paper's best"];
-    let caption = "Taxels, two folds by whole reaches, whole trials, with the 95 % interval by reach";
-    let mut table = Table::new("classifiers", caption, &columns);
-    for compared in &results.classifiers {
-        table.rows.push(vec![
-            compared.classifier.into(),
-            Cell::Number(compared.accuracy, 1),
-            Cell::Number(compared.low, 1),
-            Cell::Number(compared.high, 1),
-            Cell::Difference(compared.accuracy - PAPER_BEST, 1),
-        ]);
-    }
-    table
-}
-
-pub fn by_samples(results: &Results) -> Table {
-    let columns = [
-        "classifier",
-        "samples at most",
-        "accuracy / %",
-        "from",
-        "to",
-        "trials lasting so long",
-        "accuracy on these / %",
-    ];
-    let mut table = Table::new("accuracy_by_samples", "Accuracy by samples since contact", &columns);
-    for compared in &results.classifiers {
-        for point in &compared.by_samples {
-            table.rows.push(vec![
-                compared.classifier.into(),
-                point.samples.map_or("all".into(), Cell::Count),
-                Cell::Number(100.0 * point.accuracy, 1),
-                Cell::optional(point.interval_by_reach.map(|interval| 100.0 * interval.low), 1),
-                Cell::optional(point.interval_by_reach.map(|interval| 100.0 * interval.high), 1),
-                point.lasting.into(),
-                Cell::optional(point.accuracy_of_lasting.map(|accuracy| 100.0 * accuracy), 1),
-            ]);
-        }
-    }
-    table
-}
-
-/// The points of both curves.
-pub fn roc(thresholds: &Thresholds) -> Table {
-    let columns = ["curve", "least_lead_nats", "false_positive_rate", "true_positive_rate"];
-    let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
-    for (name, curve) in [
-        ("leaf against trunk", &thresholds.category_roc),
-        ("outlier", &thresholds.outlier_roc),
-    ] {
-        for point in curve.iter().flat_map(|curve| &curve.points) {
-            table.rows.push(vec![
-                name.into(),
-                Cell::optional(point.threshold, 2),
-                Cell::Number(point.false_positive_rate, 4),
-                Cell::Number(point.true_positive_rate, 4),
-            ]);
-        }
     }
     table
 }

@@ -65,7 +65,7 @@ fn a_report_is_whole() {
     let [leaves, trunks] = [("leaves.toml", LEAVES), ("trunks.toml", TRUNKS)].map(|(name, text)| reaches(name, text));
     let mut trials = Trials::default();
     for (place, recording) in leaves.iter().chain(&trunks).enumerate() {
-        trials.append(place, Trials::cut(recording).unwrap());
+        trials.append(place, Trials::cut(recording, &data::trial_options()).unwrap());
     }
     let (measurement, cells) = trials.measure(true).unwrap();
     let (models, _) = ModelSet::train(&trials.taxel, &Recipe::authors()).unwrap();
@@ -88,6 +88,17 @@ fn a_report_is_whole() {
     let reaches = results::Reaches::of(&[]);
     let compared = classifiers::run(&trials.taxel).unwrap();
     let truncated = truncation::run(&trials.taxel).unwrap();
+    let settings = ["one", "other"].map(|name| splits::Setting::new(name, &trials.taxel, [8, 8], [8, 8]));
+    let splits = splits::splits(&settings).unwrap();
+    let ablation = [ablation::AS_IS, "something"]
+        .map(|change| {
+            Ablated::new(
+                change,
+                measurement.table_1.clone(),
+                measurement.trials_per_reach.clone(),
+            )
+        })
+        .to_vec();
     let results = Results::new(
         0,
         true,
@@ -98,6 +109,8 @@ fn a_report_is_whole() {
         campaigns,
         truncated,
         compared,
+        splits,
+        ablation,
         &online,
         &thresholds,
         stages,
@@ -159,6 +172,8 @@ fn a_report_is_whole() {
         "figure_15",
         "roc",
         "classifiers",
+        "splits",
+        "ablation",
         "timing",
     ] {
         assert!(!summary[key].is_null(), "{key}");
@@ -253,4 +268,87 @@ fn campaigns_have_mean_and_spread() {
             .standard_deviation
             .is_none()
     );
+}
+
+#[test]
+fn settings_are_tested_on_clutter_that_was_not_learned() {
+    // Pins that of a campaign of 4 + 6 reaches a setting of 3 + 4 takes the first of each scene, half of them in either
+    // fold; that of two settings with the forces of leaf and trunk exchanged each is told apart where it was learned, and
+    // always wrongly at the other.
+    let trial = |number: u64, reach: u64, force_n: f64| {
+        let sample = |index: u32| {
+            let force_n = force_n + 0.01 * f64::from((index * 7 + number as u32 * 3) % 11);
+            underbrush_recording::Sample {
+                time_s: f64::from(index) / 100.0,
+                force_n,
+                motion_m: Some(0.0),
+                region: Some(underbrush_recording::Region {
+                    taxels: 1,
+                    largest_force_n: force_n,
+                    force_sum_n: force_n,
+                }),
+            }
+        };
+        underbrush_recording::Trial {
+            trial: number,
+            category: Some(if reach < 4 { "leaf" } else { "trunk" }.into()),
+            reach: Some(reach),
+            patch: Some("forearm".into()),
+            taxel: Some(0),
+            samples: (0..30).map(sample).collect(),
+        }
+    };
+    let trials = |leaf_n: f64, trunk_n: f64| -> Vec<underbrush_recording::Trial> {
+        let numbers = 0..40_u64;
+        let force = |reach: u64| if reach < 4 { leaf_n } else { trunk_n };
+        numbers
+            .map(|number| trial(number, number % 10, force(number % 10)))
+            .collect()
+    };
+    let setting = |name, trials: &[underbrush_recording::Trial]| splits::Setting::new(name, trials, [4, 6], [3, 4]);
+    let apart = setting("apart", &trials(0.5, 2.0));
+    let reaches = |fold: &[underbrush_recording::Trial]| -> BTreeSet<u64> {
+        fold.iter().filter_map(|trial| trial.reach).collect()
+    };
+    assert_eq!(reaches(&apart.folds[0]), BTreeSet::from([0, 1, 4, 5]));
+    assert_eq!(reaches(&apart.folds[1]), BTreeSet::from([2, 6, 7]));
+
+    let swapped = setting("swapped", &trials(2.0, 0.5));
+    let learners = 2;
+    let found = splits::splits(&[apart, swapped]).unwrap();
+    let accuracies: Vec<f64> = found.iter().map(|split| split.accuracy).collect();
+    assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(learners));
+    assert!(found.iter().all(|split| split.trials == 28 && split.low == split.high));
+}
+
+#[test]
+fn the_papers_own_table_is_no_distance_from_itself() {
+    // Pins the row of an ablation on the paper's own Table I, and on the same moved by 2 points up and down in turn.
+    let table = |shift: f64| {
+        let cells = underbrush_classifier::evaluate::TABLE_ONE_PAPER
+            .into_iter()
+            .zip([1.0, -1.0].into_iter().cycle());
+        let cell = move |((by, features, states, paper), sign): ((TableOneUnit, FeatureSet, usize, f64), f64)| {
+            campaign::Cell {
+                by,
+                features,
+                states,
+                recipe: "authors".into(),
+                accuracy: paper + sign * shift,
+                low: 0.0,
+                high: 100.0,
+                paper,
+            }
+        };
+        Ablated::new("any", cells.map(cell), Vec::new())
+    };
+    let own = table(0.0);
+    assert_eq!(own.mean_absolute_difference_points, 0.0);
+    assert_eq!(
+        (own.orderings_holding, own.orderings, own.pairs_holding, own.pairs),
+        (3, 3, 20, 20)
+    );
+    // (61.76 + 72.22 + 70.75 + 54.41 + 55.55 + 58.50) / 6 and the same of the taxels.
+    assert!((own.component_accuracy - 62.198_333).abs() < 1e-5 && (own.taxel_accuracy - 75.036_667).abs() < 1e-5);
+    assert!((table(2.0).mean_absolute_difference_points - 2.0).abs() < 1e-9);
 }

@@ -41,7 +41,7 @@ pub fn choose(taxel_trials: &[Trial], models: &ModelSet, outlier: &Found) -> Res
     let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| error.to_string());
     let mut trials = Trials::default();
     for (place, recording) in outlier.reaches.iter().enumerate() {
-        trials.append(place, Trials::cut(recording)?);
+        trials.append(place, Trials::cut(recording, &data::trial_options())?);
     }
     let outlier_roc = match trials.taxel.iter().any(|trial| trial.category.is_some()) {
         false => None,

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use underbrush_classifier::decision::Rule;
-
 use super::campaign::AUTHORS;
-use super::classifiers::PAPER_BEST;
 use super::results::{Ordering, Results, features_name, unit_name};
 use super::tables;
-use super::thresholds::Thresholds;
 use crate::{audit, output};
+
+mod beyond;
+
+pub use beyond::{ablation, classifiers, splits, thresholds};
 
 /// A difference that counts as agreement with the paper, points: the mark set for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;
@@ -60,6 +60,12 @@ pub fn text(results: &Results, out: &Path) -> String {
         );
     }
     add(&tables::classifiers(results), 5);
+    for classifier in results.split_classifiers() {
+        add(&tables::splits_of(results, classifier), 6);
+    }
+    if !results.ablation.is_empty() {
+        add(&tables::ablation(results), 6);
+    }
     add(&tables::figure_11(results), 9);
     add(&tables::detection(results), 7);
     for (recipe, points) in &results.mean_absolute_difference_points {
@@ -219,67 +225,4 @@ pub fn truncation(results: &Results) -> String {
         })
         .collect();
     format!("With {}.", parts.join("; "))
-}
-
-/// What thresholds were chosen, and what they do on held-out trials.
-pub fn thresholds(thresholds: &Thresholds) -> String {
-    let chosen = match &thresholds.chosen {
-        Ok(chosen) => chosen,
-        Err(why) => return format!("No thresholds could be chosen from the training data: {why}."),
-    };
-    let rule = match chosen.decision.rule {
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        } => format!("uncertain below a lead of {uncertain_below:.1} nats, a category above {category_above:.1}"),
-        other => format!("{other:?}"),
-    };
-    let rates: Vec<String> = chosen
-        .false_positive_rate
-        .iter()
-        .map(|(category, rate)| {
-            let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
-            format!(
-                "{category}: {:.1} % of its own trials found, {:.1} % of the others'",
-                100.0 * found,
-                100.0 * rate
-            )
-        })
-        .collect();
-    format!(
-        "Chosen from {} training trials held out by reach, for a false-positive rate of {} and an outlier prior of {}: \
-         {rule}. On these trials, {}; {:.1} % uncertain, {:.1} % called outliers though none is.",
-        chosen.trials,
-        chosen.targets.false_positive_rate,
-        chosen.targets.outlier_prior,
-        rates.join(", "),
-        100.0 * chosen.uncertain,
-        100.0 * chosen.outlier
-    )
-}
-
-/// The best classifier against the paper's best figure and against the hidden Markov models on the same trials.
-pub fn classifiers(results: &Results) -> String {
-    let best = results
-        .classifiers
-        .iter()
-        .max_by(|a, b| a.accuracy.total_cmp(&b.accuracy));
-    let (Some(best), Some(first)) = (best, results.classifiers.first()) else {
-        return "No classifier was compared.".into();
-    };
-    let against = match () {
-        () if best.low > PAPER_BEST => "its whole interval is above",
-        () if best.high < PAPER_BEST => "its whole interval is below",
-        () => "its interval includes",
-    };
-    format!(
-        "The best on whole trials is {} with {:.1} % ({:.1} to {:.1}): {against} the paper's best of {PAPER_BEST} %, and it is \
-         {:+.1} points from {} on the same trials and folds.",
-        best.classifier,
-        best.accuracy,
-        best.low,
-        best.high,
-        best.accuracy - first.accuracy,
-        first.classifier
-    )
 }

@@ -267,9 +267,9 @@ fn blind_is_the_same_controller_without_skin() {
     assert_eq!(situation.step(&Blind::new(preset.clone(), &arm)), free);
     assert_ne!(situation.step(&ModelPredictive::new(preset, &arm)), free);
     for name in NAMES {
-        assert_eq!(by_name(name, &arm).unwrap().name(), name);
+        assert_eq!(by_name(name, &arm, 1.0).unwrap().name(), name);
     }
-    assert!(by_name("cody", &arm).is_none());
+    assert!(by_name("cody", &arm, 1.0).is_none());
 }
 
 #[test]

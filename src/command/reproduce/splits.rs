@@ -1,0 +1,119 @@
+//! Trained at one arm stiffness and hand speed, tested at others: the open question of the follow-up study
+//! (arXiv 1409.4972).
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::baseline::Logistic;
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::evaluate::{bootstrap_by_reach, evaluate, wilson};
+use underbrush_classifier::learner::Learner;
+use underbrush_classifier::recipe::Recipe;
+use underbrush_recording::Trial;
+
+use super::campaign::{self, Trials};
+use super::data::{NOMINAL, SETTING_REACHES, SETTINGS};
+use crate::failure::Failure;
+
+/// How a classifier of one setting fares at another; accuracy and its 95 % interval by reach in per cent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Split {
+    pub classifier: String,
+    pub trained: String,
+    pub tested: String,
+    /// Trials tested.
+    pub trials: usize,
+    pub accuracy: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+const RESAMPLES: usize = 2000;
+
+/// Taxel trials of one setting, in two folds of whole reaches.
+pub struct Setting {
+    pub name: &'static str,
+    pub folds: [Vec<Trial>; 2],
+}
+
+impl Setting {
+    /// Folds of the trials of the first `counts` reaches of a campaign of `reaches` of each scene: half of each scene's
+    /// in either. The same reaches at every setting, which have the same clutter and goals.
+    pub fn new(name: &'static str, taxel_trials: &[Trial], reaches: [u64; 2], counts: [u64; 2]) -> Self {
+        let mut folds = [Vec::new(), Vec::new()];
+        for trial in taxel_trials {
+            let Some(place) = trial.reach else { continue };
+            let (scene, index) = match place.checked_sub(reaches[0]) {
+                None => (0, place),
+                Some(index) => (1, index),
+            };
+            if index < counts[scene] {
+                folds[usize::from(2 * index >= counts[scene])].push(trial.clone());
+            }
+        }
+        Setting { name, folds }
+    }
+}
+
+/// Runs the other settings and sets each against each; the nominal one is the campaign's own.
+pub fn run(seed: u64, quick: bool, own: &[Trial]) -> Result<Vec<Split>, Failure> {
+    let counts = SETTING_REACHES[usize::from(quick)];
+    let mut settings = vec![Setting::new(NOMINAL, own, campaign::reaches(quick), counts)];
+    for (name, robot) in SETTINGS {
+        let campaign = campaign::changed_campaign(seed, counts, |scene| scene.robot = robot)?;
+        settings.push(Setting::new(
+            name,
+            &Trials::of_campaign(&campaign)?.taxel,
+            counts,
+            counts,
+        ));
+    }
+    splits(&settings)
+}
+
+/// Every classifier, learned at every setting from one half of the reaches and tested at every setting on the other half:
+/// no clutter is met in both, and all learn from equally many reaches.
+pub fn splits(settings: &[Setting]) -> Result<Vec<Split>, Failure> {
+    let learners: [(&str, Box<dyn Learner>); 2] = [
+        ("hidden Markov models, 10 states", Box::new(Recipe::authors())),
+        ("logistic, with region", Box::new(Logistic::default())),
+    ];
+    let cases: Vec<_> = learners
+        .iter()
+        .flat_map(|learner| settings.iter().map(move |trained| (learner, trained)))
+        .collect();
+    let row = |((classifier, learner), trained): &(&(&str, Box<dyn Learner>), &Setting)| {
+        let mut predictions = vec![Vec::new(); settings.len()];
+        for fold in 0..2 {
+            let learned = learner.learn(&trained.folds[1 - fold].iter().collect::<Vec<_>>())?;
+            for (tested, predictions) in settings.iter().zip(&mut predictions) {
+                let evaluation = evaluate(learned.as_ref(), &tested.folds[fold], &Decision::argmax())?;
+                predictions.extend(evaluation.predictions);
+            }
+        }
+        let split = |(tested, predictions): (&Setting, Vec<_>)| {
+            let correct = predictions
+                .iter()
+                .filter(|own: &&underbrush_classifier::evaluate::Prediction| own.is_correct());
+            let correct = correct.count();
+            let interval =
+                bootstrap_by_reach(&predictions, RESAMPLES, 0).unwrap_or_else(|| wilson(correct, predictions.len()));
+            Split {
+                classifier: (*classifier).into(),
+                trained: trained.name.into(),
+                tested: tested.name.into(),
+                trials: predictions.len(),
+                accuracy: 100.0 * correct as f64 / predictions.len() as f64,
+                low: 100.0 * interval.low,
+                high: 100.0 * interval.high,
+            }
+        };
+        Ok(settings.iter().zip(predictions).map(split).collect())
+    };
+    let rows: Vec<Result<Vec<Split>, Failure>> = cases.par_iter().map(row).collect();
+    Ok(rows
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect())
+}
