@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::evaluate::{Folds, Interval, TableOneCell, TableOneUnit, table_one};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
-use underbrush_classifier::trial::{TrialError, TrialOptions, component_trials, taxel_trials};
+use underbrush_classifier::trial::{ContactTrial, TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
 use underbrush_sim::scene::{Scene, SceneFile};
@@ -23,6 +23,8 @@ use crate::{output, progress};
 pub struct Trials {
     pub component: Vec<Trial>,
     pub taxel: Vec<Trial>,
+    /// Whether something touched the taxel of each of these: the others stray.
+    pub touched: Vec<bool>,
 }
 
 /// A cell of Table I with the name of its recipe.
@@ -102,17 +104,18 @@ pub fn changed_campaign(seed: u64, reaches: [u64; 2], change: impl Fn(&mut Scene
 
 impl Trials {
     pub fn cut(recording: &Recording, options: &TrialOptions) -> Result<Self, TrialError> {
-        let plain = |found: Vec<underbrush_classifier::trial::ContactTrial>| {
-            found.into_iter().map(|contact| contact.trial).collect()
-        };
+        let plain = |found: Vec<ContactTrial>| found.into_iter().map(|contact| contact.trial).collect();
+        let taxel = taxel_trials(recording, options)?;
         Ok(Trials {
             component: plain(component_trials(recording, options)?),
-            taxel: plain(taxel_trials(recording, options)?),
+            touched: taxel.iter().map(|contact| contact.object.is_some()).collect(),
+            taxel: plain(taxel),
         })
     }
 
     /// Appends the trials of the reach at a place of the campaign, numbered on.
     pub fn append(&mut self, place: usize, other: Trials) {
+        self.touched.extend(other.touched);
         for (all, more) in [(&mut self.component, other.component), (&mut self.taxel, other.taxel)] {
             for trial in more {
                 let number = all.len() as u64;

@@ -29,6 +29,7 @@ use std::time::Instant;
 
 use clap::Args;
 use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneUnit};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
@@ -120,8 +121,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     })?;
     let chosen = thresholds.chosen.as_ref().ok().map(|chosen| &chosen.decision);
     let online = stages.run("Online verdicts", || Online::run(&models, &reaches, chosen))?;
-    let snapshot = stages.run("A moment of the general reach", || {
-        snapshot::take(&models, &online, seed)
+    let moments = stages.run("A moment of a general and of an outlier reach", || {
+        let take = |scene, reach, rule| snapshot::take(&models, reach, &reaches::plan(scene, seed)?, rule);
+        Ok([
+            take(data::MIXED, online.shown(), online::uncertain_rule())?,
+            take(data::OUTLIER, online.outlier.first(), Decision::paper().rule)?,
+        ])
     })?;
     let splits = stages.run("Other arms and speeds", || {
         campaign::kept(out, "splits", (seed, quick), || splits::run(seed, quick, &trials.taxel))
@@ -158,7 +163,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     )?;
     let bytes = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&out.join("summary.json"), &bytes)?;
-    page::write(&out.join("report"), &results, &online, &thresholds, snapshot.as_ref())?;
+    page::write(&out.join("report"), &results, &online, &thresholds, &moments)?;
     output::result(json, &results, || words::text(&results, out))
 }
 
@@ -227,7 +232,7 @@ impl Results {
             trials_per_reach: measurement.trials_per_reach,
             table_1: measurement.table_1,
             campaigns,
-            figure_5: results::examples(&trials.taxel),
+            figure_5: results::examples(&trials.taxel, &trials.touched),
             figure_6: confusion(cells, FeatureSet::Force)?,
             figure_7: confusion(cells, FeatureSet::ForceAndMotion)?,
             figure_9: samples_used(online),

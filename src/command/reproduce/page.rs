@@ -31,7 +31,7 @@ pub fn write(
     results: &Results,
     online: &Online,
     thresholds: &Thresholds,
-    moment: Option<&Moment>,
+    [general, outlier]: &[Option<Moment>; 2],
 ) -> Result<(), Failure> {
     let mut report = Report {
         results,
@@ -48,8 +48,11 @@ pub fn write(
     report.example_trials();
     report.over_time();
     report.engineered();
-    report.moment(moment);
+    let published = "taxels that touch leaves are marked with green dots while the robot reaches.";
+    report.moment("Fig. 12: a moment of a reach", published, general.as_ref());
     report.truncation();
+    let published = "a foam roll stands in the foliage.";
+    report.moment("Fig. 14: the foam roll in the foliage", published, outlier.as_ref());
     report.outliers();
     report.classifiers();
     report.splits();
@@ -249,7 +252,7 @@ impl Report<'_> {
         self.page.paragraph(&format!(
             "The first general reach in mixed clutter in which the forearm touches both leaf and trunk (draw {}; {} of {} \
              drawn did), models with 10 states and force alone, uncertain below a lead of {} nats. The truth of a taxel is the object that \
-             presses most on it; {} of {} taxel frames have none (crosstalk and creep) and are not judged.",
+             presses most on it; {} of {} taxel frames have none (strays, crosstalk and creep) and are not judged.",
             reach.reach_index,
             self.online.mixed.len(),
             self.online.mixed_drawn,
@@ -320,14 +323,13 @@ impl Report<'_> {
         self.table(tables::figure_11(self.results));
     }
 
-    fn moment(&mut self, moment: Option<&Moment>) {
+    fn moment(&mut self, section: &str, published: &str, moment: Option<&Moment>) {
         let Some(moment) = moment else { return };
         let Some(grid) = moment.layout.patches.get(moment.patch).and_then(|patch| patch.grid) else {
             return;
         };
-        self.page.section("Fig. 12: a moment of a reach");
-        self.page
-            .published("taxels that touch leaves are marked with green dots while the robot reaches.");
+        self.page.section(section);
+        self.page.published(published);
         let mark = |(taxel, verdict): (&usize, &underbrush_classifier::decision::Verdict)| TaxelMark {
             place: (moment.patch, *taxel),
             look: skin_map::mark_of(verdict),
@@ -339,7 +341,7 @@ impl Report<'_> {
         let caption = format!(
             "Scene {}, draw {}, {:.2} s after the start: the moment with most taxels in contact. Green triangle leaf, brown \
              square trunk, red cross outlier, blue ring uncertain; taxels on the far side are seen through the arm. Leaves \
-             are green, trunks brown, foam is sand-coloured.",
+             are green, trunks brown, foam blocks sand-coloured, a foam roll is red.",
             moment.scene, moment.reach_index, moment.snapshot.frame.time_s
         );
         self.page.figure(&caption, &charts);

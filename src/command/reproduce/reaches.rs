@@ -83,15 +83,9 @@ impl Wanted {
 }
 
 impl Search {
-    fn plan(&self, seed: u64) -> Result<ReachPlan, Failure> {
-        let (path, text) = self.source;
-        let scene = Scene::parse(path, text.into())?;
-        Ok(ReachPlan::new(scene, data::CONTROLLER, seed)?)
-    }
-
     /// Draws, or reads what an earlier run has kept in `folder`.
     fn run(&self, folder: &Path, seed: u64) -> Result<Found, Failure> {
-        let plan = self.plan(seed)?;
+        let plan = plan(self.source, seed)?;
         let scene = plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
         let index_file = folder.join(format!("{scene}.json"));
@@ -122,9 +116,10 @@ impl Search {
     }
 }
 
-/// The plan of the general reaches, for a second look at one of them.
-pub fn mixed_plan(seed: u64) -> Result<ReachPlan, Failure> {
-    search_mixed(false).plan(seed)
+/// The plan of the reaches of a scene, for a second look at one of them.
+pub fn plan((path, text): SceneSource, seed: u64) -> Result<ReachPlan, Failure> {
+    let scene = Scene::parse(path, text.into())?;
+    Ok(ReachPlan::new(scene, data::CONTROLLER, seed)?)
 }
 
 fn search_mixed(quick: bool) -> Search {

@@ -214,9 +214,9 @@ impl Reaches {
     }
 }
 
-/// The trials that Fig. 5 shows: of each category, among those of a second or more (or all, if none lasts so long) the
-/// one whose peak force is the median. An ordinary trial, and long enough to be looked at.
-pub fn examples(taxel_trials: &[Trial]) -> Vec<Example> {
+/// The trials that Fig. 5 shows: of each category, among those of a touched taxel that last a second or more (or all, if
+/// none lasts so long) the one whose peak force is the median. An ordinary trial, and long enough to be looked at.
+pub fn examples(taxel_trials: &[Trial], touched: &[bool]) -> Vec<Example> {
     let peak = |trial: &Trial| trial.samples.iter().map(|sample| sample.force_n).fold(0.0, f64::max);
     let farthest = |trial: &Trial| {
         trial
@@ -226,8 +226,12 @@ pub fn examples(taxel_trials: &[Trial]) -> Vec<Example> {
             .fold(0.0, f64::max)
     };
     let example = |category: Category| {
-        let own = |trial: &&Trial| trial.category.as_deref() == Some(category.name());
-        let mut trials: Vec<&Trial> = taxel_trials.iter().filter(own).collect();
+        let own = |trial: &Trial| trial.category.as_deref() == Some(category.name());
+        let pairs = taxel_trials.iter().zip(touched);
+        let mut trials: Vec<&Trial> = pairs
+            .filter(|(trial, touched)| **touched && own(trial))
+            .map(|(trial, _)| trial)
+            .collect();
         if trials.iter().any(|trial| trial.samples.len() >= 100) {
             trials.retain(|trial| trial.samples.len() >= 100);
         }

@@ -1,16 +1,16 @@
-//! One moment of a general reach with the verdicts on its taxels (paper, Fig. 12).
+//! One moment of a reach with the verdicts on its taxels (paper, Figs. 12 and 14).
 
 use std::collections::BTreeMap;
 
 use underbrush_classifier::ModelSet;
-use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::decision::{Rule, Verdict};
 use underbrush_classifier::online::OnlineClassifier;
 use underbrush_recording::SkinLayout;
+use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::snapshot::Snapshot;
 
 use super::data;
-use super::online::{self, Online};
-use super::reaches;
+use super::online::{self, Classified};
 use crate::failure::Failure;
 
 /// Arm, clutter and verdicts at one moment.
@@ -25,10 +25,15 @@ pub struct Moment {
     pub reach_index: u64,
 }
 
-/// Runs the reach that Figs. 8 to 10 show once more and stops it where most taxels are in contact: the moment is chosen
-/// by how much there is to see, not by how well it is classified. `None` where no general reach was found.
-pub fn take(models: &ModelSet, online: &Online, seed: u64) -> Result<Option<Moment>, Failure> {
-    let Some(shown) = online.shown() else { return Ok(None) };
+/// Runs a reach of a plan once more and stops it where most taxels are in contact: the moment is chosen by how much there
+/// is to see, not by how well it is classified. `None` where there is no such reach.
+pub fn take(
+    models: &ModelSet,
+    shown: Option<&Classified>,
+    plan: &ReachPlan,
+    rule: Rule,
+) -> Result<Option<Moment>, Failure> {
+    let Some(shown) = shown else { return Ok(None) };
     let most = shown
         .stream
         .frames
@@ -36,8 +41,7 @@ pub fn take(models: &ModelSet, online: &Online, seed: u64) -> Result<Option<Mome
         .enumerate()
         .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
     let Some((chosen, _)) = most else { return Ok(None) };
-    let plan = reaches::mixed_plan(seed)?;
-    let options = online::options(models, online::uncertain_rule());
+    let options = online::options(models, rule);
     let layout = plan.arm.skin.layout.clone();
     let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);

@@ -116,7 +116,7 @@ fn a_report_is_whole() {
         stages,
     )
     .unwrap();
-    page::write(folder.path(), &results, &online, &thresholds, None).unwrap();
+    page::write(folder.path(), &results, &online, &thresholds, &[None, None]).unwrap();
 
     let html = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
     let elements = elements(html.strip_prefix("<!DOCTYPE html>\n").unwrap());
