@@ -11,7 +11,7 @@ use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
 use crate::feature::{FeatureError, FeatureSet};
 use crate::hmm::{FilterBank, ScoreKind};
 use crate::model_set::ModelSet;
-use crate::trial::{PatchImage, TrialError};
+use crate::trial::{PatchImage, Travel, TrialError};
 
 /// Why online classification stops.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -76,7 +76,7 @@ pub struct OnlineClassifier {
 struct Contact {
     /// Its stream in the bank, while it is in contact.
     stream: Option<usize>,
-    start_world: DVec3,
+    travel: Travel,
     /// Whether the frame at hand gave the filters a sample.
     scored: bool,
     choice: Choice,
@@ -94,7 +94,7 @@ impl OnlineClassifier {
         let taxels = image.patch().taxels.len();
         let contact = |taxel| Contact {
             stream: None,
-            start_world: DVec3::ZERO,
+            travel: Travel::from(DVec3::ZERO),
             scored: false,
             choice: Choice::Uncertain,
             verdict: TaxelVerdict {
@@ -162,7 +162,7 @@ impl OnlineClassifier {
                 };
                 self.bank.begin(stream);
                 contact.stream = Some(stream);
-                contact.start_world = position_world;
+                contact.travel = Travel::from(position_world);
                 contact.verdict.samples = 0;
                 stream
             }
@@ -175,7 +175,7 @@ impl OnlineClassifier {
         if !contact.scored {
             return Ok(());
         }
-        let motion_m = position_world.distance(contact.start_world);
+        let motion_m = contact.travel.to(position_world);
         let mut sample = [self.image.sensed_force_n(taxel), motion_m];
         let sample = match self.models.features() {
             FeatureSet::Force => &mut sample[..1],

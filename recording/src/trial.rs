@@ -9,7 +9,8 @@ pub struct Sample {
     pub time_s: f64,
     /// Sensed force, N: of the taxel, or the largest in the component.
     pub force_n: f64,
-    /// Contact motion, m: distance in the world frame from where the contact began. `None` where a table has none.
+    /// Contact motion, m: how far the contact has travelled in the world frame since it began, along its path. `None`
+    /// where a table has none.
     pub motion_m: Option<f64>,
     /// The contact region that this sample is part of. `None` where a table has none, or the patch has no grid.
     #[serde(default, skip_serializing_if = "Option::is_none")]

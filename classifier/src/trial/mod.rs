@@ -3,6 +3,7 @@
 mod component;
 mod image;
 mod tracking;
+mod travel;
 
 use std::collections::BTreeMap;
 
@@ -14,6 +15,7 @@ use component::components;
 
 pub use image::PatchImage;
 pub use tracking::component_trials;
+pub(crate) use travel::Travel;
 
 /// What gives a trial its category.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +136,7 @@ pub struct ContactTrial {
 
 /// One trial per taxel of the patch and period during which its sensed force stays above the threshold (section IV-D).
 ///
-/// Motion is the distance in the world frame of the taxel's centre from where it was in the trial's first frame.
+/// Motion is the length of the path of the taxel's centre in the world frame since the trial's first frame.
 ///
 /// # Errors
 /// [`TrialError`] where the patch is unknown, an option makes no sense, or a frame does not fit the layout.
@@ -181,7 +183,7 @@ fn environment(recording: &Recording) -> Option<Category> {
 struct OpenTrial {
     first_frame: usize,
     taxel: usize,
-    start_world: DVec3,
+    travel: Travel,
     samples: Vec<Sample>,
     /// Samples by object.
     votes: BTreeMap<u16, usize>,
@@ -192,7 +194,7 @@ impl OpenTrial {
         OpenTrial {
             first_frame,
             taxel,
-            start_world,
+            travel: Travel::from(start_world),
             samples: Vec::new(),
             votes: BTreeMap::new(),
         }
@@ -201,7 +203,7 @@ impl OpenTrial {
     /// Adds the force, N, and the region of a frame.
     fn push(&mut self, frame: &Frame, felt: (f64, Option<Region>), position_world: DVec3, object: Option<u16>) {
         let (force_n, region) = felt;
-        let motion_m = Some(position_world.distance(self.start_world));
+        let motion_m = Some(self.travel.to(position_world));
         self.samples.push(Sample {
             time_s: frame.time_s,
             force_n,

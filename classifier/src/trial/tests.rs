@@ -454,3 +454,12 @@ fn the_papers_trials_fill_twenty_slices() {
     };
     assert_eq!((count(19), count(20)), (0, 1));
 }
+
+#[test]
+fn motion_is_the_length_of_the_path() {
+    // Pins that a taxel carried 3 mm there and back has travelled 6 mm, while its distance from the start is 0.
+    let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];
+    let reach = recording(&[(0.0, lit), (0.003, lit), (0.0, lit)]);
+    let trials = taxel_trials(&reach, &any_force()).unwrap();
+    assert_eq!(motions_mm(&trials[0]), [0.0, 3.0, 6.0]);
+}

@@ -8,7 +8,7 @@ use super::image::PatchImage;
 use super::{ContactTrial, OpenTrial, TrialError, TrialList, TrialOptions};
 
 /// One trial per connected component, followed from contact to break (section IV-C): per frame the largest force of
-/// its taxels, and the distance in the world frame of its centre from where it began.
+/// its taxels, and the length of the path of its centre in the world frame since it began.
 ///
 /// Components of a frame are associated with those of the frame before by the distance of their centres in the world
 /// frame: nearest pair first, each used once, none farther apart than
