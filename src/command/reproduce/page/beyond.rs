@@ -38,7 +38,8 @@ impl Report<'_> {
         for classifier in self.results.split_classifiers() {
             self.page.table(&tables::splits_of(self.results, classifier));
         }
-        self.numbers(tables::splits(self.results));
+        // The tables above link to it.
+        self.tables.push(tables::splits(self.results));
     }
 
     pub(super) fn ablation(&mut self) {
