@@ -2,12 +2,12 @@
 //!
 //! | name | after | sees |
 //! |---|---|---|
-//! | [`NearestNeighbours`] | the authors' earlier method [1]: k nearest neighbours on principal components | a fixed first window of force, contact area and motion |
-//! | [`NaiveBayes`] | Liu et al. [4]: naive Bayes, updated online | [`crate::stream_feature`] of the taxel alone |
-//! | [`RecursiveRegression`] | Soh et al. [3]: an online recursive kernel method | force and motion of the taxel, sample by sample |
+//! | [`NearestNeighbours`] | the authors' earlier method \[1\]: k nearest neighbours on principal components | a fixed first window of force, contact area and motion |
+//! | [`NaiveBayes`] | Liu et al. \[4\]: naive Bayes, updated online | [`crate::stream_feature`] of the taxel alone |
+//! | [`RecursiveRegression`] | Soh et al. \[3\]: an online recursive kernel method | force and motion of the taxel, sample by sample |
 //! | [`Logistic`] | no paper; chosen by accuracy on held-out reaches | [`crate::stream_feature`] of taxel and contact region |
 //!
-//! Numbers in brackets are the paper's references. Of [4] the paper says only that naive Bayes classified shape and pose
+//! Numbers in brackets are the paper's references. Of \[4\] the paper says only that naive Bayes classified shape and pose
 //! while a finger explored; the features are ours.
 
 mod logistic;

@@ -10,7 +10,7 @@ use crate::learner::{Classifier, Learner};
 use crate::model_set::{ModelError, trials_by_category};
 
 /// Regression on the state of a fixed random recurrent network, in the spirit of the online recursive kernel Gaussian
-/// process of [3]: such a network is a finite form of a recursive kernel (Hermans and Schrauwen 2012, Neural Computation
+/// process of \[3\]: such a network is a finite form of a recursive kernel (Hermans and Schrauwen 2012, Neural Computation
 /// 24), in which the mean of a Gaussian process is ridge regression. Nothing is stored of the past but the state.
 ///
 /// The state x takes in force and contact motion, x ← (1 − a) x + a tanh(W x + V u); the readout is fitted to the
