@@ -36,7 +36,7 @@ impl ModelSet {
     /// Reads and checks a model file.
     ///
     /// # Errors
-    /// [`ModelError::Input`] with the field (such as `models.leaf.transition\[2\]`), and with the line where the JSON
+    /// [`ModelError::Input`] with the field (such as `models.leaf.transition[2]`), and with the line where the JSON
     /// itself is at fault.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, ModelError> {
         let path = path.as_ref();
