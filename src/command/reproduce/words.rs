@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_classifier::feature::FeatureSet;
+
 use super::campaign::AUTHORS;
 use super::results::{Ordering, Results, features_name, unit_name};
 use super::tables;
@@ -124,17 +127,16 @@ fn agreement(what: &str, cells: &[Compared]) -> String {
     text
 }
 
+fn cell_name(by: TableOneUnit, features: FeatureSet, states: usize) -> String {
+    format!("{}, {}, {states} states", unit_name(by), features_name(features))
+}
+
 /// Agreement of Table I in one recipe.
 pub fn table_1(results: &Results, recipe: &str) -> String {
     let own = results.table_1.iter().filter(|cell| cell.recipe == recipe);
     let cells: Vec<_> = own
         .map(|cell| {
-            let name = format!(
-                "{}, {}, {} states",
-                unit_name(cell.by),
-                features_name(cell.features),
-                cell.states
-            );
+            let name = cell_name(cell.by, cell.features, cell.states);
             (name, cell.accuracy, cell.paper, Some((cell.low, cell.high)))
         })
         .collect();
@@ -147,12 +149,7 @@ pub fn campaigns(results: &Results, recipe: &str) -> Option<String> {
     let own = campaigns.table_1.iter().filter(|cell| cell.recipe == recipe);
     let cells: Vec<_> = own
         .map(|cell| {
-            let name = format!(
-                "{}, {}, {} states",
-                unit_name(cell.by),
-                features_name(cell.features),
-                cell.states
-            );
+            let name = cell_name(cell.by, cell.features, cell.states);
             (name, cell.accuracy, cell.paper, None)
         })
         .collect();

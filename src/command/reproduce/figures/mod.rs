@@ -128,12 +128,7 @@ pub fn figure_13(results: &Results) -> String {
                 interval: Some((point.low, point.high)),
             })
             .collect();
-        let values: Vec<String> = names
-            .iter()
-            .zip(&points)
-            .map(|(name, point)| format!("{name}: {:.1}", point.y))
-            .collect();
-        description += &format!(" {states} states: {}.", values.join(", "));
+        description += &format!(" {states} states: {}.", told(&names, &points));
         Layer::new(format!("{states} states"), style, Shape::Points(points))
     };
     let layers = vec![layer(10, AUTHORS_STYLE, -ASIDE), layer(20, MODERN_STYLE, ASIDE)];
@@ -149,4 +144,11 @@ pub fn figure_13(results: &Results) -> String {
         layers,
     };
     chart.svg()
+}
+
+/// Points over named places in words, for those who do not see them.
+fn told(names: &[String], points: &[Point]) -> String {
+    let pairs = names.iter().zip(points);
+    let values: Vec<String> = pairs.map(|(name, point)| format!("{name}: {:.1}", point.y)).collect();
+    values.join(", ")
 }

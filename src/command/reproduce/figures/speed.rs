@@ -3,7 +3,7 @@
 use underbrush_classifier::report::{Axis, Chart, Dash, Layer, Mark, Point, Shape, Style};
 
 use super::super::results::Results;
-use super::{AUTHORS_STYLE, CORRECT, INK, OUTLIER, TRUNK, UNCERTAIN, WRONG};
+use super::{AUTHORS_STYLE, CORRECT, INK, OUTLIER, TRUNK, UNCERTAIN, WRONG, told};
 
 const STYLES: [Style; 6] = [
     AUTHORS_STYLE,
@@ -33,12 +33,7 @@ pub fn by_samples(results: &Results) -> Option<String> {
                 interval: None,
             })
             .collect();
-        let values: Vec<String> = names
-            .iter()
-            .zip(&points)
-            .map(|(name, point)| format!("{name}: {:.1}", point.y))
-            .collect();
-        description += &format!(" {}: {}.", compared.classifier, values.join(", "));
+        description += &format!(" {}: {}.", compared.classifier, told(&names, &points));
         layers.push(Layer::new(compared.classifier, style, Shape::Points(points)));
     }
     let level = |place: usize| (place as f64, super::super::classifiers::PAPER_BEST);

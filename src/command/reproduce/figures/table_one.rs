@@ -67,32 +67,23 @@ impl Quarter<'_> {
     }
 }
 
-/// Table I in four charts.
-pub fn table_1(results: &Results) -> Vec<String> {
-    let quarter = |(unit, features): (TableOneUnit, FeatureSet)| {
-        let cells = |recipe: &str| {
-            let own = results
-                .table_1
-                .iter()
-                .filter(|cell| (cell.by, cell.features) == (unit, features) && cell.recipe == recipe);
-            own.map(|cell| (cell.states, cell.accuracy, Some((cell.low, cell.high))))
-                .collect()
-        };
-        let own = results
-            .table_1
-            .iter()
-            .filter(|cell| (cell.by, cell.features) == (unit, features));
-        let paper = own
-            .filter(|cell| cell.recipe == AUTHORS)
-            .map(|cell| (cell.states, cell.paper, None))
-            .collect();
+/// A cell: what it is of, its recipe, its accuracy here and the paper's.
+type Cell<'a> = ((TableOneUnit, FeatureSet), &'a str, Accuracy, f64);
+
+/// Four charts of the cells of a table; `suffix` follows each title.
+fn quarters(table: &str, suffix: &str, cells: &[Cell]) -> Vec<String> {
+    let quarter = |of: (TableOneUnit, FeatureSet)| {
+        let own = |recipe: &'static str| cells.iter().filter(move |cell| cell.0 == of && cell.1 == recipe);
+        let here = |recipe| own(recipe).map(|cell| cell.2).collect();
+        let paper = own(AUTHORS).map(|(_, _, (states, _, _), paper)| (*states, *paper, None));
+        let (unit, features) = (unit_name(of.0), features_name(of.1));
         Quarter {
-            name: format!("table-1-{}-{}", unit_name(unit), features_name(features)),
-            title: format!("{}, {}", unit_name(unit), features_name(features)),
+            name: format!("{table}-{unit}-{features}"),
+            title: format!("{unit}, {features}{suffix}"),
             series: vec![
-                ("authors' recipe", AUTHORS_STYLE, cells(AUTHORS)),
-                ("modern recipe", MODERN_STYLE, cells(MODERN)),
-                ("paper", PAPER, paper),
+                ("authors' recipe", AUTHORS_STYLE, here(AUTHORS)),
+                ("modern recipe", MODERN_STYLE, here(MODERN)),
+                ("paper", PAPER, paper.collect()),
             ],
         }
         .chart()
@@ -100,45 +91,25 @@ pub fn table_1(results: &Results) -> Vec<String> {
     QUARTERS.map(quarter).to_vec()
 }
 
+/// Table I in four charts.
+pub fn table_1(results: &Results) -> Vec<String> {
+    let cells = results.table_1.iter().map(|cell| {
+        let accuracy = (cell.states, cell.accuracy, Some((cell.low, cell.high)));
+        ((cell.by, cell.features), cell.recipe.as_str(), accuracy, cell.paper)
+    });
+    quarters("table-1", "", &cells.collect::<Vec<_>>())
+}
+
 /// The mean of several campaigns in four charts, whiskers of one standard deviation.
 pub fn campaigns(results: &Results) -> Vec<String> {
     let Some(campaigns) = &results.campaigns else {
         return Vec::new();
     };
-    let quarter = |(unit, features): (TableOneUnit, FeatureSet)| {
-        let own = || {
-            campaigns
-                .table_1
-                .iter()
-                .filter(move |cell| (cell.by, cell.features) == (unit, features))
-        };
-        let cells = |recipe: &str| {
-            own()
-                .filter(|cell| cell.recipe == recipe)
-                .map(|cell| {
-                    let deviation = cell.standard_deviation.unwrap_or(0.0);
-                    (
-                        cell.states,
-                        cell.accuracy,
-                        Some((cell.accuracy - deviation, cell.accuracy + deviation)),
-                    )
-                })
-                .collect()
-        };
-        let paper = own()
-            .filter(|cell| cell.recipe == AUTHORS)
-            .map(|cell| (cell.states, cell.paper, None))
-            .collect();
-        Quarter {
-            name: format!("campaigns-{}-{}", unit_name(unit), features_name(features)),
-            title: format!("{}, {}, mean of campaigns", unit_name(unit), features_name(features)),
-            series: vec![
-                ("authors' recipe", AUTHORS_STYLE, cells(AUTHORS)),
-                ("modern recipe", MODERN_STYLE, cells(MODERN)),
-                ("paper", PAPER, paper),
-            ],
-        }
-        .chart()
-    };
-    QUARTERS.map(quarter).to_vec()
+    let cells = campaigns.table_1.iter().map(|cell| {
+        let deviation = cell.standard_deviation.unwrap_or(0.0);
+        let interval = (cell.accuracy - deviation, cell.accuracy + deviation);
+        let accuracy = (cell.states, cell.accuracy, Some(interval));
+        ((cell.by, cell.features), cell.recipe.as_str(), accuracy, cell.paper)
+    });
+    quarters("campaigns", ", mean of campaigns", &cells.collect::<Vec<_>>())
 }
