@@ -105,7 +105,7 @@ impl FilterBank {
                     }
                     let filters = group.weights.iter_mut().zip(&mut group.scores);
                     for (model, (weights, score)) in models.clone().zip(filters) {
-                        weights.step(&model.filter, &group.sample, group.fresh);
+                        weights.step(&model.filter, &group.sample, group.fresh, group.waiting);
                         *score = weights.scores();
                     }
                     group.fresh = [0.0; STREAMS];

@@ -1,4 +1,4 @@
-//! Forward and Viterbi filters of four streams side by side, exact in every step.
+//! Forward and Viterbi filters of four streams, exact in every step.
 
 mod forward;
 mod viterbi;
@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, LOG2_E};
 use std::ops::Range;
 
 use self::forward::Forward;
-use self::viterbi::Viterbi;
+use self::viterbi::{Viterbi, ViterbiModel};
 use super::emission::Emissions;
 use super::score::ScoreKind;
 use super::tile::{Tile, WIDTH, map, multiply, parts, zip};
@@ -30,15 +30,12 @@ pub(super) struct FilterModel {
     into: Vec<(Range<usize>, Range<usize>)>,
     /// Transition probabilities, by the state they lead to; 0 for those too small for plain sums.
     probability: Vec<f64>,
-    /// Their mantissas and exponents of 2, however small, and their natural logarithms.
+    /// Their mantissas and exponents of 2, however small.
     mantissa: Vec<f64>,
     exponent: Vec<f64>,
-    log: Vec<f64>,
     initial: Vec<(f64, f64)>,
-    log_initial: Vec<f64>,
-    /// Logarithms of densities, base 2 and natural.
     log2_density: LogDensity,
-    log_density: LogDensity,
+    viterbi: ViterbiModel,
 }
 
 impl FilterModel {
@@ -67,11 +64,9 @@ impl FilterModel {
                 .collect(),
             mantissa: parts.iter().map(|part| part.0).collect(),
             exponent: parts.iter().map(|part| part.1).collect(),
-            log: entries.iter().map(|p| p.ln()).collect(),
             initial: initial.iter().map(|&p| split(p)).collect(),
-            log_initial: initial.iter().map(|p| p.ln()).collect(),
-            log2_density: LogDensity::new(emissions, LOG2_E),
-            log_density: LogDensity::new(emissions, 1.0),
+            log2_density: LogDensity::new(emissions),
+            viterbi: ViterbiModel::new(initial, transition, emissions),
         }
     }
 }
@@ -97,7 +92,7 @@ fn split(number: f64) -> (f64, f64) {
     (mantissa, exponent + offset)
 }
 
-/// The states' Gaussians, such that logarithms to one base are the peak less a plain sum of squares.
+/// The states' Gaussians, such that base-2 logarithms are the peak less a plain sum of squares.
 #[derive(Clone, Debug, PartialEq)]
 struct LogDensity {
     dimension: usize,
@@ -110,18 +105,17 @@ struct LogDensity {
 }
 
 impl LogDensity {
-    /// `unit`: the logarithm of e.
-    fn new(emissions: &Emissions, unit: f64) -> Self {
-        let factor = unit.sqrt() * FRAC_1_SQRT_2;
+    fn new(emissions: &Emissions) -> Self {
+        let factor = LOG2_E.sqrt() * FRAC_1_SQRT_2;
         LogDensity {
             dimension: emissions.dimension,
             mean: emissions.mean.clone(),
             whitening: emissions.whitening.iter().map(|entry| entry * factor).collect(),
-            peak: emissions.log_normalizer.iter().map(|peak| peak * unit).collect(),
+            peak: emissions.log_normalizer.iter().map(|peak| peak * LOG2_E).collect(),
         }
     }
 
-    /// Logarithms of a state's density at four samples (D tiles); NaN where opposite infinities meet, near the end of the
+    /// Base-2 logarithms of a state's density at four samples (D tiles); NaN where opposite infinities meet, near the end of the
     /// range of f64.
     #[inline(always)]
     fn of(&self, state: usize, sample: &[Tile]) -> Tile {
@@ -152,30 +146,28 @@ impl LogDensity {
 #[derive(Clone, Debug)]
 pub(super) enum Weights {
     Forward(Forward),
-    Viterbi(Viterbi),
+    Viterbi([Viterbi; STREAMS]),
 }
 
 impl Weights {
     pub(super) fn new(kind: ScoreKind, model: &FilterModel) -> Self {
         match kind {
             ScoreKind::Forward => Weights::Forward(Forward::new(model)),
-            ScoreKind::Viterbi => Weights::Viterbi(Viterbi::new(model)),
+            ScoreKind::Viterbi => Weights::Viterbi(std::array::from_fn(|_| Viterbi::new(&model.viterbi))),
         }
     }
 
-    pub(super) fn state_count(&self) -> usize {
-        match self {
-            Weights::Forward(weights) => weights.state_count(),
-            Weights::Viterbi(weights) => weights.state_count(),
-        }
-    }
-
-    /// Takes in one sample of each stream (D tiles); those that are `fresh`, over 0, begin with it.
+    /// Takes in one sample of each stream (D tiles); those that are `fresh`, over 0, begin with it. Streams that are not
+    /// `used` need a sample nevertheless, and have no score until they begin again.
     #[inline(always)]
-    pub(super) fn step(&mut self, model: &FilterModel, sample: &[Tile], fresh: Tile) {
+    pub(super) fn step(&mut self, model: &FilterModel, sample: &[Tile], fresh: Tile, used: [bool; STREAMS]) {
         match self {
             Weights::Forward(weights) => weights.step(model, sample, fresh),
-            Weights::Viterbi(weights) => weights.step(model, sample, fresh),
+            Weights::Viterbi(streams) => {
+                for (stream, weights) in streams.iter_mut().enumerate().filter(|(stream, _)| used[*stream]) {
+                    weights.step(&model.viterbi, |feature| sample[feature][stream], fresh[stream] > 0.0);
+                }
+            }
         }
     }
 
@@ -184,7 +176,7 @@ impl Weights {
     pub(super) fn scores(&self) -> Tile {
         match self {
             Weights::Forward(weights) => weights.log_sum(),
-            Weights::Viterbi(weights) => weights.log_best(),
+            Weights::Viterbi(streams) => std::array::from_fn(|stream| streams[stream].log_best()),
         }
     }
 }

@@ -1,12 +1,12 @@
 //! A model laid out for arithmetic on plain numbers: probabilities and densities in tiles of states, padded with states
 //! that nothing reaches.
 
-use std::f64::consts::LOG2_E;
 use std::ops::Range;
 
+use super::density::TiledDensity;
 use super::model::GaussianHmm;
 use super::tile::{
-    ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, multiply, tiles_for, zip,
+    ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, tiled, tiles_for, zip,
 };
 
 /// Base-2 logarithm of the least density, relative to the largest of its sample, that [`LinearModel::densities`] gives.
@@ -25,8 +25,7 @@ const FAR_OUT: f64 = -1e12;
 pub(super) struct LinearModel {
     /// Tiles of states.
     pub(super) tiles: usize,
-    /// Numbers a sample.
-    pub(super) dimension: usize,
+    pub(super) density: TiledDensity,
     pub(super) initial: Vec<Tile>,
     /// From all states into those of a tile.
     pub(super) forward: TiledMatrix,
@@ -34,48 +33,21 @@ pub(super) struct LinearModel {
     pub(super) backward: TiledMatrix,
     /// Exponents of 2 of `forward`'s entries, −inf for zero.
     pub(super) exponents: TiledMatrix,
-    /// D × tiles.
-    mean: Vec<Tile>,
-    /// D × D × tiles, scaled so that densities are powers of 2.
-    whitening: Vec<Tile>,
-    /// log2 of the densities at the means.
-    log2_peak: Vec<Tile>,
 }
 
 impl LinearModel {
     pub(super) fn new(model: &GaussianHmm) -> Self {
-        let (n, d) = (model.states, model.dimension);
-        let tiles = tiles_for(n);
-        let tiled = |outer: usize, padding: f64, value: &dyn Fn(usize, usize) -> f64| -> Vec<Tile> {
-            let lane = |entry: usize, state: usize| if state < n { value(entry, state) } else { padding };
-            (0..outer * tiles)
-                .map(|place| std::array::from_fn(|k| lane(place / tiles, place % tiles * WIDTH + k)))
-                .collect()
-        };
+        let n = model.states;
         let raised = |p: f64| if p > 0.0 { larger(p, LEAST_TRANSITION) } else { 0.0 };
         let forward = TiledMatrix::new(n, |from, to| raised(model.transition[from * n + to]));
-        let emissions = &model.emissions;
         LinearModel {
-            tiles,
-            dimension: d,
-            initial: tiled(1, 0.0, &|_, state| model.initial[state]),
+            tiles: tiles_for(n),
+            density: TiledDensity::new(&model.emissions),
+            initial: tiled(1, n, 0.0, |_, state| model.initial[state]),
             backward: TiledMatrix::new(n, |to, from| raised(model.transition[from * n + to])),
             exponents: forward.map(|p| if p > 0.0 { exponent(p) as f64 } else { f64::NEG_INFINITY }),
             forward,
-            mean: tiled(d, 0.0, &|feature, state| model.mean[state * d + feature]),
-            whitening: tiled(d * d, 0.0, &|entry, state| {
-                emissions.whitening[state * d * d + entry] * (0.5 * LOG2_E).sqrt()
-            }),
-            log2_peak: tiled(1, f64::NEG_INFINITY, &|_, state| {
-                emissions.log_normalizer[state] * LOG2_E
-            }),
         }
-    }
-
-    /// A feature's deviation from the means of a tile's states.
-    #[inline(always)]
-    pub(super) fn deviation(&self, feature: usize, value: f64, tile: usize) -> Tile {
-        map(self.mean[feature * self.tiles + tile], |mean| value - mean)
     }
 
     /// Writes the densities of a sample, `tiles` of them, relative to a power of 2, whose exponent is returned; the
@@ -86,16 +58,7 @@ impl LinearModel {
     pub(super) fn densities(&self, sample: &[f64], out: &mut [Tile]) -> Option<f64> {
         let mut largest = [f64::NEG_INFINITY; WIDTH];
         for (tile, out) in out.iter_mut().enumerate() {
-            let mut square = [0.0; WIDTH];
-            for row in 0..self.dimension {
-                let mut z = [0.0; WIDTH];
-                for (column, &value) in sample[..=row].iter().enumerate() {
-                    let weight = self.whitening[(row * self.dimension + column) * self.tiles + tile];
-                    z = add(z, multiply(weight, self.deviation(column, value, tile)));
-                }
-                square = add(square, multiply(z, z));
-            }
-            *out = zip(self.log2_peak[tile], square, |peak, square| peak - square);
+            *out = self.density.log2(tile, |feature| sample[feature]);
             largest = zip(*out, largest, larger);
         }
         let largest = super::tile::largest(largest);

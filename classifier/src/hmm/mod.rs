@@ -5,6 +5,7 @@
 //! [`GaussianHmm::log_probability`] for whole sequences and [`RunningScore`] sample by sample; both run the same code.
 
 mod bank;
+mod density;
 mod emission;
 mod filter;
 mod linear;

@@ -25,16 +25,21 @@ pub enum ScoreKind {
 #[derive(Clone, Debug)]
 pub struct RunningScore {
     samples: usize,
+    states: usize,
     weights: Weights,
     /// D tiles: the sample at hand, once for each of the filter's streams.
     sample: Vec<Tile>,
 }
+
+/// The first stream of a filter alone.
+const FIRST: [bool; STREAMS] = [true, false, false, false];
 
 impl RunningScore {
     /// A filter for `model`, before the first sample.
     pub fn new(kind: ScoreKind, model: &GaussianHmm) -> Self {
         RunningScore {
             samples: 0,
+            states: model.states,
             weights: Weights::new(kind, &model.filter),
             sample: vec![[0.0; STREAMS]; model.dimension],
         }
@@ -57,12 +62,8 @@ impl RunningScore {
     pub fn push(&mut self, model: &GaussianHmm, sample: &[f64]) -> Result<(), FeatureError> {
         let found = if sample.len() != model.dimension {
             format!("{} numbers in a sample", sample.len())
-        } else if self.weights.state_count() != model.states {
-            format!(
-                "a filter of {} states for a model of {}",
-                self.weights.state_count(),
-                model.states
-            )
+        } else if self.states != model.states {
+            format!("a filter of {} states for a model of {}", self.states, model.states)
         } else if let Some(value) = sample.iter().find(|value| !value.is_finite()) {
             format!("the number {value}")
         } else {
@@ -85,7 +86,7 @@ impl RunningScore {
             *tile = [*value; STREAMS];
         }
         let fresh = [f64::from(self.samples == 0); STREAMS];
-        self.weights.step(&model.filter, &self.sample, fresh);
+        self.weights.step(&model.filter, &self.sample, fresh, FIRST);
         self.samples += 1;
     }
 
@@ -130,22 +131,25 @@ impl GaussianHmm {
             #[inline(always)]
             || {
                 for group in order.chunks(STREAMS) {
-                    let longest = sequences[group[group.len() - 1]].sample_count();
-                    for time in 0..longest {
+                    let longest = sequences[group[group.len() - 1]];
+                    let streams: [&Observations; STREAMS] =
+                        std::array::from_fn(|stream| group.get(stream).map_or(longest, |&index| sequences[index]));
+                    let mut ends = streams.map(Observations::sample_count);
+                    ends[group.len()..].fill(0);
+                    for time in 0..ends[group.len() - 1] {
+                        let used = ends.map(|end| time < end);
                         for stream in 0..STREAMS {
                             // A stream that has ended, or never was, goes on with the longest one's samples.
-                            let own = sequences[group[stream.min(group.len() - 1)]];
-                            let ended = time >= own.sample_count();
-                            let source = if ended { sequences[group[group.len() - 1]] } else { own };
+                            let source = if used[stream] { streams[stream] } else { longest };
                             for (tile, value) in sample.iter_mut().zip(source.sample(time)) {
                                 tile[stream] = *value;
                             }
                         }
-                        weights.step(&self.filter, &sample, [f64::from(time == 0); STREAMS]);
-                        if group.iter().any(|&index| sequences[index].sample_count() == time + 1) {
+                        weights.step(&self.filter, &sample, [f64::from(time == 0); STREAMS], used);
+                        if ends.contains(&(time + 1)) {
                             let found = weights.scores();
-                            for (&index, found) in group.iter().zip(found) {
-                                if sequences[index].sample_count() == time + 1 {
+                            for ((&index, end), found) in group.iter().zip(ends).zip(found) {
+                                if end == time + 1 {
                                     scores[index] = found;
                                 }
                             }

@@ -26,6 +26,15 @@ pub(super) fn tiles_for(states: usize) -> usize {
     states.div_ceil(WIDTH)
 }
 
+/// Numbers of states in tiles, `outer` rows of them, filled up with `padding`; `value` takes row and state.
+pub(super) fn tiled(outer: usize, states: usize, padding: f64, value: impl Fn(usize, usize) -> f64) -> Vec<Tile> {
+    let tiles = tiles_for(states);
+    let lane = |row: usize, state: usize| if state < states { value(row, state) } else { padding };
+    (0..outer * tiles)
+        .map(|place| std::array::from_fn(|k| lane(place / tiles, place % tiles * WIDTH + k)))
+        .collect()
+}
+
 /// Applies a function of two numbers lane by lane.
 #[inline(always)]
 pub(super) fn zip(a: Tile, b: Tile, f: impl Fn(f64, f64) -> f64) -> Tile {

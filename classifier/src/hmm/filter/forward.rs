@@ -29,7 +29,6 @@ pub(super) const LEAST_EXPONENT: f64 = -900.0;
 /// Four streams' forward weights.
 #[derive(Clone, Debug)]
 pub(in crate::hmm) struct Forward {
-    states: usize,
     /// N, padded, each: mantissas and exponents of weights.
     mantissa: Vec<Tile>,
     exponent: Vec<Tile>,
@@ -43,17 +42,12 @@ impl Forward {
     pub(super) fn new(model: &FilterModel) -> Self {
         let tiles = |number: f64| vec![[number; WIDTH]; model.padded()];
         Forward {
-            states: model.states,
             mantissa: tiles(0.0),
             exponent: tiles(NOWHERE),
             next_mantissa: tiles(0.0),
             next_exponent: tiles(NOWHERE),
             relative: tiles(0.0),
         }
-    }
-
-    pub(super) fn state_count(&self) -> usize {
-        self.states
     }
 
     #[inline(always)]

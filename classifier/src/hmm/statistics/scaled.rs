@@ -89,8 +89,8 @@ impl Pass {
             exponents: Vec::new(),
             initial: zeros(1),
             occupancy: zeros(1),
-            first: zeros(model.dimension),
-            second: zeros(model.dimension * model.dimension),
+            first: zeros(model.density.dimension),
+            second: zeros(model.density.dimension * model.density.dimension),
             transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
             own_transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
         }
@@ -316,7 +316,7 @@ impl Pass {
     /// Adds the probabilities of states, and with them the moments about the old means.
     #[inline(always)]
     fn count_samples(&mut self, model: &LinearModel, sequence: &Observations) {
-        let (tiles, d) = (model.tiles, model.dimension);
+        let (tiles, d) = (model.tiles, model.density.dimension);
         for (initial, probability) in self.initial.iter_mut().zip(&self.probability) {
             *initial = add(*initial, *probability);
         }
@@ -325,12 +325,12 @@ impl Pass {
                 for column in 0..=row {
                     let (mut occupancy, mut first, mut second) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
                     for (sample, probability) in sequence.samples().zip(self.probability.chunks_exact(tiles)) {
-                        let weighted = multiply(probability[tile], model.deviation(row, sample[row], tile));
+                        let weighted = multiply(probability[tile], model.density.deviation(row, sample[row], tile));
                         occupancy = add(occupancy, probability[tile]);
                         first = add(first, weighted);
                         second = add(
                             second,
-                            multiply(weighted, model.deviation(column, sample[column], tile)),
+                            multiply(weighted, model.density.deviation(column, sample[column], tile)),
                         );
                     }
                     let place = (row * d + column) * tiles + tile;
