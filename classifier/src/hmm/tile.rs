@@ -138,7 +138,13 @@ pub(super) fn exp2(x: f64) -> f64 {
 /// 2^n for an integer n, as a floating-point number, from −1022 to 1023.
 #[inline(always)]
 pub(super) fn integer_power_of_two(n: f64) -> f64 {
-    f64::from_bits(1f64.to_bits().wrapping_add((n + ROUNDER).to_bits() << 52))
+    scale_mantissa(1.0, n)
+}
+
+/// A mantissa, 1 … 2, times 2^n for an integer n, as a floating-point number, from −1022 to 1023.
+#[inline(always)]
+pub(super) fn scale_mantissa(mantissa: f64, n: f64) -> f64 {
+    f64::from_bits(mantissa.to_bits().wrapping_add((n + ROUNDER).to_bits() << 52))
 }
 
 /// 2^n for an integer n from −1022 to 1023.
@@ -200,6 +206,7 @@ pub(super) mod tests {
             assert_eq!(power_of_two(n), 2f64.powi(n as i32));
             assert_eq!(integer_power_of_two(n as f64), 2f64.powi(n as i32));
             assert_eq!(exponent(1.5 * power_of_two(n)), n);
+            assert_eq!(scale_mantissa(1.75, n as f64), 1.75 * 2f64.powi(n as i32));
         }
     }
 

@@ -1,6 +1,7 @@
 //! The forward filter: weights on plain numbers wherever these do.
 //!
-//! A weight is a mantissa (1 … 2, or 0) and an exponent of 2 of its own, an integer in a float, so none is ever too small.
+//! A weight is a mantissa (1 … 2) and an exponent of 2 of its own, an integer in a float, so none is ever too small; a
+//! weight of zero is one with an exponent out of reach of all others.
 //! Sums over states run on plain numbers relative to the largest weight. Where a sum comes out so small that the weights
 //! too small for that could matter, that one sum is done again with the exponents of its own terms: slower, by a factor
 //! and not by orders of magnitude, and exact for data of another category, which every classifier sees.
@@ -10,12 +11,14 @@ use std::ops::Range;
 
 use super::{CHUNK, FilterModel, NOWHERE};
 use crate::hmm::tile::{
-    ROUNDER, Tile, WIDTH, add, exp2_fraction, integer_power_of_two, larger, largest, logarithm, map, multiply, parts,
-    select, zip,
+    ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, parts, scale_mantissa, select,
+    zip,
 };
 
-/// Densities with a lower base-2 logarithm count as zero.
+/// Densities have at least this base-2 logarithm …
 const FARTHEST: f64 = -1e290;
+/// … and streams whose largest weight has a lower one are ruled out.
+const RULED_OUT: f64 = -1e289;
 /// Weights are brought to this exponent at the top before they are summed …
 const HEADROOM: f64 = 900.0;
 /// … and raised to this one below it, so that no product with a probability of at least 2^−900 is subnormal.
@@ -42,9 +45,9 @@ impl Forward {
     pub(super) fn new(model: &FilterModel) -> Self {
         let tiles = |number: f64| vec![[number; WIDTH]; model.padded()];
         Forward {
-            mantissa: tiles(0.0),
+            mantissa: tiles(1.0),
             exponent: tiles(NOWHERE),
-            next_mantissa: tiles(0.0),
+            next_mantissa: tiles(1.0),
             next_exponent: tiles(NOWHERE),
             relative: tiles(0.0),
         }
@@ -54,11 +57,10 @@ impl Forward {
     pub(super) fn step(&mut self, model: &FilterModel, sample: &[Tile], fresh: Tile) {
         let top = self.top();
         for ((relative, mantissa), exponent) in self.relative.iter_mut().zip(&self.mantissa).zip(&self.exponent) {
-            let power = zip(*exponent, top, |exponent, top| {
-                integer_power_of_two(larger(exponent - top, DEPTH) + HEADROOM)
-            });
-            *relative = multiply(*mantissa, power);
+            let exponent = zip(*exponent, top, |exponent, top| larger(exponent - top, DEPTH) + HEADROOM);
+            *relative = zip(*mantissa, exponent, scale_mantissa);
         }
+        let some_fresh = largest(fresh) > 0.0;
         let trusted = select(fresh, [-1.0; WIDTH], [TRUSTED; WIDTH]);
         let plain_base = map(top, |top| top - HEADROOM);
         let states = model.into.iter().zip(&model.initial);
@@ -82,8 +84,10 @@ impl Forward {
                 let (exact, exact_base) = sum_exactly(model, weights, places.clone());
                 (sum, base) = (select(doubt, exact, sum), select(doubt, exact_base, base));
             }
-            let sum = select(fresh, [initial.0; WIDTH], sum);
-            let base = select(fresh, [initial.1; WIDTH], base);
+            if some_fresh {
+                sum = select(fresh, [initial.0; WIDTH], sum);
+                base = select(fresh, [initial.1; WIDTH], base);
+            }
             (*next_mantissa, *next_exponent) = weigh(sum, base, model.log2_density.of(state, sample));
         }
         std::mem::swap(&mut self.mantissa, &mut self.next_mantissa);
@@ -104,15 +108,13 @@ impl Forward {
         let top = self.top();
         let mut sum = [0.0; WIDTH];
         for (mantissa, exponent) in self.mantissa.iter().zip(&self.exponent) {
-            let power = zip(*exponent, top, |own, top| {
-                integer_power_of_two(larger(own - top, -HEADROOM))
-            });
-            sum = add(sum, multiply(*mantissa, power));
+            let exponent = zip(*exponent, top, |own, top| larger(own - top, -HEADROOM));
+            sum = add(sum, zip(*mantissa, exponent, scale_mantissa));
         }
         zip(sum, top, |sum, top| {
             let (log, whole) = logarithm(larger(sum, 1.0));
             let log_sum = (top + whole) * LN_2 + log;
-            if sum > 0.0 { log_sum } else { f64::NEG_INFINITY }
+            if top > RULED_OUT { log_sum } else { f64::NEG_INFINITY }
         })
     }
 }
@@ -122,18 +124,16 @@ impl Forward {
 #[inline(always)]
 fn sum_exactly(model: &FilterModel, (mantissas, own): (&[Tile], &[Tile]), places: Range<usize>) -> (Tile, Tile) {
     let (probabilities, exponents) = (&model.mantissa[places.clone()], &model.exponent[places]);
-    let mut top = [2.0 * NOWHERE; WIDTH];
+    let mut top = [NOWHERE; WIDTH];
     for (own, exponent) in own.iter().zip(exponents) {
         top = zip(*own, top, |own, top| larger(own + exponent, top));
     }
     let mut sum = [0.0; WIDTH];
     for ((mantissa, own), (probability, exponent)) in mantissas.iter().zip(own).zip(probabilities.iter().zip(exponents))
     {
-        let power = zip(*own, top, |own, top| {
-            integer_power_of_two(larger(own + exponent - top, -HEADROOM))
-        });
-        let term = multiply(map(*mantissa, |mantissa| mantissa * probability), power);
-        sum = add(sum, term);
+        let own = zip(*own, top, |own, top| larger(own + exponent - top, -HEADROOM));
+        let term = zip(*mantissa, own, scale_mantissa);
+        sum = zip(sum, term, |sum, term| sum + probability * term);
     }
     (sum, top)
 }
@@ -141,8 +141,7 @@ fn sum_exactly(model: &FilterModel, (mantissas, own): (&[Tile], &[Tile]), places
 /// Mantissas and exponents of sum · 2^base · 2^density.
 #[inline(always)]
 fn weigh(sum: Tile, base: Tile, density: Tile) -> (Tile, Tile) {
-    // NaN compares false as well.
-    let possible = map(density, |density| if density > FARTHEST { 1.0 } else { 0.0 });
+    // The comparison turns NaN into the least density.
     let density = map(density, |density| larger(density, FARTHEST));
     // So far out numbers have no fraction to round off.
     let whole = map(density, |density| {
@@ -150,12 +149,7 @@ fn weigh(sum: Tile, base: Tile, density: Tile) -> (Tile, Tile) {
         if density > -1e15 { rounded } else { density }
     });
     let fraction = zip(density, whole, |density, whole| density - whole);
-    let weight = multiply(multiply(sum, possible), map(fraction, exp2_fraction));
-    let mantissa = map(weight, |weight| parts(weight).0);
+    let weight = multiply(sum, map(fraction, exp2_fraction));
     let exponent = map(weight, |weight| parts(weight).1);
-    let exponent = add(add(base, exponent), whole);
-    (
-        select(weight, mantissa, [0.0; WIDTH]),
-        select(weight, exponent, [NOWHERE; WIDTH]),
-    )
+    (map(weight, |weight| parts(weight).0), add(add(base, exponent), whole))
 }

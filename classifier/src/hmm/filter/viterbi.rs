@@ -42,7 +42,7 @@ impl ViterbiModel {
 
     /// The rows into one of so many tiles, of the first states or all.
     #[inline(always)]
-    fn into_tile(&self, tile: usize, tiles: usize) -> &[[Tile; WIDTH]] {
+    fn rows_into(&self, tile: usize, tiles: usize) -> &[[Tile; WIDTH]] {
         if self.left_to_right {
             &self.transition[tile * (tile + 1) / 2..][..tile + 1]
         } else {
@@ -93,7 +93,7 @@ impl Viterbi {
         for (tile, into) in into.iter_mut().enumerate() {
             // A maximum is the same in any order.
             let mut best = [[f64::NEG_INFINITY; WIDTH]; WIDTH];
-            for (rows, log2) in model.into_tile(tile, tiles).iter().zip(log2) {
+            for (rows, log2) in model.rows_into(tile, tiles).iter().zip(log2) {
                 for k in 0..WIDTH {
                     best[k] = zip(rows[k], best[k], |entry, best| larger(entry + log2[k], best));
                 }
