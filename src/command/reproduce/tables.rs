@@ -13,7 +13,7 @@ pub use beyond::{ablation, by_samples, classifiers, roc, splits, splits_of};
 pub fn trials_per_reach(results: &Results) -> Table {
     let columns = ["trials", "count", "per reach", "paper"];
     let mut table = Table::new("trials_per_reach", "Contact trials", &columns);
-    for row in &results.trials_per_reach {
+    for row in &results.measurement.trials_per_reach {
         table.rows.push(vec![
             format!("{}, {}", unit_name(row.by), row.category).into(),
             row.trials.into(),
@@ -40,7 +40,7 @@ pub fn table_1(results: &Results, recipe: &str) -> Table {
         super::words::possessive(recipe)
     );
     let mut table = Table::new("table_1", caption, &columns);
-    for cell in results.table_1.iter().filter(|cell| cell.recipe == recipe) {
+    for cell in results.measurement.table_1.iter().filter(|cell| cell.recipe == recipe) {
         table.rows.push(vec![
             format!("{}, {}", unit_name(cell.by), features_name(cell.features)).into(),
             cell.states.into(),
@@ -66,7 +66,7 @@ pub fn table_1_all(results: &Results) -> Table {
         "paper_percent",
     ];
     let mut table = Table::new("table_1", "Table I", &columns);
-    for cell in &results.table_1 {
+    for cell in &results.measurement.table_1 {
         table.rows.push(vec![
             unit_name(cell.by).into(),
             features_name(cell.features).into(),
@@ -194,20 +194,10 @@ pub fn figure_5(results: &Results) -> Table {
     table
 }
 
-/// Figs. 8 to 10, frame by frame.
-pub fn figures_8_to_10(online: &Online) -> Table {
-    let columns = [
-        "time_s",
-        "taxels_in_contact",
-        "seconds_per_100_taxels",
-        "mean_samples_used",
-        "mean_samples_since_contact",
-        "correct",
-        "misclassified",
-        "uncertain",
-        "without_truth",
-    ];
-    let mut table = Table::new("figures_8_9_10", "Figs. 8 to 10", &columns);
+/// Fig. 8, frame by frame: of all tables this one and [`stages`] alone hold wall times, which no two runs share.
+pub fn figure_8_times(online: &Online) -> Table {
+    let columns = ["time_s", "taxels_in_contact", "seconds_per_100_taxels"];
+    let mut table = Table::new("figure_8_times", "Fig. 8", &columns);
     if let Some(reach) = online.shown() {
         for (frame, seconds) in reach.stream.frames.iter().zip(&reach.stream.seconds) {
             let per_100 = (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64);
@@ -215,14 +205,36 @@ pub fn figures_8_to_10(online: &Online) -> Table {
                 Cell::Number(frame.time_s, 2),
                 frame.in_contact.into(),
                 Cell::optional(per_100, 9),
-                Cell::Number(frame.mean_samples_used, 2),
-                Cell::Number(frame.mean_samples_since_contact, 2),
-                frame.tally.correct.into(),
-                frame.tally.misclassified.into(),
-                frame.tally.uncertain.into(),
-                frame.tally.unknown.into(),
             ]);
         }
+    }
+    table
+}
+
+/// Figs. 9 and 10, frame by frame.
+pub fn figures_9_and_10(online: &Online) -> Table {
+    let columns = [
+        "time_s",
+        "taxels_in_contact",
+        "mean_samples_used",
+        "mean_samples_since_contact",
+        "correct",
+        "misclassified",
+        "uncertain",
+        "without_truth",
+    ];
+    let mut table = Table::new("figures_9_10", "Figs. 9 and 10", &columns);
+    for frame in online.shown().iter().flat_map(|reach| &reach.stream.frames) {
+        table.rows.push(vec![
+            Cell::Number(frame.time_s, 2),
+            frame.in_contact.into(),
+            Cell::Number(frame.mean_samples_used, 2),
+            Cell::Number(frame.mean_samples_since_contact, 2),
+            frame.tally.correct.into(),
+            frame.tally.misclassified.into(),
+            frame.tally.uncertain.into(),
+            frame.tally.unknown.into(),
+        ]);
     }
     table
 }
@@ -331,7 +343,7 @@ pub fn detection(results: &Results) -> Table {
 }
 
 pub fn stages(results: &Results) -> Table {
-    let mut table = Table::new("timing", "Wall time", &["stage", "seconds"]);
+    let mut table = Table::new("stage_times", "Wall time", &["stage", "seconds"]);
     for (stage, seconds) in &results.timing.stages {
         table.rows.push(vec![(*stage).into(), Cell::Number(*seconds, 1)]);
     }
