@@ -27,7 +27,7 @@ pub struct Options {
 /// Checks the thing and prints what is in it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let path = &options.path;
-    input::check_exists(path)?;
+    input::check_exists(path, "a scene, data set (folder), recording, model or table of trials")?;
     let extension = path
         .extension()
         .and_then(|extension| extension.to_str())
