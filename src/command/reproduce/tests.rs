@@ -9,29 +9,21 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use xml::reader::{EventReader, XmlEvent};
 
+#[path = "../../../tests/support/scenes.rs"]
+#[expect(dead_code, reason = "two of the scenes are for the tests of the command line")]
+mod scenes;
+
 use super::ablation::Ablated;
 use super::reaches::Found;
 use super::*;
 
-const LEAVES: &str = r#"summary = "Leaves beside the forearm"
-goals = { count = 1, retries = 0, x_m = { uniform = [0.60, 0.72] } }
-[[objects.foam_block]]
-count = 4
-place = { x_m = { uniform = [0.25, 0.48] }, y_m = { uniform = [-0.50, 0.05] }, yaw_deg = { uniform = [-10, 10] } }
-[[objects.leaf]]
-count = 12
-segments = 4
-"#;
-const TRUNKS: &str = r#"summary = "Trunks beside the forearm"
-goals = { count = 1, retries = 0, x_m = { uniform = [0.60, 0.72] } }
-[[objects.trunk]]
-count = 4
-place = { x_m = { uniform = [0.25, 0.50] }, y_m = { uniform = [-0.50, -0.15] } }
-"#;
+fn plan(name: &str, text: &str) -> ReachPlan {
+    let scene = Scene::parse(name, text.into()).unwrap();
+    ReachPlan::new(scene, None, 5).unwrap()
+}
 
 fn reaches(name: &str, text: &str) -> Vec<Recording> {
-    let scene = Scene::parse(name, text.into()).unwrap();
-    let plan = ReachPlan::new(scene, None, 5).unwrap();
+    let plan = plan(name, text);
     // Enough for two contacts of each category at least, whatever the physics makes of a single reach.
     let run = |index| plan.run(index, &mut |_, _, _| {}).unwrap();
     (0..8_u64).into_par_iter().map(run).collect()
@@ -47,7 +39,11 @@ fn found(scene: &str, reaches: &[Recording]) -> Found {
 
 /// Sixteen small reaches, some of which are tested on too.
 fn data() -> Data {
-    let [leaves, trunks] = [("leaves.toml", LEAVES), ("trunks.toml", TRUNKS)].map(|(name, text)| reaches(name, text));
+    let [leaves, trunks] = [
+        ("leaves.toml", scenes::LEAVES_AT_FOREARM),
+        ("trunks.toml", scenes::TRUNKS_AT_FOREARM),
+    ]
+    .map(|(name, text)| reaches(name, text));
     let mut trials = Trials::default();
     for (place, recording) in leaves.iter().chain(&trunks).enumerate() {
         trials.append(place, Trials::cut(recording, &data::trial_options()).unwrap());
@@ -63,7 +59,7 @@ fn data() -> Data {
                 (Category::Trunk, found("none", &[])),
             ],
             mixed: found("trunks", &trunks[..1]),
-            outlier: found("trunks", &trunks[1..]),
+            outlier: found("trunks-again", &trunks[1..]),
         },
     }
 }
@@ -72,9 +68,9 @@ fn data() -> Data {
 fn report(data: &Data, folder: &Path) -> Results {
     let Analysis {
         mut results,
+        models,
         online,
         thresholds,
-        ..
     } = Analysis::of(data, &mut Stages::begin()).unwrap();
     let Measurement {
         trials_per_reach,
@@ -86,7 +82,22 @@ fn report(data: &Data, folder: &Path) -> Results {
     results.ablation = [ablation::AS_IS, "something"]
         .map(|change| Ablated::new(change, table_1.clone(), trials_per_reach.clone()))
         .to_vec();
-    page::write(folder, &results, &online, &thresholds, &[None, None]).unwrap();
+    let moment = |name, shown| {
+        let moment = snapshot::take(
+            &models,
+            shown,
+            &plan(name, scenes::TRUNKS_AT_FOREARM),
+            online::uncertain_rule(),
+        )
+        .unwrap();
+        assert!(moment.is_some());
+        moment
+    };
+    let moments = [
+        moment("trunks.toml", online.shown()),
+        moment("trunks-again.toml", online.outlier.first()),
+    ];
+    page::write(folder, &results, &online, &thresholds, &moments).unwrap();
     results
 }
 
@@ -122,8 +133,13 @@ fn a_report_is_whole() {
         let values = own.flat_map(|(_, attributes)| attributes.iter().filter(|(name, _)| name == attribute));
         values.map(|(_, value)| value.clone()).collect()
     };
-    let charts = elements.iter().filter(|(name, _)| name == "svg").count();
-    assert!(charts >= 16, "{charts}");
+    // The view into a close-up is an image within an image.
+    let within = |attributes: &[(String, String)]| attributes.iter().any(|(name, _)| name == "x");
+    let images = elements
+        .iter()
+        .filter(|(name, attributes)| name == "svg" && !within(attributes));
+    let charts = images.count();
+    assert!(charts >= 22, "{charts}");
     assert_eq!(of("svg", "role"), vec!["img"; charts]);
     let ids: Vec<String> = elements
         .iter()
