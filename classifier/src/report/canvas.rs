@@ -13,10 +13,10 @@ pub(super) const LEFT: f64 = 58.0;
 pub(super) const RIGHT: f64 = 16.0;
 pub(super) const MARK_RADIUS: f64 = 5.0;
 /// Height that a strip of bands takes, of which it fills all but a gap.
-pub(super) const STRIP: f64 = 19.0;
+const STRIP: f64 = 19.0;
 const STRIP_GAP: f64 = 5.0;
-/// Of the marks of ticks, under which the first strip begins.
-const TICK: f64 = 7.0;
+/// Under the x axis, where its ticks' marks are and the lowest tick of y hangs down, the first strip begins.
+const TICK: f64 = 10.0;
 
 /// The chart's data area in px, and the scales that fill it.
 pub(super) struct Plot {
@@ -50,6 +50,11 @@ impl Plot {
         runs.retain(|run| !run.is_empty());
         runs
     }
+}
+
+/// How far so many strips push the names of ticks down.
+pub(super) fn strips_height(count: usize) -> f64 {
+    if count == 0 { 0.0 } else { count as f64 * STRIP + 4.0 }
 }
 
 /// The drawing under way.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::axis::{Axis, Fitted};
-use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, STRIP, WIDTH};
+use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, strips_height};
 use super::layer::{Dash, Layer, Shape, Style};
 use super::markup::{escape, slug};
 
@@ -44,7 +44,7 @@ impl Chart {
             .layers
             .iter()
             .filter(|layer| matches!(layer.shape, Shape::Bands(_)));
-        let ticks_top = plot.bottom() + strips.count() as f64 * STRIP;
+        let ticks_top = plot.bottom() + strips_height(strips.count());
         let height = ticks_top + 2.0 * LINE + 8.0;
         let name = slug(&self.name);
         let mut svg = format!(
