@@ -103,28 +103,29 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
     Ok(trials)
 }
 
-/// Refuses a path at which there is nothing, before its name is taken for the wrong kind of file.
-pub fn check_exists(path: &Path) -> Result<(), Failure> {
+/// Refuses a path at which there is nothing, before its name is taken for the wrong kind of file; `allowed` is what a
+/// command takes.
+pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
     if path.exists() {
         return Ok(());
     }
-    let (found, allowed) = (
-        "no such file or folder",
-        "a data set (folder), recording or table of trials",
-    );
-    Err(InputError::new(path, "input", found, allowed, "check the path").into())
+    Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into())
 }
 
 /// Reads the trials of a data set, a recording or a table.
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
-    check_exists(path)?;
+    check_exists(path, "a data set (folder), recording or table of trials")?;
+    let cut = |recording: &Recording, first| {
+        let found = arguments.cut(recording, first);
+        found.map_err(|failure| failure.about(path))
+    };
     if path.is_dir() {
         let dataset = Dataset::open(path)?;
         let reaches = dataset.episodes().len();
         let bar = progress::bar(reaches as u64, "reaches read");
         let mut trials = Vec::new();
         for episode in 0..reaches {
-            let mut found = arguments.cut(&dataset.read_reach(episode)?, trials.len() as u64)?;
+            let mut found = cut(&dataset.read_reach(episode)?, trials.len() as u64)?;
             // Reaches of different scenes may share an index; the episode's number is theirs alone.
             found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
             trials.extend(found);
@@ -133,7 +134,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
         bar.finish_and_clear();
         Ok(trials)
     } else if is_recording(path) {
-        arguments.cut(&read_recording(path)?, 0)
+        cut(&read_recording(path)?, 0)
     } else {
         Ok(read_trials(path)?)
     }

@@ -103,8 +103,14 @@ const CLOSE_M: DVec2 = DVec2::new(0.30, 0.23);
 /// Font size in a close-up, px, and the height of its title: it is shown about as wide as a page.
 const CLOSE_FONT: f64 = 5.6;
 
-/// The surroundings of marked taxels, from the right and from above; none without marks.
-pub fn close_ups(snapshot: &Snapshot, layout: &SkinLayout, marks: &[TaxelMark], description: &str) -> Vec<String> {
+/// The surroundings of marked taxels, from the right and from above; none without marks. `name` is unique on a page.
+pub fn close_ups(
+    name: &str,
+    snapshot: &Snapshot,
+    layout: &SkinLayout,
+    marks: &[TaxelMark],
+    description: &str,
+) -> Vec<String> {
     let frame = &snapshot.frame;
     let position = |mark: &TaxelMark| {
         let taxel = layout.patches.get(mark.place.0)?.taxels.get(mark.place.1)?;
@@ -122,20 +128,27 @@ pub fn close_ups(snapshot: &Snapshot, layout: &SkinLayout, marks: &[TaxelMark], 
     let centre = positions.iter().map(|(position, _)| *position).sum::<DVec3>() / positions.len() as f64;
     PANELS
         .iter()
-        .map(|panel| panel.close_up(snapshot, &positions, centre, description))
+        .map(|panel| panel.close_up(name, snapshot, &positions, centre, description))
         .collect()
 }
 
 impl Panel {
-    fn close_up(&self, snapshot: &Snapshot, marks: &[(DVec3, &TaxelMark)], centre: DVec3, description: &str) -> String {
+    fn close_up(
+        &self,
+        name: &str,
+        snapshot: &Snapshot,
+        marks: &[(DVec3, &TaxelMark)],
+        centre: DVec3,
+        description: &str,
+    ) -> String {
         let size = CLOSE_M * SCALE;
         let corner = self.to_pixels(centre) - size / 2.0;
         let top = 1.8 * CLOSE_FONT;
-        let name = self.title.replace(' ', "-");
+        let name = format!("{name}-{}", self.title.replace(' ', "-"));
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.1} {:.1}\" role=\"img\" \
-             aria-labelledby=\"close-{name}-title close-{name}-desc\" font-family=\"sans-serif\" font-size=\"{CLOSE_FONT}\">\n\
-             <title id=\"close-{name}-title\">Arm and skin {title}</title>\n<desc id=\"close-{name}-desc\">{}</desc>\n\
+             aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{CLOSE_FONT}\">\n\
+             <title id=\"{name}-title\">Arm and skin {title}</title>\n<desc id=\"{name}-desc\">{}</desc>\n\
              <text x=\"1\" y=\"{CLOSE_FONT}\" font-weight=\"bold\">Arm and skin {title}</text>\n\
              <svg x=\"0\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" viewBox=\"{:.1} {:.1} {:.1} {:.1}\">\n\
              <rect x=\"-9999\" y=\"-9999\" width=\"29999\" height=\"29999\" fill=\"#f6f7f9\"/>\n",
@@ -165,6 +178,16 @@ impl Panel {
         }
         let scale_px = 0.05 * SCALE;
         let (x, y) = (corner.x + size.x - scale_px - 6.0, corner.y + size.y - 6.0);
+        // Whatever lies behind it.
+        let plate = DVec2::new(scale_px + 6.0, CLOSE_FONT + 7.0);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"2\" fill=\"#ffffff\" opacity=\"0.85\"/>",
+            x - 3.0,
+            y + 3.0 - plate.y,
+            plate.x,
+            plate.y
+        );
         let _ = writeln!(
             svg,
             "<path d=\"M{x:.1} {y:.1}h{scale_px:.1}\" stroke=\"#222222\" stroke-width=\"1.5\"/>\

@@ -4,11 +4,10 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use underbrush_sim::arm::Arm;
+use underbrush_sim::arm::{Arm, ArmAtStart};
 use underbrush_sim::clutter::{Clutter, Standing};
 use underbrush_sim::object::{Footing, Specification};
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::reach::arm_at_start;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::scene::quantity::Quantity;
 use underbrush_sim::seed::stream;
@@ -57,7 +56,7 @@ impl Sweep {
         for (joint, degrees) in arm.joints.iter_mut().zip(START_DEG) {
             joint.start_rad = degrees.to_radians();
         }
-        let links = arm_at_start(&arm).links;
+        let links = ArmAtStart::of(&arm).links;
         let scene = Scene::parse("sweep.toml", SCENE.into()).expect("the scene is sound");
         let mut random = stream(layout, "sweep", 0, "clutter");
         let block = scene.file.objects.foam_block[0]

@@ -7,24 +7,12 @@ use rand_chacha::ChaCha8Rng;
 use rapier3d::prelude::{Cuboid, Pose};
 use underbrush_recording::{Category, InputError, ObjectRecord};
 
+use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, LaidFootprint, segment_distance};
 use crate::object::{Footing, Footprint, Object, StandsOn};
 use crate::scene::quantity::Quantity;
 use crate::scene::{Placement, Scene};
 use crate::seed::stream;
-
-/// What the clutter must know of the arm: where it starts and how far it reaches.
-#[derive(Clone, Debug)]
-pub struct ArmAtStart {
-    /// Its links in the start posture, world frame.
-    pub links: Vec<Capsule>,
-    /// Its tip, m, world frame.
-    pub tip_world: DVec3,
-    /// The point it reaches from (its shoulder), m, world frame.
-    pub shoulder_world: DVec3,
-    /// Its length from there, m.
-    pub length_m: f64,
-}
 
 /// One drawn clutter with its goals.
 #[derive(Debug)]

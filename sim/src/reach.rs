@@ -3,11 +3,10 @@
 use glam::DVec3;
 use underbrush_recording::{Audit, Frame, GoalRecord, InputError, Outcome, Pose, Recording};
 
-use crate::arm::{Arm, LinkCollider};
-use crate::clutter::{ArmAtStart, Clutter};
+use crate::arm::{Arm, ArmAtStart};
+use crate::clutter::Clutter;
 use crate::contact_log::ContactLog;
 use crate::controller::{self, Controller, ControllerInput, Goal, ModelPredictive, Preset, TaxelContact};
-use crate::geometry::Capsule;
 use crate::monitor::Monitor;
 use crate::scene::Scene;
 use crate::sensor::Sensor;
@@ -73,7 +72,7 @@ impl ReachPlan {
     /// # Errors
     /// When the scene is impossible for this draw.
     pub fn draw(&self, reach_index: u64) -> Result<Clutter, InputError> {
-        Clutter::draw(&self.scene, &arm_at_start(&self.arm), self.seed, reach_index)
+        Clutter::draw(&self.scene, &ArmAtStart::of(&self.arm), self.seed, reach_index)
     }
 
     /// Runs reach number `reach_index`.
@@ -289,40 +288,6 @@ impl<'a> Reach<'a> {
 
     fn time_s(&self) -> f64 {
         self.recording.frames.len() as f64 * FRAME_PERIOD_S
-    }
-}
-
-/// The capsule around a link's collision shape.
-fn capsule(collider: &LinkCollider, link_pose: &rapier3d::prelude::Pose) -> Option<Capsule> {
-    let (shape, turn) = collider.shape.engine_shape()?;
-    Some(Capsule::around(
-        shape.as_ref(),
-        &(*link_pose * collider.pose_link * turn),
-    ))
-}
-
-/// Where an arm starts and how far it reaches.
-pub fn arm_at_start(arm: &Arm) -> ArmAtStart {
-    let poses = arm.forward_kinematics(&arm.start_posture_rad());
-    let links = arm
-        .links
-        .iter()
-        .zip(&poses)
-        .flat_map(|(link, pose)| link.colliders.iter().filter_map(|collider| capsule(collider, pose)))
-        .collect::<Vec<Capsule>>();
-    // From the first joint whose offset from the next is a bone rather than an actuator's width.
-    let tip_world = arm.tip_pose(&poses).translation;
-    let chain: Vec<DVec3> = poses[1..]
-        .iter()
-        .map(|pose| pose.translation)
-        .chain([tip_world])
-        .collect();
-    let length_m = chain.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-    ArmAtStart {
-        links,
-        tip_world,
-        shoulder_world: chain[0],
-        length_m,
     }
 }
 

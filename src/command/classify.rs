@@ -212,12 +212,10 @@ fn online(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Fa
                 .try_for_each(|frame| answer(&mut classifier, frame, Instant::now()))?;
         }
     } else {
-        input::check_exists(&options.input)?;
+        let allowed = "with --online, frames: a data set, a recording or `-`";
+        input::check_exists(&options.input, allowed)?;
         if options.input.extension().is_some_and(|extension| extension == "csv") {
-            let (found, allowed) = (
-                "a table of trials",
-                "with --online, frames: a data set, a recording or `-`",
-            );
+            let found = "a table of trials";
             return Err(InputError::new(&options.input, "input", found, allowed, "leave --online out").into());
         }
         let recording = read_recording(&options.input)?;

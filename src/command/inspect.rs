@@ -7,8 +7,9 @@ use clap::Args;
 use serde_json::{Value, json};
 use underbrush_classifier::ModelSet;
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
+use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
-use underbrush_sim::reach::{ReachPlan, arm_at_start};
+use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use crate::failure::Failure;
@@ -27,7 +28,7 @@ pub struct Options {
 /// Checks the thing and prints what is in it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let path = &options.path;
-    input::check_exists(path)?;
+    input::check_exists(path, "a scene, data set (folder), recording, model or table of trials")?;
     let extension = path
         .extension()
         .and_then(|extension| extension.to_str())
@@ -66,7 +67,7 @@ fn text(value: &Value, depth: usize) -> String {
 
 fn scene(path: &Path, seed: u64) -> Result<Value, Failure> {
     let plan = ReachPlan::new(Scene::load(path)?, None, seed)?;
-    let clutter = Clutter::draw(&plan.scene, &arm_at_start(&plan.arm), seed, 0)?;
+    let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
     let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
     for standing in &clutter.objects {
         *objects.entry(standing.object.kind()).or_default() += 1;

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::evaluate::{ChosenThresholds, Folds, ThresholdTargets, choose_thresholds, cross_validate};
+use underbrush_classifier::evaluate::{
+    ChosenThresholds, Folds, ThresholdError, ThresholdTargets, choose_thresholds, cross_validate,
+};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::hmm::{InitialDistribution, Stop, Topology, TrainingOptions};
 use underbrush_classifier::recipe::Recipe;
@@ -196,7 +198,11 @@ fn thresholds(options: &Options, trials: &[Trial]) -> Result<Option<ChosenThresh
     let (recipe, folds) = (options.recipe.recipe(), Folds::for_thresholds(trials));
     let held_out = cross_validate(trials, &recipe, folds, &Decision::argmax());
     let held_out = held_out.map_err(|error| about(error.into()))?;
-    let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| about(error.into()))?;
+    let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| match error {
+        // The option's fault and not the trials'.
+        ThresholdError::BadTarget { .. } => error.into(),
+        _ => about(error.into()),
+    })?;
     Ok(Some(chosen))
 }
 

@@ -155,6 +155,12 @@ fn reversed_range() {
         Some(4),
         &["workspace.x_m: found [0.8, 0.2]", "the smaller first", "change"],
     );
+    let text = format!("{HEAD}[sensor]\nstray_force_n = [0.1, 0.02]\n");
+    refuses(
+        &text,
+        Some(4),
+        &["sensor.stray_force_n: found [0.1, 0.02]", "the smaller first"],
+    );
 }
 
 #[test]
@@ -246,7 +252,8 @@ fn missing_scene() {
     };
     fault.check(&underbrush!["reach", file]);
     fault.check(&underbrush!["generate", file, "--reaches", "1", "--out", set]);
-    underbrush!["inspect", file].refused(&[&file.display().to_string(), "no such file", "check the path"]);
+    let name = file.display().to_string();
+    underbrush!["inspect", file].refused(&[&name, "no such file", "a scene, data set", "check the path"]);
     assert_empty(outputs.path());
 }
 

@@ -151,7 +151,8 @@ fn unknown_names() {
     let outputs = tempfile::tempdir().unwrap();
     let [text, table] = ["trials.txt", "trials.csv"].map(|name| outputs.path().join(name));
     let patch = underbrush!["trials", fixture.dataset(), "--out", table, "--patch", "elbow"];
-    patch.refused(&["no patch called \"elbow\"", "forearm", "flipper"]);
+    let set = fixture.dataset().display().to_string();
+    patch.refused(&[&set, "no patch called \"elbow\"", "forearm", "flipper"]);
     underbrush!["trials", fixture.dataset(), "--out", text]
         .refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
     assert_empty(outputs.path());

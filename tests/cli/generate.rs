@@ -65,32 +65,21 @@ fn shards_hold_the_reaches_of_the_whole() {
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let [whole, first, second] = ["whole", "first", "second"].map(|name| folder.path().join(name));
     underbrush!["generate", scene, "--reaches", "3", "--seed", "4", "--out", whole].success();
-    underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "3",
-        "--seed",
-        "4",
-        "--out",
-        first,
-        "--shard",
-        "1/2"
-    ]
-    .success();
-    underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "3",
-        "--seed",
-        "4",
-        "--out",
-        second,
-        "--shard",
-        "2/2"
-    ]
-    .success();
+    for (shard, out) in [("1/2", &first), ("2/2", &second)] {
+        underbrush![
+            "generate",
+            scene,
+            "--reaches",
+            "3",
+            "--seed",
+            "4",
+            "--out",
+            out,
+            "--shard",
+            shard
+        ]
+        .success();
+    }
     let open = |path| underbrush_recording::disk::Dataset::open(path).unwrap();
     let (whole, first, second) = (open(&whole), open(&first), open(&second));
     assert_eq!([first.episodes().len(), second.episodes().len()], [2, 1]);

@@ -7,11 +7,10 @@ use rayon::ThreadPoolBuilder;
 use underbrush_recording::Recording;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::campaign::{self, Job};
-use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
 use crate::{Check, CheckError, Comparison, Simulated};
 
 /// Check 15.
@@ -91,17 +90,8 @@ fn bytes(recording: &Recording) -> Vec<u8> {
 /// Joint angles and contact forces of a world and of its copy, frame by frame for a second after the copy was made in
 /// the middle of a push on a leaf; the copy is pushed by `more_rad` more.
 fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
-    let leaf = Leaf {
-        height_m: 0.4,
-        width_m: 0.03,
-        flexural_rigidity_n_m2: 0.02,
-        mass_per_area_kg_per_m2: 0.8,
-        loss_factor: 0.2,
-        root_stiffness_nm_per_rad: Some(2.0),
-        segments: 5,
-    };
     let arm = Arm::cody()?;
-    let mut pressed = PressedArm::new(arm.clone(), arm.clone(), Box::new(leaf), 0.002, 0.3, OPTIONS)?;
+    let mut pressed = PressedArm::new(arm.clone(), arm.clone(), Box::new(LEAF), 0.002, 0.3, OPTIONS)?;
     let equilibrium = pressed.moving_rad(0.03);
     pressed.hold(&equilibrium, 0.2);
     let mut copied = pressed.world.clone();

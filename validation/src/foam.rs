@@ -4,11 +4,10 @@ use underbrush_oracles::foam::{self, StandardLinearSolid};
 use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::foam_roll::FoamRoll;
-use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
 use crate::driven::Driven;
-use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
 use crate::{Check, CheckError, Comparison, Simulated};
 
 /// Check 11.
@@ -181,15 +180,6 @@ fn least_work(way: &[crate::driven::Point]) -> f64 {
 
 /// The same push of the arm's equilibrium point on a leaf, a roll and a trunk, at the same height.
 fn pushed_by_the_arm(roll: FoamRoll) -> Result<Vec<Comparison>, CheckError> {
-    let leaf = Leaf {
-        height_m: 0.4,
-        width_m: 0.03,
-        flexural_rigidity_n_m2: 0.02,
-        mass_per_area_kg_per_m2: 0.8,
-        loss_factor: 0.2,
-        root_stiffness_nm_per_rad: Some(2.0),
-        segments: 5,
-    };
     let trunk = Trunk {
         diameter_m: 0.03,
         height_m: 0.5,
@@ -201,7 +191,7 @@ fn pushed_by_the_arm(roll: FoamRoll) -> Result<Vec<Comparison>, CheckError> {
         pressed.hold(&equilibrium, 4.0);
         Ok(pressed.contact_force_world().length())
     };
-    let leaf = force_n(Box::new(leaf), 0.001)?;
+    let leaf = force_n(Box::new(LEAF), 0.001)?;
     let soft = force_n(Box::new(roll), ROLL.diameter_m / 2.0)?;
     let hard = force_n(Box::new(trunk), 0.015)?;
     let reason = "under 1: an order of objects, not a value";

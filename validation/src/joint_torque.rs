@@ -6,7 +6,7 @@ use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
-use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
 use crate::{Check, CheckError, Comparison, Simulated};
 
 /// Check 6.
@@ -27,13 +27,8 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     };
     let leaf = || -> Box<dyn Object> {
         Box::new(Leaf {
-            height_m: 0.4,
-            width_m: 0.03,
-            flexural_rigidity_n_m2: 0.02,
-            mass_per_area_kg_per_m2: 0.8,
             loss_factor: 0.3,
-            root_stiffness_nm_per_rad: Some(2.0),
-            segments: 5,
+            ..LEAF
         })
     };
     let mut comparisons = Vec::new();

@@ -6,6 +6,7 @@ use rapier3d::prelude::{ColliderHandle, Pose};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, Standing};
 use underbrush_sim::object::Object;
+use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::skin::{ContactPoint, SkinPatch};
 use underbrush_sim::world::{FRAME_PERIOD_S, World};
@@ -17,6 +18,17 @@ pub const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
     substeps: 4,
     gravity_m_per_s2: 9.81,
+};
+
+/// A leaf for the forearm to push.
+pub const LEAF: Leaf = Leaf {
+    height_m: 0.4,
+    width_m: 0.03,
+    flexural_rigidity_n_m2: 0.02,
+    mass_per_area_kg_per_m2: 0.8,
+    loss_factor: 0.2,
+    root_stiffness_nm_per_rad: Some(2.0),
+    segments: 5,
 };
 
 /// Where on the forearm's axis the object is touched, m, link frame: under its skin.

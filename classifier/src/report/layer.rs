@@ -11,7 +11,7 @@ pub struct Style {
     pub mark: Option<Mark>,
 }
 
-/// How a line is drawn, or a bar filled.
+/// How a line is drawn, or a bar, area or band filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
     /// Unbroken; a bar is filled.
@@ -42,7 +42,7 @@ pub enum Mark {
 /// One set of data in a chart, with its entry in the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// Name in the legend.
+    /// Name in the legend; of bands, beside their strip.
     pub name: String,
     /// How it looks.
     pub style: Style,
@@ -72,7 +72,9 @@ pub enum Shape {
     Points(Vec<Point>),
     /// One bar a name of the x axis, upon the bars of earlier layers.
     Bars(Vec<f64>),
-    /// Intervals of x, shaded over the whole height.
+    /// Filled upon the areas of earlier layers, which have the same x; y keeps its value until the next x.
+    Areas(Vec<(f64, f64)>),
+    /// Intervals of x, in a strip under the x axis beside the layer's name: one strip a layer.
     Bands(Vec<(f64, f64)>),
 }
 
@@ -86,17 +88,29 @@ impl Layer {
         }
     }
 
+    /// Whether the legend has an entry of it.
+    pub(super) fn in_legend(&self) -> bool {
+        !self.name.is_empty() && !matches!(self.shape, Shape::Bands(_))
+    }
+
+    /// Whether a line joins its points, in the drawing and in the legend.
+    pub(super) fn is_joined(&self) -> bool {
+        !matches!(self.shape, Shape::Points(_)) || self.style.dash != Dash::Dotted
+    }
+
     /// All x that the axis must hold.
     pub(super) fn xs(&self) -> Vec<f64> {
         match &self.shape {
-            Shape::Line(points) | Shape::Steps(points) => points.iter().map(|point| point.0).collect(),
+            Shape::Line(points) | Shape::Steps(points) | Shape::Areas(points) => {
+                points.iter().map(|point| point.0).collect()
+            }
             Shape::Points(points) => points.iter().map(|point| point.x).collect(),
             Shape::Bands(bands) => bands.iter().flat_map(|band| [band.0, band.1]).collect(),
             Shape::Bars(_) => Vec::new(),
         }
     }
 
-    /// All y that the axis must hold, but those of bars, which stand on each other.
+    /// All y that the axis must hold, but those of bars and areas, which stand on each other.
     pub(super) fn ys(&self) -> Vec<f64> {
         match &self.shape {
             Shape::Line(points) | Shape::Steps(points) => points.iter().map(|point| point.1).collect(),
@@ -107,8 +121,14 @@ impl Layer {
                     .flat_map(|point| [vec![point.y], whole(point).to_vec()].concat())
                     .collect()
             }
-            Shape::Bars(_) | Shape::Bands(_) => Vec::new(),
+            Shape::Bars(_) | Shape::Areas(_) | Shape::Bands(_) => Vec::new(),
         }
+    }
+}
+
+impl Shape {
+    pub(super) fn is_filled(&self) -> bool {
+        matches!(self, Shape::Bars(_) | Shape::Areas(_) | Shape::Bands(_))
     }
 }
 

@@ -5,6 +5,7 @@
 //! that the page and the numbers behind it cannot differ.
 
 mod axis;
+mod canvas;
 mod chart;
 mod layer;
 mod markup;

@@ -14,21 +14,23 @@ pub struct Page {
 }
 
 /// One column as wide as a line can be read, figures in as many columns as there is room for; a section is kept
-/// together in print where it fits.
+/// together in print where it fits. A table too wide for the page scrolls, its caption does not.
 const STYLE: &str = "\
 :root { color-scheme: light }
-body { font: 1rem/1.5 system-ui, sans-serif; color: #1d2126; background: #ffffff; margin: 0 auto; padding: 1rem; max-width: 62rem }
+body { font: 1rem/1.5 system-ui, sans-serif; color: #1d2126; background: #ffffff; margin: 0 auto; padding: 1rem; max-width: 64rem }
 h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.3rem; margin-top: 2.5rem; border-bottom: 1px solid #c8ced4 }
 p, ul { max-width: 44rem }
 a { color: #0b57a4 } nav ul { columns: 18rem; padding-left: 1.2rem }
 .scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }
-caption { text-align: left; font-weight: 600; padding-bottom: .3rem }
+caption { text-align: left; font-weight: 600; padding-bottom: .3rem; max-width: min(44rem, calc(100vw - 2rem)) }
 th, td { padding: .2rem .45rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top; white-space: nowrap }
-th { border-bottom: 2px solid #8a939c; font-weight: 600 } .number { text-align: right }
+th { border-bottom: 2px solid #8a939c; font-weight: 600; white-space: normal; vertical-align: bottom }
+th.number, td.number { text-align: right }
 figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: #3c444c }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }
-.charts.one { display: block; max-width: 36rem } .wide { max-width: 62rem } svg { width: 100%; height: auto; display: block }
+.charts.one { display: block; max-width: 36rem } svg { width: 100%; height: auto; display: block }
 .paper { border-left: 4px solid #c98a00; padding-left: .8rem; max-width: 43rem }
+@media (max-width: 40rem) { table { font-size: .85rem } th, td { padding: .2rem .25rem } td:not(.number) { white-space: normal } }
 @media print { body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid } h2 { break-after: avoid }
 .scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }
 ";
@@ -80,15 +82,6 @@ impl Page {
     /// Charts that belong together over one caption, side by side where there is room.
     pub fn figure(&mut self, caption: &str, charts: &[String]) {
         let class = if charts.len() == 1 { "charts one" } else { "charts" };
-        self.figure_of(class, caption, charts);
-    }
-
-    /// A picture over the whole width.
-    pub fn picture(&mut self, caption: &str, picture: String) {
-        self.figure_of("wide", caption, &[picture]);
-    }
-
-    fn figure_of(&mut self, class: &str, caption: &str, charts: &[String]) {
         let charts: Vec<String> = charts.iter().map(|chart| format!("<div>{chart}</div>")).collect();
         let _ = writeln!(
             self.body,

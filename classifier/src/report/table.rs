@@ -76,10 +76,6 @@ impl Cell {
             Cell::Number(..) | Cell::Difference(..) | Cell::Missing => String::new(),
         }
     }
-
-    fn is_text(&self) -> bool {
-        matches!(self, Cell::Text(_))
-    }
 }
 
 impl Table {
@@ -113,21 +109,30 @@ impl Table {
         csv
     }
 
+    fn is_numeric(&self, column: usize) -> bool {
+        let mut cells = self.rows.iter().filter_map(|row| row.get(column));
+        cells.any(|cell| !matches!(cell, Cell::Text(_) | Cell::Missing))
+    }
+
     /// As HTML, which scrolls sideways where it does not fit.
     pub fn html(&self) -> String {
         let mut html = format!(
             "<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>",
             escape(&self.caption)
         );
-        for column in &self.columns {
-            let _ = write!(html, "<th scope=\"col\">{}</th>", escape(column));
+        // Numbers stand right, with what heads them and with a word among them; columns of words stand left.
+        let class = |column: usize| match self.is_numeric(column) {
+            true => " class=\"number\"",
+            false => "",
+        };
+        for (column, heading) in self.columns.iter().enumerate() {
+            let _ = write!(html, "<th scope=\"col\"{}>{}</th>", class(column), escape(heading));
         }
         html += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {
             html += "<tr>";
-            for cell in row {
-                let class = if cell.is_text() { "" } else { " class=\"number\"" };
-                let _ = write!(html, "<td{class}>{}</td>", escape(&cell.text()));
+            for (column, cell) in row.iter().enumerate() {
+                let _ = write!(html, "<td{}>{}</td>", class(column), escape(&cell.text()));
             }
             html += "</tr>\n";
         }

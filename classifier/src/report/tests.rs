@@ -58,6 +58,7 @@ fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
         pairs().prop_map(Shape::Line),
         pairs().prop_map(Shape::Steps),
+        pairs().prop_map(Shape::Areas),
         pairs().prop_map(Shape::Bands),
         prop::collection::vec(number(), 0..8).prop_map(Shape::Bars),
         prop::collection::vec((number(), number(), number(), number()), 0..20).prop_map(|points| {
@@ -93,8 +94,8 @@ proptest! {
         let elements = elements(&svg);
         prop_assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         let view: Vec<f64> = attribute(&elements[0], "viewBox").unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
-        for element in elements.iter().filter(|element| element.0 == "polyline") {
-            for pair in attribute(element, "points").unwrap().split(' ') {
+        for element in elements.iter().filter(|element| ["polyline", "polygon"].contains(&element.0.as_str())) {
+            for pair in attribute(element, "points").unwrap().split_terminator(' ') {
                 let (x, y) = pair.split_once(',').unwrap();
                 let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
                 prop_assert!((0.0..=view[2]).contains(&x) && (0.0..=view[3]).contains(&y), "{pair}");
@@ -199,6 +200,73 @@ fn bars_stand_on_each_other() {
         assert!((number(rects[upper], "y") + number(rects[upper], "height") - top).abs() < 0.11);
     }
     assert!((number(rects[0], "height") / number(rects[2], "height") - 1.5).abs() < 0.01);
+}
+
+#[test]
+fn areas_stand_on_each_other_and_bands_under_them() {
+    // Pins: the lower outline of the second area is the upper one of the first, as high as its values say; the strips of two
+    // layers of bands overlap neither the areas nor each other, and lie where their times are.
+    let area = |heights: [f64; 3]| {
+        let points = heights.into_iter().enumerate().map(|(x, y)| (x as f64, y));
+        Layer::new("", STYLES[0], Shape::Areas(points.collect()))
+    };
+    let band = |from: f64, to: f64| Layer::new("", STYLES[0], Shape::Bands(vec![(from, to)]));
+    let svg = chart(
+        Axis::linear("t / s"),
+        Axis::from_zero("taxels"),
+        vec![
+            area([1.0, 3.0, 3.0]),
+            area([2.0, 0.5, 0.5]),
+            band(0.0, 1.0),
+            band(1.0, 2.0),
+        ],
+    )
+    .svg();
+    let elements = elements(&svg);
+    let outlines: Vec<Vec<(f64, f64)>> = elements
+        .iter()
+        .filter(|element| element.0 == "polygon")
+        .map(|element| {
+            let pairs = attribute(element, "points").unwrap().split(' ');
+            let pairs = pairs.map(|pair| pair.split_once(',').unwrap());
+            pairs.map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).collect()
+        })
+        .collect();
+    // There and back over three corners of two steps each.
+    let [first, second] = &outlines[..] else {
+        panic!("{svg}")
+    };
+    assert_eq!(first.len(), 10);
+    let upper: Vec<_> = first[..5].iter().rev().copied().collect();
+    assert_eq!(upper, second[5..]);
+    let px = |outline: &[(f64, f64)], step: usize| outline[9 - step].1 - outline[step].1;
+    assert!((px(first, 2) / px(first, 0) - 3.0).abs() < 0.01 && (px(second, 0) / px(first, 0) - 2.0).abs() < 0.01);
+
+    let number = |element: &Element, name| -> f64 { attribute(element, name).unwrap().parse().unwrap() };
+    let strips: Vec<_> = elements.iter().filter(|element| element.0 == "rect").collect();
+    let base = first[9].1;
+    assert!(number(strips[0], "y") > base);
+    assert!(number(strips[0], "y") + number(strips[0], "height") < number(strips[1], "y"));
+    for (strip, place) in strips.iter().zip([0, 2]) {
+        assert!((number(strip, "x") - first[place].0).abs() < 0.11);
+        assert!((number(strip, "width") - (first[place + 2].0 - first[place].0)).abs() < 0.11);
+    }
+}
+
+#[test]
+fn a_column_of_numbers_stands_right() {
+    // Pins: the heading, the numbers and a word among them stand right; a column of words, or of nothing known, left.
+    let mut table = Table::new("t", "caption", &["words", "numbers", "nothing"]);
+    table.rows.push(vec!["a".into(), "all".into(), Cell::Missing]);
+    table.rows.push(vec!["b".into(), Cell::Number(0.5, 1), Cell::Missing]);
+    let elements = elements(&table.html());
+    let of = |name: &str| -> Vec<Option<&str>> {
+        let own = elements.iter().filter(|element| element.0 == name);
+        own.map(|element| attribute(element, "class")).collect()
+    };
+    let row = [None, Some("number"), None];
+    assert_eq!(of("th"), row);
+    assert_eq!(of("td"), [row, row].concat());
 }
 
 #[test]

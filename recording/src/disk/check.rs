@@ -109,22 +109,26 @@ pub(super) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Checks everything in a recording but its frames.
-fn check_header(recording: &Recording) -> Result<(), Violation> {
-    check_layout(&recording.layout)?;
-    let rate = recording.rate_hz;
+/// Checks what a recording and a whole data set say of the robot: its skin, the rate of its frames, its joints.
+pub(super) fn check_robot(layout: &SkinLayout, rate_hz: f64, joint_names: &[String]) -> Result<(), Violation> {
+    check_layout(layout)?;
     require(
-        rate.is_finite() && rate > 0.0,
+        rate_hz.is_finite() && rate_hz > 0.0,
         || "rate_hz".into(),
-        || rate.to_string(),
+        || rate_hz.to_string(),
         "a number above 0",
     )?;
     require(
-        !recording.joint_names.is_empty(),
+        !joint_names.is_empty(),
         || "joint_names".into(),
         || "none".into(),
         "at least one joint",
-    )?;
+    )
+}
+
+/// Checks everything in a recording but its frames.
+fn check_header(recording: &Recording) -> Result<(), Violation> {
+    check_robot(&recording.layout, recording.rate_hz, &recording.joint_names)?;
     let objects = recording.objects.len();
     // The per-taxel ground truth holds object indices as 16-bit integers with −1 for "none".
     require(

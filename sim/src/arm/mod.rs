@@ -10,6 +10,7 @@ use glam::{DMat3, DVec3};
 use rapier3d::prelude::{Pose, SharedShape};
 use underbrush_recording::InputError;
 
+mod at_start;
 pub mod engine;
 mod file;
 pub mod kinematics;
@@ -18,6 +19,7 @@ mod skin_file;
 mod source;
 mod urdf;
 
+pub use at_start::ArmAtStart;
 pub use skin::Skin;
 
 /// A serial arm. Its base link is fixed, and the base link's frame is the world frame.

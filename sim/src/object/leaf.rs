@@ -1,194 +1,19 @@
 //! Leaf: a bendable cantilever stuck in foam (paper, section IV-A).
 
+mod specification;
+
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rand_chacha::ChaCha8Rng;
 use rapier3d::prelude::*;
-use schemars::JsonSchema;
-use serde::Deserialize;
 use underbrush_recording::Category;
 
 use super::mechanism::{Spring, box_mass, massless};
-use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use super::{FRICTION, Footprint, Mechanism, Object};
 use crate::physics::{Physics, groups};
 use crate::quadrature::gauss_legendre;
-use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity};
 
-/// A group of leaves in a scene file. The blade's foot frame: x normal to the blade, y along its width, z up.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LeafSpecification {
-    /// How many.
-    pub count: u32,
-    /// Where they may stand; the scene's workspace if not given. They stand on foam blocks only.
-    pub place: Option<Placement>,
-    /// Height over the foam, m.
-    #[serde(default = "default_height")]
-    pub height_m: Quantity,
-    /// Width of the blade, m.
-    #[serde(default = "default_width")]
-    pub width_m: Quantity,
-    /// Flexural rigidity E I of the blade, N m².
-    #[serde(default = "default_flexural_rigidity")]
-    pub flexural_rigidity_n_m2: Quantity,
-    /// Mass per area, kg/m².
-    #[serde(default = "default_mass_per_area")]
-    pub mass_per_area_kg_per_m2: Quantity,
-    /// Loss factor of the material.
-    #[serde(default = "default_loss_factor")]
-    pub loss_factor: Quantity,
-    /// How deep the stem is stuck into the foam, m.
-    #[serde(default = "default_root_depth")]
-    pub root_depth_m: Quantity,
-    /// Number of elastic segments, each with one hinge.
-    #[serde(default = "default_segments")]
-    pub segments: u32,
-}
-
-/// The rough trial of the whole chain used 25–40 cm; the foliage in the paper's Fig. 2 looks so.
-fn default_height() -> Quantity {
-    Quantity::uniform(0.25, 0.40)
-}
-
-/// Blades of artificial plants are 20–50 mm wide.
-fn default_width() -> Quantity {
-    Quantity::uniform(0.02, 0.05)
-}
-
-/// E I = E w t³ / 12 of plastic sheet spans 1e-4 to 4e-2 N m²; far below 5e-3 a leaf of this height could not carry its
-/// own weight, and one that cannot is drawn anew.
-fn default_flexural_rigidity() -> Quantity {
-    Quantity::uniform(0.005, 0.05)
-}
-
-/// Plastic sheet of 0.5–1.2 mm.
-fn default_mass_per_area() -> Quantity {
-    Quantity::uniform(0.5, 1.0)
-}
-
-/// Low-density polyethylene and soft PVC, of which leaves and stems are moulded, have tan δ of 0.1–0.2 at room
-/// temperature; the air's drag on a swinging blade adds some hundredths.
-fn default_loss_factor() -> Quantity {
-    Quantity::uniform(0.1, 0.2)
-}
-
-/// Choice: half the height of a foam block.
-fn default_root_depth() -> Quantity {
-    Quantity::uniform(0.03, 0.05)
-}
-
-/// Four: pushed at a third of its height or higher, the leaf is within 4 % of the continuum, far under what is known of
-/// a plant's stiffness; the engine's cost grows with the cube.
-fn default_segments() -> u32 {
-    4
-}
-
-/// Largest number of segments: the cost of a leaf grows with its cube.
-pub const SEGMENT_LIMITS: (u32, u32) = (2, 40);
-const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 1.0);
-const WIDTH_LIMITS_M: (f64, f64) = (0.003, 0.3);
-const RIGIDITY_LIMITS: (f64, f64) = (1.0e-5, 10.0);
-const MASS_LIMITS: (f64, f64) = (0.01, 20.0);
-const LOSS_LIMITS: (f64, f64) = (0.0, 2.0);
-const DEPTH_LIMITS_M: (f64, f64) = (0.005, 0.2);
-
-impl Specification for LeafSpecification {
-    fn count(&self) -> u32 {
-        self.count
-    }
-
-    fn place(&self) -> Option<&Placement> {
-        self.place.as_ref()
-    }
-
-    fn quantities(&self) -> Vec<Limited<'_>> {
-        vec![
-            Limited {
-                name: "height_m",
-                quantity: &self.height_m,
-                limits: HEIGHT_LIMITS_M,
-            },
-            Limited {
-                name: "width_m",
-                quantity: &self.width_m,
-                limits: WIDTH_LIMITS_M,
-            },
-            Limited {
-                name: "flexural_rigidity_n_m2",
-                quantity: &self.flexural_rigidity_n_m2,
-                limits: RIGIDITY_LIMITS,
-            },
-            Limited {
-                name: "mass_per_area_kg_per_m2",
-                quantity: &self.mass_per_area_kg_per_m2,
-                limits: MASS_LIMITS,
-            },
-            Limited {
-                name: "loss_factor",
-                quantity: &self.loss_factor,
-                limits: LOSS_LIMITS,
-            },
-            Limited {
-                name: "root_depth_m",
-                quantity: &self.root_depth_m,
-                limits: DEPTH_LIMITS_M,
-            },
-        ]
-    }
-
-    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let mut drawn = self.draw_once(random, footing)?;
-        for _ in 0..DRAWS {
-            if drawn.stands_by_itself() {
-                return Ok(Box::new(drawn));
-            }
-            drawn = self.draw_once(random, footing)?;
-        }
-        // Nearly all leaves of these ranges would lie down: the rigidity is what to change.
-        let needed = drawn.flexural_rigidity_n_m2 * drawn.load_share() / LARGEST_LOAD_SHARE;
-        Err(DrawError {
-            draw: self.flexural_rigidity_n_m2.draw,
-            low: needed,
-            high: RIGIDITY_LIMITS.1,
-        })
-    }
-
-    fn fault(&self) -> Option<(&'static str, String, String)> {
-        let (least, most) = SEGMENT_LIMITS;
-        (!(least..=most).contains(&self.segments))
-            .then(|| ("segments", self.segments.to_string(), format!("{least} to {most}")))
-    }
-
-    fn stands_on(&self) -> StandsOn {
-        StandsOn::Foam
-    }
-}
-
-/// A leaf is drawn anew where it could not carry itself, this many times.
-const DRAWS: usize = 100;
-
-/// A leaf stands by itself where its weight is at most this share of the load under which it would buckle: it is then
-/// no softer than 3/5 of what it would be without weight.
-const LARGEST_LOAD_SHARE: f64 = 0.4;
-
-impl LeafSpecification {
-    fn draw_once(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Leaf, DrawError> {
-        let root_depth_m = self.root_depth_m.draw(random, DEPTH_LIMITS_M)?;
-        Ok(Leaf {
-            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
-            width_m: self.width_m.draw(random, WIDTH_LIMITS_M)?,
-            flexural_rigidity_n_m2: self.flexural_rigidity_n_m2.draw(random, RIGIDITY_LIMITS)?,
-            mass_per_area_kg_per_m2: self.mass_per_area_kg_per_m2.draw(random, MASS_LIMITS)?,
-            loss_factor: self.loss_factor.draw(random, LOSS_LIMITS)?,
-            root_stiffness_nm_per_rad: footing
-                .foam_modulus_pa
-                .map(|modulus| root_stiffness_nm_per_rad(modulus, root_depth_m)),
-            segments: self.segments,
-        })
-    }
-}
+pub use specification::{LeafSpecification, SEGMENT_LIMITS};
 
 /// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad: a rigid peg on an elastic
 /// foundation of modulus E per unit length, turning about the surface, resists with ∫ E x² dx = E d³ / 3.
@@ -235,6 +60,10 @@ const POISSON_RATIO: f64 = 0.35;
 /// sideways, where the blade itself does not give, the stem does. Choices.
 const STEM_SHARE_OF_HEIGHT: f64 = 0.25;
 const STEM_RIGIDITY_OVER_BLADE: f64 = 4.0;
+
+/// A leaf stands by itself where its weight is at most this share of the load under which it would buckle: it is then
+/// no softer than 3/5 of what it would be without weight.
+const LARGEST_LOAD_SHARE: f64 = 0.4;
 
 const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 

@@ -155,19 +155,16 @@ impl SensorOptions {
     pub fn fault(&self) -> Option<Fault> {
         let fabric = &self.fabric;
         let not_negative = |key, value: f64| {
-            (
-                key,
-                value,
-                value.is_finite() && value >= 0.0,
-                "a finite number of zero or more",
-            )
+            let holds = value.is_finite() && value >= 0.0;
+            (key, value.to_string(), holds, "a finite number of zero or more")
         };
-        let positive = |key, value: f64| (key, value, value > 0.0, "a positive number");
-        let share = |key, value: f64| (key, value, (0.0..=1.0).contains(&value), "0 to 1");
-        let delay = f64::from(self.delay_frames);
-        let late = delay <= f64::from(LONGEST_DELAY_FRAMES);
-        let lasting = self.creep_time_s.is_finite() && self.creep_time_s > 0.0;
-        let straying = self.stray_time_s.is_finite() && self.stray_time_s > 0.0;
+        let positive = |key, value: f64| (key, value.to_string(), value > 0.0, "a positive number");
+        let time = |key, value: f64| {
+            let holds = value.is_finite() && value > 0.0;
+            (key, value.to_string(), holds, "a finite positive number")
+        };
+        let share = |key, value: f64| (key, value.to_string(), (0.0..=1.0).contains(&value), "0 to 1");
+        let late = self.delay_frames <= LONGEST_DELAY_FRAMES;
         let [least, most] = self.stray_force_n;
         let ordered = least > 0.0 && least <= most && most.is_finite();
         let loops = (0.0..1.0).contains(&fabric.hysteresis_share);
@@ -179,27 +176,27 @@ impl SensorOptions {
             not_negative("floor_n", self.floor_n),
             share("crosstalk_share", self.crosstalk_share),
             not_negative("creep_share", self.creep_share),
-            ("creep_time_s", self.creep_time_s, lasting, "a finite positive number"),
+            time("creep_time_s", self.creep_time_s),
             (
                 "stray_share",
-                self.stray_share,
+                self.stray_share.to_string(),
                 (0.0..=0.5).contains(&self.stray_share),
                 "0 to 0.5",
             ),
-            ("stray_time_s", self.stray_time_s, straying, "a finite positive number"),
+            time("stray_time_s", self.stray_time_s),
             (
                 "stray_force_n",
-                least,
+                format!("{:?}", self.stray_force_n),
                 ordered,
                 "[least, largest]: finite positive numbers, the smaller first",
             ),
-            ("delay_frames", delay, late, "0 to 200"),
+            ("delay_frames", self.delay_frames.to_string(), late, "0 to 200"),
             share("dead_share", self.dead_share),
             not_negative("fabric.counts_per_n", fabric.counts_per_n),
             positive("fabric.full_scale_n", fabric.full_scale_n),
             (
                 "fabric.hysteresis_share",
-                fabric.hysteresis_share,
+                fabric.hysteresis_share.to_string(),
                 loops,
                 "0 to less than 1",
             ),
@@ -207,7 +204,7 @@ impl SensorOptions {
             not_negative("fabric.gate_sigmas", fabric.gate_sigmas),
         ];
         let broken = checks.into_iter().find(|(_, _, holds, _)| !holds);
-        broken.map(|(key, value, _, allowed)| (key.into(), value.to_string(), allowed.into()))
+        broken.map(|(key, value, _, allowed)| (key.into(), value, allowed.into()))
     }
 
     /// What is wrong with the list of dead taxels on this skin, if anything.

@@ -35,12 +35,10 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::{Dataset, write_trials};
 
-use self::ablation::Ablated;
 use self::campaign::{Measurement, RecipeCell, Trials};
-use self::classifiers::Compared;
 use self::online::{Classified, Online, Shares};
+use self::reaches::TestReaches;
 use self::results::{Campaigns, Outliers, Results, Roc, SamplesUsed, Timing};
-use self::splits::Split;
 use self::thresholds::Thresholds;
 use crate::dataset::PROGRAM_VERSION;
 use crate::failure::Failure;
@@ -83,6 +81,13 @@ struct Stages {
 }
 
 impl Stages {
+    fn begin() -> Self {
+        Stages {
+            start: Instant::now(),
+            done: Vec::new(),
+        }
+    }
+
     fn run<T>(&mut self, what: &'static str, work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
         output::remark(what);
         let start = Instant::now();
@@ -92,14 +97,28 @@ impl Stages {
     }
 }
 
+/// Training trials and test reaches: all that the paper's experiments need.
+struct Data {
+    seed: u64,
+    quick: bool,
+    reaches: results::Reaches,
+    trials: Trials,
+    tested: TestReaches,
+}
+
+/// What comes of the data. What needs reaches of its own is still empty in `results`: campaigns, splits and ablation.
+struct Analysis {
+    results: Results,
+    models: ModelSet,
+    online: Online,
+    thresholds: Thresholds,
+}
+
 /// Runs everything and prints the tables.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let Options { out, quick, seed, .. } = &options;
     let (quick, seed) = (*quick, *seed);
-    let mut stages = Stages {
-        start: Instant::now(),
-        done: Vec::new(),
-    };
+    let mut stages = Stages::begin();
     plan::Plan::new(seed, quick).settle(out, options.fresh)?;
 
     let dataset = stages.run("Training reaches", || make_or_reuse(out, seed, quick))?;
@@ -107,20 +126,23 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let trials = stages.run("Trials", || Trials::of_dataset(&dataset, &data::trial_options()))?;
     write_trials(out.join("trials-component.parquet"), trials.component.iter().cloned())?;
     write_trials(out.join("trials-taxel.parquet"), trials.taxel.iter().cloned())?;
-    let (measurement, cells) = stages.run("Table I, two recipes", || trials.measure(quick))?;
-    let truncated = stages.run("Truncated trials", || truncation::run(&trials.taxel))?;
-    let compared = stages.run("Other classifiers", || classifiers::run(&trials.taxel))?;
-    let models = stages.run("Models", || Ok(ModelSet::train(&trials.taxel, &Recipe::authors())?.0))?;
+    let data = Data {
+        seed,
+        quick,
+        reaches: results::Reaches::of(dataset.episodes()),
+        trials,
+        tested: stages.run("Engineered, general and outlier reaches", || {
+            reaches::draw(&out.join("reaches"), seed, quick)
+        })?,
+    };
+    let Analysis {
+        mut results,
+        models,
+        online,
+        thresholds,
+    } = Analysis::of(&data, &mut stages)?;
     output::write_file(&out.join("model.json"), models.save_string()?.as_bytes())?;
 
-    let reaches = stages.run("Engineered, general and outlier reaches", || {
-        reaches::draw(&out.join("reaches"), seed, quick)
-    })?;
-    let thresholds = stages.run("Thresholds", || {
-        thresholds::choose(&trials.taxel, &models, &reaches.outlier)
-    })?;
-    let chosen = thresholds.chosen.as_ref().ok().map(|chosen| &chosen.decision);
-    let online = stages.run("Online verdicts", || Online::run(&models, &reaches, chosen))?;
     let moments = stages.run("A moment of a general and of an outlier reach", || {
         let take = |scene, reach, rule| snapshot::take(&models, reach, &reaches::plan(scene, seed)?, rule);
         Ok([
@@ -128,39 +150,25 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             take(data::OUTLIER, online.outlier.first(), Decision::paper().rule)?,
         ])
     })?;
-    let splits = stages.run("Other arms and speeds", || {
-        campaign::kept(out, "splits", (seed, quick), || splits::run(seed, quick, &trials.taxel))
+    results.splits = stages.run("Other arms and speeds", || {
+        campaign::kept(out, "splits", (seed, quick), || {
+            splits::run(seed, quick, &data.trials.taxel)
+        })
     })?;
-    let ablation = match quick {
-        true => Vec::new(),
-        false => stages.run("What each part of reality is worth", || {
+    if !quick {
+        results.ablation = stages.run("What each part of reality is worth", || {
             campaign::kept(out, "ablation", (seed, quick), || {
-                ablation::run(seed, &dataset, &measurement)
+                ablation::run(seed, &dataset, &results.measurement)
             })
-        })?,
-    };
-    let campaigns = match options.campaigns {
-        1 => None,
-        count => stages.run("Further campaigns", || campaigns(out, seed, quick, count, &measurement))?,
-    };
+        })?;
+    }
+    if options.campaigns > 1 {
+        results.campaigns = stages.run("Further campaigns", || {
+            campaigns(out, seed, quick, options.campaigns, &results.measurement)
+        })?;
+    }
+    results.timing = Timing::of(&stages, &online);
 
-    let found = results::Reaches::of(dataset.episodes());
-    let results = Results::new(
-        seed,
-        quick,
-        found,
-        &trials,
-        measurement,
-        &cells,
-        campaigns,
-        truncated,
-        compared,
-        splits,
-        ablation,
-        &online,
-        &thresholds,
-        stages,
-    )?;
     let bytes = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&out.join("summary.json"), &bytes)?;
     page::write(&out.join("report"), &results, &online, &thresholds, &moments)?;
@@ -198,61 +206,59 @@ fn campaigns(
     Ok(Campaigns::of(seeds, &measured))
 }
 
-impl Results {
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "each part of a run is made once, here put together"
-    )]
-    fn new(
-        seed: u64,
-        quick: bool,
-        reaches: results::Reaches,
-        trials: &Trials,
-        measurement: Measurement,
-        cells: &[RecipeCell],
-        campaigns: Option<Campaigns>,
-        truncated: Vec<results::Truncated>,
-        classifiers: Vec<Compared>,
-        splits: Vec<Split>,
-        ablation: Vec<Ablated>,
-        online: &Online,
-        thresholds: &Thresholds,
-        stages: Stages,
-    ) -> Result<Self, Failure> {
+impl Analysis {
+    fn of(data: &Data, stages: &mut Stages) -> Result<Self, Failure> {
+        let Data { trials, tested, .. } = data;
+        let (measurement, cells) = stages.run("Table I, two recipes", || trials.measure(data.quick))?;
+        let truncated = stages.run("Truncated trials", || truncation::run(&trials.taxel))?;
+        let compared = stages.run("Other classifiers", || classifiers::run(&trials.taxel))?;
+        let models = stages.run("Models", || Ok(ModelSet::train(&trials.taxel, &Recipe::authors())?.0))?;
+        let thresholds = stages.run("Thresholds", || {
+            thresholds::choose(&trials.taxel, &models, &tested.outlier)
+        })?;
+        let chosen = thresholds.chosen.as_ref().ok();
+        let rule = chosen.map(|chosen| &chosen.decision);
+        let online = stages.run("Online verdicts", || Online::run(&models, tested, rule))?;
+
         let cells_here = measurement.table_1.iter();
-        Ok(Results {
+        let results = Results {
             program: PROGRAM_VERSION,
-            seed,
-            quick,
-            reaches,
+            seed: data.seed,
+            quick: data.quick,
+            reaches: data.reaches.clone(),
             mean_absolute_difference_points: comparison::mean_difference(
                 cells_here.map(|cell| (cell.recipe.as_str(), cell.accuracy, cell.paper)),
             ),
             orderings: comparison::orderings_of(&measurement.table_1),
-            trials_per_reach: measurement.trials_per_reach,
-            table_1: measurement.table_1,
-            campaigns,
+            measurement,
+            campaigns: None,
             figure_5: results::examples(&trials.taxel, &trials.touched),
-            figure_6: confusion(cells, FeatureSet::Force)?,
-            figure_7: confusion(cells, FeatureSet::ForceAndMotion)?,
-            figure_9: samples_used(online),
+            figure_6: confusion(&cells, FeatureSet::Force)?,
+            figure_7: confusion(&cells, FeatureSet::ForceAndMotion)?,
+            figure_9: samples_used(&online),
             figure_10: online.shown().and_then(|reach| Shares::of(&reach.stream.total())),
             figure_11: online.engineered.clone(),
             figure_13: truncated,
-            classifiers,
-            splits,
-            ablation,
+            classifiers: compared,
+            splits: Vec::new(),
+            ablation: Vec::new(),
             figure_15: Outliers {
                 drawn: online.outlier_drawn,
                 reaches: online.outlier.len(),
                 detection: online.detection.clone(),
             },
-            thresholds: thresholds.chosen.as_ref().ok().cloned(),
+            thresholds: chosen.cloned(),
             roc: Roc {
                 leaf_against_trunk_area: thresholds.category_roc.as_ref().map(|curve| curve.area),
                 outlier_area: thresholds.outlier_roc.as_ref().map(|curve| curve.area),
             },
-            timing: Timing::of(stages, online),
+            timing: Timing::of(stages, &online),
+        };
+        Ok(Analysis {
+            results,
+            models,
+            online,
+            thresholds,
         })
     }
 }
@@ -293,7 +299,7 @@ fn median_seconds(reach: &Classified) -> Option<f64> {
 }
 
 impl Timing {
-    fn of(stages: Stages, online: &Online) -> Self {
+    fn of(stages: &Stages, online: &Online) -> Self {
         let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
             let line = text.lines().find(|line| line.starts_with("model name"))?;
             Some(line.split_once(':')?.1.trim().to_owned())
@@ -303,7 +309,7 @@ impl Timing {
             threads: rayon::current_num_threads(),
             processor: processor.unwrap_or_else(|| std::env::consts::ARCH.into()),
             wall_s: stages.start.elapsed().as_secs_f64(),
-            stages: stages.done,
+            stages: stages.done.clone(),
             figure_8_seconds_per_100_taxels: online.shown().and_then(|reach| reach.stream.seconds_per_100_taxels()),
             figure_8_median_seconds_per_100_taxels: online.shown().and_then(median_seconds),
             figure_8_paper_seconds_per_100_taxels: PAPER_SECONDS_PER_100_TAXELS,

@@ -9,7 +9,7 @@ use underbrush_recording::disk::Episode;
 use underbrush_recording::{Category, Trial};
 
 use super::ablation::Ablated;
-use super::campaign::{Cell, TrialsPerReach};
+use super::campaign::Measurement;
 use super::classifiers::Compared;
 use super::online::{Detection, Engineered, Shares};
 use super::splits::Split;
@@ -23,8 +23,9 @@ pub struct Results {
     pub seed: u64,
     pub quick: bool,
     pub reaches: Reaches,
-    pub trials_per_reach: Vec<TrialsPerReach>,
-    pub table_1: Vec<Cell>,
+    /// `trials_per_reach` and `table_1`.
+    #[serde(flatten)]
+    pub measurement: Measurement,
     /// By recipe, over the twelve cells, points.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
     pub orderings: Vec<Ordering>,
@@ -49,7 +50,7 @@ pub struct Results {
 }
 
 /// The training reaches.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub struct Reaches {
     pub count: usize,
     pub frames: usize,

@@ -24,8 +24,8 @@ const LEFT: f64 = 30.0;
 const TOP: f64 = 56.0;
 const FONT: f64 = 15.0;
 
-/// Draws rows, along the forearm towards the hand, downwards, and columns, around it, to the right.
-pub fn svg(grid: Grid, verdicts: &BTreeMap<usize, Verdict>) -> String {
+/// Draws rows, along the forearm towards the hand, downwards, and columns, around it, to the right. `name` is unique on a page.
+pub fn svg(name: &str, grid: Grid, verdicts: &BTreeMap<usize, Verdict>) -> String {
     let (width, height) = (
         LEFT + grid.columns as f64 * CELL_PX + 6.0,
         TOP + grid.rows as f64 * CELL_PX + 28.0,
@@ -37,14 +37,14 @@ pub fn svg(grid: Grid, verdicts: &BTreeMap<usize, Verdict>) -> String {
     let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
-         aria-labelledby=\"skin-map-title skin-map-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
-         <title id=\"skin-map-title\">Verdicts on the unrolled forearm</title>\n\
-         <desc id=\"skin-map-desc\">Taxels in contact by verdict: {}</desc>\n\
+         aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
+         <title id=\"{name}-title\">Verdicts on the unrolled forearm</title>\n\
+         <desc id=\"{name}-desc\">Taxels in contact by verdict: {}</desc>\n\
          <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">Verdicts on the unrolled forearm</text>\n",
         escape(&counts.join(", "))
     );
     let mut x = LEFT;
-    for (name, verdict) in [
+    for (label, verdict) in [
         ("leaf", Verdict::Category("leaf".into())),
         ("trunk", Verdict::Category("trunk".into())),
         ("outlier", Verdict::Outlier),
@@ -53,11 +53,11 @@ pub fn svg(grid: Grid, verdicts: &BTreeMap<usize, Verdict>) -> String {
         let (colour, mark) = mark_of(&verdict);
         let _ = writeln!(
             svg,
-            "{}<text x=\"{:.1}\" y=\"40\">{name}</text>",
+            "{}<text x=\"{:.1}\" y=\"40\">{label}</text>",
             mark.svg(x + 4.0, 35.0, 7.0, colour),
             x + 16.0
         );
-        x += 34.0 + 9.0 * name.len() as f64;
+        x += 34.0 + 9.0 * label.len() as f64;
     }
     for taxel in 0..grid.rows * grid.columns {
         let x = LEFT + (taxel % grid.columns) as f64 * CELL_PX;

@@ -9,28 +9,21 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use xml::reader::{EventReader, XmlEvent};
 
-use super::reaches::{Found, TestReaches};
+#[path = "../../../tests/support/scenes.rs"]
+#[expect(dead_code, reason = "two of the scenes are for the tests of the command line")]
+mod scenes;
+
+use super::ablation::Ablated;
+use super::reaches::Found;
 use super::*;
 
-const LEAVES: &str = r#"summary = "Leaves beside the forearm"
-goals = { count = 1, retries = 0, x_m = { uniform = [0.60, 0.72] } }
-[[objects.foam_block]]
-count = 4
-place = { x_m = { uniform = [0.25, 0.48] }, y_m = { uniform = [-0.50, 0.05] }, yaw_deg = { uniform = [-10, 10] } }
-[[objects.leaf]]
-count = 12
-segments = 4
-"#;
-const TRUNKS: &str = r#"summary = "Trunks beside the forearm"
-goals = { count = 1, retries = 0, x_m = { uniform = [0.60, 0.72] } }
-[[objects.trunk]]
-count = 4
-place = { x_m = { uniform = [0.25, 0.50] }, y_m = { uniform = [-0.50, -0.15] } }
-"#;
+fn plan(name: &str, text: &str) -> ReachPlan {
+    let scene = Scene::parse(name, text.into()).unwrap();
+    ReachPlan::new(scene, None, 5).unwrap()
+}
 
 fn reaches(name: &str, text: &str) -> Vec<Recording> {
-    let scene = Scene::parse(name, text.into()).unwrap();
-    let plan = ReachPlan::new(scene, None, 5).unwrap();
+    let plan = plan(name, text);
     // Enough for two contacts of each category at least, whatever the physics makes of a single reach.
     let run = |index| plan.run(index, &mut |_, _, _| {}).unwrap();
     (0..8_u64).into_par_iter().map(run).collect()
@@ -42,6 +35,70 @@ fn found(scene: &str, reaches: &[Recording]) -> Found {
         drawn: reaches.len() as u64,
         reaches: reaches.to_vec(),
     }
+}
+
+/// Sixteen small reaches, some of which are tested on too.
+fn data() -> Data {
+    let [leaves, trunks] = [
+        ("leaves.toml", scenes::LEAVES_AT_FOREARM),
+        ("trunks.toml", scenes::TRUNKS_AT_FOREARM),
+    ]
+    .map(|(name, text)| reaches(name, text));
+    let mut trials = Trials::default();
+    for (place, recording) in leaves.iter().chain(&trunks).enumerate() {
+        trials.append(place, Trials::cut(recording, &data::trial_options()).unwrap());
+    }
+    Data {
+        seed: 0,
+        quick: true,
+        reaches: results::Reaches::of(&[]),
+        trials,
+        tested: TestReaches {
+            engineered: vec![
+                (Category::Leaf, found("leaves", &leaves[..1])),
+                (Category::Trunk, found("none", &[])),
+            ],
+            mixed: found("trunks", &trunks[..1]),
+            outlier: found("trunks-again", &trunks[1..]),
+        },
+    }
+}
+
+/// Writes a report of the data into a folder, with what would need more reaches made up from them.
+fn report(data: &Data, folder: &Path) -> Results {
+    let Analysis {
+        mut results,
+        models,
+        online,
+        thresholds,
+    } = Analysis::of(data, &mut Stages::begin()).unwrap();
+    let Measurement {
+        trials_per_reach,
+        table_1,
+    } = results.measurement.clone();
+    results.campaigns = Campaigns::of(vec![0, 1], &[results.measurement.clone(), results.measurement.clone()]);
+    let settings = ["one", "other"].map(|name| splits::Setting::new(name, &data.trials.taxel, [8, 8], [8, 8]));
+    results.splits = splits::splits(&settings).unwrap();
+    results.ablation = [ablation::AS_IS, "something"]
+        .map(|change| Ablated::new(change, table_1.clone(), trials_per_reach.clone()))
+        .to_vec();
+    let moment = |name, shown| {
+        let moment = snapshot::take(
+            &models,
+            shown,
+            &plan(name, scenes::TRUNKS_AT_FOREARM),
+            online::uncertain_rule(),
+        )
+        .unwrap();
+        assert!(moment.is_some());
+        moment
+    };
+    let moments = [
+        moment("trunks.toml", online.shown()),
+        moment("trunks-again.toml", online.outlier.first()),
+    ];
+    page::write(folder, &results, &online, &thresholds, &moments).unwrap();
+    results
 }
 
 /// Names and attributes of all elements, as a foreign parser reads them.
@@ -59,64 +116,15 @@ fn elements(document: &str) -> Vec<(String, Vec<(String, String)>)> {
 #[test]
 fn a_report_is_whole() {
     // Pins, on a report of sixteen small reaches: the page is XML; every figure is an image with words; all that it links to
-    // is there; all CSV files parse, with equal columns in every row; Table I has 24 cells within their intervals; the
-    // keys of the summary that other programs rely on.
+    // is there; all CSV files parse, with equal columns in every row, and are the same bytes when all is made again by
+    // three threads, but for the two files of wall times; Table I has 24 cells within their intervals; the keys of the
+    // summary that other programs rely on.
     let folder = tempfile::tempdir().unwrap();
-    let [leaves, trunks] = [("leaves.toml", LEAVES), ("trunks.toml", TRUNKS)].map(|(name, text)| reaches(name, text));
-    let mut trials = Trials::default();
-    for (place, recording) in leaves.iter().chain(&trunks).enumerate() {
-        trials.append(place, Trials::cut(recording, &data::trial_options()).unwrap());
-    }
-    let (measurement, cells) = trials.measure(true).unwrap();
-    let (models, _) = ModelSet::train(&trials.taxel, &Recipe::authors()).unwrap();
-    let tested = TestReaches {
-        engineered: vec![
-            (Category::Leaf, found("leaves", &leaves[..1])),
-            (Category::Trunk, found("none", &[])),
-        ],
-        mixed: found("trunks", &trunks[..1]),
-        outlier: found("trunks", &trunks[1..]),
-    };
-    let thresholds = thresholds::choose(&trials.taxel, &models, &tested.outlier).unwrap();
-    let chosen = thresholds.chosen.as_ref().ok().map(|chosen| &chosen.decision);
-    let online = Online::run(&models, &tested, chosen).unwrap();
-    let stages = Stages {
-        start: Instant::now(),
-        done: vec![("nothing", 0.5)],
-    };
-    let campaigns = Campaigns::of(vec![0, 1], &[measurement.clone(), measurement.clone()]);
-    let reaches = results::Reaches::of(&[]);
-    let compared = classifiers::run(&trials.taxel).unwrap();
-    let truncated = truncation::run(&trials.taxel).unwrap();
-    let settings = ["one", "other"].map(|name| splits::Setting::new(name, &trials.taxel, [8, 8], [8, 8]));
-    let splits = splits::splits(&settings).unwrap();
-    let ablation = [ablation::AS_IS, "something"]
-        .map(|change| {
-            Ablated::new(
-                change,
-                measurement.table_1.clone(),
-                measurement.trials_per_reach.clone(),
-            )
-        })
-        .to_vec();
-    let results = Results::new(
-        0,
-        true,
-        reaches,
-        &trials,
-        measurement,
-        &cells,
-        campaigns,
-        truncated,
-        compared,
-        splits,
-        ablation,
-        &online,
-        &thresholds,
-        stages,
-    )
-    .unwrap();
-    page::write(folder.path(), &results, &online, &thresholds, &[None, None]).unwrap();
+    let data = data();
+    let results = report(&data, folder.path());
+    let again = tempfile::tempdir().unwrap();
+    let other_threads = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    other_threads.install(|| report(&data, again.path()));
 
     let html = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
     let elements = elements(html.strip_prefix("<!DOCTYPE html>\n").unwrap());
@@ -125,8 +133,13 @@ fn a_report_is_whole() {
         let values = own.flat_map(|(_, attributes)| attributes.iter().filter(|(name, _)| name == attribute));
         values.map(|(_, value)| value.clone()).collect()
     };
-    let charts = elements.iter().filter(|(name, _)| name == "svg").count();
-    assert!(charts >= 16, "{charts}");
+    // The view into a close-up is an image within an image.
+    let within = |attributes: &[(String, String)]| attributes.iter().any(|(name, _)| name == "x");
+    let images = elements
+        .iter()
+        .filter(|(name, attributes)| name == "svg" && !within(attributes));
+    let charts = images.count();
+    assert!(charts >= 22, "{charts}");
     assert_eq!(of("svg", "role"), vec!["img"; charts]);
     let ids: Vec<String> = elements
         .iter()
@@ -152,11 +165,21 @@ fn a_report_is_whole() {
         "links out"
     );
 
+    let mut with_wall_times = BTreeSet::new();
     for file in std::fs::read_dir(folder.path().join("csv")).unwrap() {
-        let mut reader = csv::Reader::from_path(file.unwrap().path()).unwrap();
+        let path = file.unwrap().path();
+        let mut reader = csv::Reader::from_path(&path).unwrap();
         // The reader refuses rows of another length than the header's.
         reader.records().for_each(|row| drop(row.unwrap()));
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        if std::fs::read(&path).unwrap() != std::fs::read(again.path().join("csv").join(&name)).unwrap() {
+            with_wall_times.insert(name);
+        }
     }
+    assert_eq!(
+        with_wall_times,
+        BTreeSet::from(["figure_8_times.csv".to_owned(), "stage_times.csv".to_owned()])
+    );
 
     let summary = serde_json::to_value(&results).unwrap();
     for key in [

@@ -133,7 +133,7 @@ fn cell_name(by: TableOneUnit, features: FeatureSet, states: usize) -> String {
 
 /// Agreement of Table I in one recipe.
 pub fn table_1(results: &Results, recipe: &str) -> String {
-    let own = results.table_1.iter().filter(|cell| cell.recipe == recipe);
+    let own = results.measurement.table_1.iter().filter(|cell| cell.recipe == recipe);
     let cells: Vec<_> = own
         .map(|cell| {
             let name = cell_name(cell.by, cell.features, cell.states);
@@ -190,6 +190,7 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
 /// Trials per reach against the paper's.
 pub fn trials(results: &Results) -> String {
     let parts: Vec<String> = results
+        .measurement
         .trials_per_reach
         .iter()
         .map(|row| {

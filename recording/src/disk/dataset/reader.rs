@@ -56,6 +56,19 @@ fn recognize(dir: &Path) -> Result<(), DiskError> {
     }
 }
 
+/// What to do with a file of another version.
+const REMEDY: &str = "read it with the version of underbrush that wrote it";
+
+/// Refuses a file whose `key` is not what this version writes.
+fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskError> {
+    let file: serde_json::Value = read_json(&path)?;
+    let found = file.get(key).map_or("nothing".into(), serde_json::Value::to_string);
+    if found == format!("{known:?}") {
+        return Ok(());
+    }
+    Err(InputError::new(path, key, found, known, REMEDY).into())
+}
+
 impl Dataset {
     /// Opens a data set: checks that it is finished, of this version, that every file is there with its size, and the
     /// hashes of the files in `meta/`. [`Dataset::verify`] also checks the hashes of the data files.
@@ -66,23 +79,8 @@ impl Dataset {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, DiskError> {
         let dir = dir.as_ref().to_path_buf();
         recognize(&dir)?;
-        let path = dir.join(names::INFO);
-        let remedy = "read it with the version of underbrush that wrote it";
-        let version: serde_json::Value = read_json(&path)?;
-        let version = version
-            .get("codebase_version")
-            .map_or("nothing".into(), serde_json::Value::to_string);
-        if version != format!("{CODEBASE_VERSION:?}") {
-            return Err(InputError::new(path, "codebase_version", version, CODEBASE_VERSION, remedy).into());
-        }
-        let path = dir.join(names::PROVENANCE);
-        let format: serde_json::Value = read_json(&path)?;
-        let format = format
-            .get("format")
-            .map_or("nothing".into(), serde_json::Value::to_string);
-        if format != format!("{FORMAT:?}") {
-            return Err(InputError::new(path, "format", format, FORMAT, remedy).into());
-        }
+        require_version(dir.join(names::INFO), "codebase_version", CODEBASE_VERSION)?;
+        require_version(dir.join(names::PROVENANCE), "format", FORMAT)?;
         let checksums: Checksums = read_json(&dir.join(names::CHECKSUMS))?;
         for name in checksums.files.keys() {
             checksums.check(&dir, name, name.starts_with("meta/"))?;
@@ -101,7 +99,7 @@ impl Dataset {
                 field,
                 "nothing",
                 "the names of the joints",
-                remedy,
+                REMEDY,
             )
         })?;
         let layout = read_taxels(&dir.join(names::TAXELS))?;

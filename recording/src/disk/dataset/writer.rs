@@ -9,7 +9,7 @@ use super::checksums::FileSum;
 use super::info::read_json;
 use super::plan::first_difference;
 use super::{Dataset, DatasetPlan, finish, names};
-use crate::disk::check::{Violation, check_layout, require};
+use crate::disk::check::{Violation, check_robot, require};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
 use crate::disk::{DiskError, write_recording};
 use crate::{InputError, Recording};
@@ -259,20 +259,7 @@ impl DatasetWriter {
 }
 
 fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
-    let rate = plan.rate_hz;
-    check_layout(&plan.layout)?;
-    require(
-        rate.is_finite() && rate > 0.0,
-        || "rate_hz".into(),
-        || rate.to_string(),
-        "a number above 0",
-    )?;
-    require(
-        !plan.joint_names.is_empty(),
-        || "joint_names".into(),
-        || "none".into(),
-        "at least one joint",
-    )?;
+    check_robot(&plan.layout, plan.rate_hz, &plan.joint_names)?;
     require(
         !plan.episodes.is_empty(),
         || "episodes".into(),

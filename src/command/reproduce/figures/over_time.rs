@@ -1,6 +1,9 @@
 //! Verdicts over time: Figs. 8, 9, 10 and 15.
 
+use underbrush_classifier::evaluate::StreamFrame;
 use underbrush_classifier::report::{Axis, Chart, Dash, Layer, Shape, Style};
+
+use underbrush_sim::world::FRAME_PERIOD_S;
 
 use super::super::online::{Classified, Online};
 use super::super::results::Results;
@@ -116,56 +119,67 @@ pub fn figure_10(reach: &Classified) -> Vec<String> {
     kinds.map(chart).to_vec()
 }
 
-/// Verdicts over time in the outlier reaches, with what the forearm truly touches behind them.
+/// Verdicts over time in the outlier reaches, with what the forearm truly touches under them.
 pub fn figure_15(online: &Online) -> Vec<String> {
     online.outlier.iter().map(outlier_reach).collect()
 }
 
+/// Length of the pieces of time over which Fig. 15 averages, s. A choice: verdicts change from frame to frame, and a
+/// minute at 100 Hz has more frames than a chart has columns.
+const PIECE_S: f64 = 0.5;
+/// The blue of uncertain taxels, made light: an area beside others that are as dark.
+const UNCERTAIN_AREA: &str = "#9cc2f0";
+
 fn outlier_reach(reach: &Classified) -> String {
-    let stream = &reach.stream;
-    let bands = |place: usize| {
-        let mut bands: Vec<(f64, f64)> = Vec::new();
-        let mut open = None;
-        for frame in &stream.frames {
-            match (frame.touched[place], open) {
-                (true, None) => open = Some(frame.time_s),
-                (false, Some(start)) => {
-                    bands.push((start, frame.time_s));
-                    open = None;
-                }
-                _ => {}
-            }
-        }
-        bands.extend(open.zip(stream.frames.last()).map(|(start, last)| (start, last.time_s)));
-        Shape::Bands(bands)
-    };
-    let mut layers = vec![
-        Layer::new("touches the roll", Style::line(OUTLIER, Dash::Solid), bands(3)),
-        Layer::new("a leaf", Style::line(LEAF, Dash::Dashed), bands(0)),
-        Layer::new("a trunk", Style::line(TRUNK, Dash::Dotted), bands(1)),
-    ];
-    let mut description = String::from("Taxels by verdict over time; taxels times frames in all:");
+    let frames = &reach.stream.frames;
+    let piece = |frame: &StreamFrame| (frame.time_s / PIECE_S).floor();
+    let mut description = format!("Mean number of taxels by verdict over pieces of {PIECE_S} s; over the reach:");
+    let mut layers = Vec::new();
     for (name, style) in [
-        ("leaf", Style::line(LEAF, Dash::Solid)),
-        ("trunk", Style::line(TRUNK, Dash::Dashed)),
-        ("uncertain", Style::line(UNCERTAIN, Dash::Dotted)),
         ("outlier", Style::line(OUTLIER, Dash::Solid)),
+        ("trunk", Style::line(TRUNK, Dash::Dashed)),
+        ("leaf", Style::line(LEAF, Dash::Dotted)),
+        ("uncertain", Style::line(UNCERTAIN_AREA, Dash::Solid)),
     ] {
-        let Some(column) = stream.verdicts.iter().position(|verdict| verdict == name) else {
+        let Some(column) = reach.stream.verdicts.iter().position(|verdict| verdict == name) else {
             continue;
         };
-        let points: Vec<(f64, f64)> = stream
-            .frames
-            .iter()
-            .map(|frame| (frame.time_s, frame.by_verdict[column] as f64))
-            .collect();
-        description += &format!(" {name} {},", points.iter().map(|point| point.1).sum::<f64>());
-        layers.push(Layer::new(format!("verdict {name}"), style, Shape::Steps(points)));
+        let mean = |frames: &[StreamFrame]| {
+            let sum: usize = frames.iter().map(|frame| frame.by_verdict[column]).sum();
+            sum as f64 / frames.len() as f64
+        };
+        let pieces = frames.chunk_by(|a, b| piece(a) == piece(b));
+        let mut points: Vec<(f64, f64)> = pieces.map(|frames| (frames[0].time_s, mean(frames))).collect();
+        // The last piece ends with the reach.
+        points.extend(
+            frames
+                .last()
+                .zip(points.last().copied())
+                .map(|(end, last)| (end.time_s, last.1)),
+        );
+        description += &format!(" {name} {:.2},", mean(frames));
+        layers.push(Layer::new(name, style, Shape::Areas(points)));
+    }
+    description = format!(
+        "{}. Truly touched in a share of the time:",
+        description.trim_end_matches(',')
+    );
+    for (name, place, style) in [
+        ("roll", 3, Style::line(OUTLIER, Dash::Solid)),
+        ("trunk", 1, Style::line(TRUNK, Dash::Dashed)),
+        ("leaf", 0, Style::line(LEAF, Dash::Dotted)),
+    ] {
+        let runs = frames.chunk_by(|a, b| a.touched[place] == b.touched[place]);
+        let touching = runs.filter(|run| run[0].touched[place]);
+        let ends = |run: &[StreamFrame]| (run[0].time_s, run[run.len() - 1].time_s + FRAME_PERIOD_S);
+        let share = frames.iter().filter(|frame| frame.touched[place]).count() as f64 / frames.len() as f64;
+        description += &format!(" {name} {:.0} %,", 100.0 * share);
+        layers.push(Layer::new(name, style, Shape::Bands(touching.map(ends).collect())));
     }
     let chart = Chart {
         name: format!("figure-15-{}", reach.reach_index),
         title: format!("Outlier reach, draw {}", reach.reach_index),
-        description: description.trim_end_matches(',').to_owned(),
+        description: format!("{}.", description.trim_end_matches(',')),
         x: Axis::from_zero("time / s"),
         y: Axis::from_zero("taxels"),
         layers,

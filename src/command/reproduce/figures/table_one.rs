@@ -93,7 +93,7 @@ fn quarters(table: &str, suffix: &str, cells: &[Cell]) -> Vec<String> {
 
 /// Table I in four charts.
 pub fn table_1(results: &Results) -> Vec<String> {
-    let cells = results.table_1.iter().map(|cell| {
+    let cells = results.measurement.table_1.iter().map(|cell| {
         let accuracy = (cell.states, cell.accuracy, Some((cell.low, cell.high)));
         ((cell.by, cell.features), cell.recipe.as_str(), accuracy, cell.paper)
     });

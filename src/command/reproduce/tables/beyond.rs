@@ -6,6 +6,7 @@ use underbrush_classifier::report::{Cell, Table};
 use super::super::ablation::Ablated;
 use super::super::classifiers::PAPER_BEST;
 use super::super::results::Results;
+use super::super::splits::Split;
 use super::super::thresholds::Thresholds;
 
 pub fn classifiers(results: &Results) -> Table {
@@ -84,10 +85,15 @@ pub fn splits_of(results: &Results, classifier: &str) -> Table {
     columns.extend(&settings);
     let caption = format!("{classifier}: accuracy, %, with the 95 % interval by reach");
     let mut table = Table::new("splits", caption, &columns);
+    // Where the columns are narrow, lines break before an interval and not within.
+    let text = |split: &Split| {
+        format!(
+            "{:.1} ({:.0}\u{2060}–\u{2060}{:.0})",
+            split.accuracy, split.low, split.high
+        )
+    };
     for trained in &settings {
         let cells = own().filter(|split| split.trained == *trained);
-        let text =
-            |split: &super::super::splits::Split| format!("{:.1} ({:.0}–{:.0})", split.accuracy, split.low, split.high);
         let row = std::iter::once(Cell::from(*trained)).chain(cells.map(|split| text(split).into()));
         table.rows.push(row.collect());
     }
@@ -129,9 +135,9 @@ pub fn ablation(results: &Results) -> Table {
         "components / %",
         "taxels / %",
         "component trials a reach, leaf",
-        "trunk",
+        "component trials a reach, trunk",
         "taxel trials a reach, leaf",
-        "trunk",
+        "taxel trials a reach, trunk",
     ];
     let caption = "One thing changed at a time, the authors' recipe: mean absolute difference from the paper over the twelve \
                    cells, mean accuracies over six cells each";

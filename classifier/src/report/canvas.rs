@@ -1,0 +1,242 @@
+//! Where a chart's data are drawn: from values to px, and each shape as SVG.
+
+use std::fmt::Write;
+
+use super::axis::Fitted;
+use super::layer::{Layer, Mark, Point, Shape, Style};
+use super::markup::escape;
+
+/// px of the drawing, which is scaled to its place, and of what lies around the data.
+pub(super) const WIDTH: f64 = 540.0;
+pub(super) const PLOT_HEIGHT: f64 = 230.0;
+pub(super) const LEFT: f64 = 58.0;
+pub(super) const RIGHT: f64 = 16.0;
+pub(super) const MARK_RADIUS: f64 = 5.0;
+/// Height that a strip of bands takes, of which it fills all but a gap.
+const STRIP: f64 = 19.0;
+const STRIP_GAP: f64 = 5.0;
+/// Under the x axis, where its ticks' marks are and the lowest tick of y hangs down, the first strip begins.
+const TICK: f64 = 10.0;
+
+/// The chart's data area in px, and the scales that fill it.
+pub(super) struct Plot {
+    pub(super) top: f64,
+    pub(super) x: Fitted,
+    pub(super) y: Fitted,
+}
+
+impl Plot {
+    pub(super) fn x_px(&self, value: f64) -> Option<f64> {
+        self.x.share(value).map(|share| LEFT + share * (WIDTH - LEFT - RIGHT))
+    }
+
+    pub(super) fn y_px(&self, value: f64) -> Option<f64> {
+        self.y.share(value).map(|share| self.bottom() - share * PLOT_HEIGHT)
+    }
+
+    pub(super) fn bottom(&self) -> f64 {
+        self.top + PLOT_HEIGHT
+    }
+
+    /// The points that can be shown, in px; a point that cannot ends a run of them.
+    fn runs(&self, points: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+        let mut runs = vec![Vec::new()];
+        for (x, y) in points {
+            match self.x_px(*x).zip(self.y_px(*y)) {
+                Some(point) => runs.last_mut().into_iter().for_each(|run| run.push(point)),
+                None => runs.push(Vec::new()),
+            }
+        }
+        runs.retain(|run| !run.is_empty());
+        runs
+    }
+}
+
+/// How far so many strips push the names of ticks down.
+pub(super) fn strips_height(count: usize) -> f64 {
+    if count == 0 { 0.0 } else { count as f64 * STRIP + 4.0 }
+}
+
+/// The drawing under way.
+pub(super) struct Canvas<'a> {
+    svg: &'a mut String,
+    plot: &'a Plot,
+    /// How high bars and areas stand already, by their places.
+    stacked: Vec<f64>,
+    strips: usize,
+}
+
+impl<'a> Canvas<'a> {
+    pub(super) fn new(svg: &'a mut String, plot: &'a Plot) -> Self {
+        Canvas {
+            svg,
+            plot,
+            stacked: Vec::new(),
+            strips: 0,
+        }
+    }
+
+    /// Draws a layer upon those before; what is filled is filled with `fill`.
+    pub(super) fn layer(&mut self, layer: &Layer, fill: &str) {
+        let style = &layer.style;
+        match &layer.shape {
+            Shape::Line(points) => self.line(points, style),
+            Shape::Steps(points) => {
+                for run in self.plot.runs(points) {
+                    self.polyline(&corners(&run), style);
+                }
+            }
+            Shape::Points(points) => {
+                if layer.is_joined() {
+                    let line: Vec<(f64, f64)> = points.iter().map(|point| (point.x, point.y)).collect();
+                    self.line(&line, style);
+                }
+                self.points(points, style);
+            }
+            Shape::Bars(heights) => self.bars(heights, style, fill),
+            Shape::Areas(points) => self.area(points, style, fill),
+            Shape::Bands(bands) => self.strip(&layer.name, bands, style, fill),
+        }
+    }
+
+    fn line(&mut self, points: &[(f64, f64)], style: &Style) {
+        self.plot.runs(points).iter().for_each(|run| self.polyline(run, style));
+    }
+
+    fn polyline(&mut self, points: &[(f64, f64)], style: &Style) {
+        let points = listed(&thinned(points));
+        let _ = writeln!(self.svg, "<polyline points=\"{points}\" {}/>", style.stroke());
+    }
+
+    fn points(&mut self, points: &[Point], style: &Style) {
+        let plot = self.plot;
+        for point in points {
+            let Some((x, y)) = plot.x_px(point.x).zip(plot.y_px(point.y)) else {
+                continue;
+            };
+            let ends = point
+                .interval
+                .and_then(|(low, high)| plot.y_px(low).zip(plot.y_px(high)));
+            if let Some((low, high)) = ends {
+                let _ = writeln!(
+                    self.svg,
+                    "<path d=\"M{x:.1} {low:.1}V{high:.1}m-5 0h10M{:.1} {low:.1}h10\" stroke=\"{}\" stroke-width=\"1.6\" fill=\"none\"/>",
+                    x - 5.0,
+                    style.colour
+                );
+            }
+            let mark = style.mark.unwrap_or(Mark::Circle);
+            self.svg.push_str(&mark.svg(x, y, MARK_RADIUS, style.colour));
+        }
+    }
+
+    fn bars(&mut self, heights: &[f64], style: &Style, fill: &str) {
+        let plot = self.plot;
+        let slot = (WIDTH - LEFT - RIGHT) / plot.x.ticks.len().max(1) as f64;
+        self.stacked.resize(self.stacked.len().max(heights.len()), 0.0);
+        for (place, height) in heights.iter().enumerate() {
+            let (from, to) = (self.stacked[place], self.stacked[place] + height);
+            let Some((low, high)) = plot.y_px(from).zip(plot.y_px(to)) else {
+                continue;
+            };
+            let Some(x) = plot.x_px(place as f64) else { continue };
+            self.stacked[place] = to;
+            let _ = writeln!(
+                self.svg,
+                "<rect x=\"{:.1}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\" stroke=\"{}\"/>",
+                x - 0.36 * slot,
+                0.72 * slot,
+                (low - high).max(0.0),
+                style.colour
+            );
+        }
+    }
+
+    fn area(&mut self, points: &[(f64, f64)], style: &Style, fill: &str) {
+        self.stacked.resize(self.stacked.len().max(points.len()), 0.0);
+        let (mut low, mut high) = (Vec::new(), Vec::new());
+        for ((x, y), base) in points.iter().zip(&mut self.stacked) {
+            let top = *base + y;
+            let ends = self.plot.y_px(*base).zip(self.plot.y_px(top));
+            if let Some((x, (from, to))) = self.plot.x_px(*x).zip(ends) {
+                low.push((x, from));
+                high.push((x, to));
+                *base = top;
+            }
+        }
+        let mut outline = corners(&high);
+        outline.extend(corners(&low).into_iter().rev());
+        let _ = writeln!(
+            self.svg,
+            "<polygon points=\"{}\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"0.8\" stroke-linejoin=\"round\"/>",
+            listed(&outline),
+            style.colour
+        );
+    }
+
+    /// On a line of its own beside its name, so that nothing lies upon the data and a strip without bands is seen to be
+    /// empty.
+    fn strip(&mut self, name: &str, bands: &[(f64, f64)], style: &Style, fill: &str) {
+        let top = self.plot.bottom() + TICK + self.strips as f64 * STRIP;
+        let height = STRIP - STRIP_GAP;
+        let middle = top + height / 2.0;
+        self.strips += 1;
+        let _ = writeln!(
+            self.svg,
+            "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            WIDTH - RIGHT,
+            LEFT - 6.0,
+            middle + 5.0,
+            escape(name)
+        );
+        for (from, to) in bands {
+            let Some((left, right)) = self.plot.x_px(*from).zip(self.plot.x_px(*to)) else {
+                continue;
+            };
+            let _ = writeln!(
+                self.svg,
+                "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{height}\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"0.8\"/>",
+                (right - left).max(0.5),
+                style.colour
+            );
+        }
+    }
+}
+
+/// The corners of steps: each y is kept until the next x.
+fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let pairs = points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    pairs.chain(points.last().copied()).collect()
+}
+
+fn listed(points: &[(f64, f64)]) -> String {
+    let points: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    points.join(" ")
+}
+
+/// Of points in ascending x that fall on the same half pixel the first, the lowest, the highest and the last: a minute
+/// at 100 Hz has more points than a screen has columns, and no peak may be lost.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let column = |point: &(f64, f64)| (2.0 * point.0).round();
+    let mut thin = Vec::new();
+    for group in points.chunk_by(|a, b| column(a) == column(b)) {
+        let mut keep = [0, 0, 0, group.len() - 1];
+        for (index, point) in group.iter().enumerate() {
+            if point.1 < group[keep[1]].1 {
+                keep[1] = index;
+            }
+            if point.1 > group[keep[2]].1 {
+                keep[2] = index;
+            }
+        }
+        keep.sort_unstable();
+        let mut last = None;
+        for index in keep {
+            if last != Some(index) {
+                thin.push(group[index]);
+            }
+            last = Some(index);
+        }
+    }
+    thin
+}

@@ -1,0 +1,58 @@
+//! Crosstalk and creep.
+
+use super::*;
+
+/// Pins the crosstalk: the kernel of every taxel sums to 1 (to rounding), takes four equal parts, keeps the parts of
+/// neighbours that the rim does not have, and wraps around the forearm; separate fabric has none.
+#[test]
+fn crosstalk_moves_force_and_loses_none() {
+    let share = 0.2;
+    let mut sensor = sensor(&SensorOptions {
+        crosstalk_share: share,
+        ..SensorOptions::off()
+    });
+    for taxel in 0..384 {
+        sensor.press(FOREARM, taxel, 1.0);
+        sensor.sample();
+        let kernel: Vec<f64> = (0..384).map(|taxel| sensor.reading_n(FOREARM, taxel)).collect();
+        let sum: f64 = kernel.iter().sum();
+        assert!((sum - 1.0).abs() < 1e-12, "taxel {taxel}: {sum}");
+        let (row, column) = (taxel / COLUMNS, taxel % COLUMNS);
+        let mut around = vec![
+            row * COLUMNS + (column + 1) % COLUMNS,
+            row * COLUMNS + (column + COLUMNS - 1) % COLUMNS,
+        ];
+        around.extend((row > 0).then(|| taxel - COLUMNS));
+        around.extend((row < 15).then(|| taxel + COLUMNS));
+        for next in &around {
+            assert!((kernel[*next] - share / 4.0).abs() < 1e-15, "taxel {taxel} to {next}");
+        }
+        assert_eq!(kernel.iter().filter(|part| **part != 0.0).count(), around.len() + 1);
+    }
+    assert_eq!(press(&mut sensor, (FLIPPER, 3), 2.0), 2.0);
+    assert_eq!(sensor.reading_n(FLIPPER, 4), 0.0);
+}
+
+/// Pins the creep to its closed form: under a constant force F the reading after n frames is F (1 + c (1 − e^(−nΔt/τ)))
+/// and, m frames after release, F c (1 − e^(−nΔt/τ)) e^(−mΔt/τ). The update is exact, so to rounding.
+#[test]
+fn creep_follows_its_step_response() {
+    let (share, time_s, force) = (0.05, 12.0, 2.0);
+    let mut sensor = sensor(&SensorOptions {
+        creep_share: share,
+        creep_time_s: time_s,
+        ..SensorOptions::off()
+    });
+    let decay = |frames: i32| (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
+    let held = 3000;
+    for frame in 1..=held {
+        let reading = press(&mut sensor, (FOREARM, 50), force);
+        let expected = force * (1.0 + share * (1.0 - decay(frame)));
+        assert!((reading - expected).abs() < 1e-10, "{frame}: {reading}, {expected}");
+    }
+    for frame in 1..=held {
+        let reading = press(&mut sensor, (FOREARM, 50), 0.0);
+        let expected = force * share * (1.0 - decay(held)) * decay(frame);
+        assert!((reading - expected).abs() < 1e-10, "{frame}: {reading}, {expected}");
+    }
+}

@@ -1,0 +1,179 @@
+//! Tests of the sensor against closed forms and the statistics of its noise: here what both technologies share, in a file
+//! of its own what one effect does.
+
+mod capacitive;
+mod fabric;
+mod noise;
+mod stray;
+
+use std::collections::BTreeMap;
+
+use proptest::prelude::*;
+
+use super::{FabricOptions, Sensor, SensorOptions};
+use crate::arm::Arm;
+use crate::world::FRAME_PERIOD_S;
+
+/// Patches of Cody's skin.
+const FOREARM: usize = 0;
+const FLIPPER: usize = 1;
+const COLUMNS: usize = 24;
+
+fn sensor(options: &SensorOptions) -> Sensor {
+    Sensor::new(options, &Arm::cody().unwrap().skin, 1, "test", 0)
+}
+
+/// Presses one taxel with a force for a frame; what it reads then.
+fn press(sensor: &mut Sensor, (patch, taxel): (usize, usize), force_n: f64) -> f64 {
+    sensor.press(patch, taxel, force_n);
+    sensor.sample();
+    sensor.reading_n(patch, taxel)
+}
+
+proptest! {
+    /// Pins that readings are the true forces, bit for bit, with `perfect` and with each effect switched off by itself.
+    #[test]
+    fn what_is_off_changes_nothing(force in 0.0..100.0f64, taxel in 0usize..69) {
+        let perfect = SensorOptions { perfect: true, ..SensorOptions::default() };
+        for options in [perfect, SensorOptions::off()] {
+            let mut sensor = sensor(&options);
+            prop_assert_eq!(press(&mut sensor, (FOREARM, taxel), force), force);
+            prop_assert_eq!(press(&mut sensor, (FLIPPER, taxel), force), force);
+        }
+    }
+
+    /// Pins that readings are counts: the double nearest to count / 1000, whatever the rounding of 0.001 itself, and
+    /// never farther from the force than half a quantum.
+    #[test]
+    fn readings_are_the_nearest_thousandths(force in 0.0..16.9f64) {
+        let mut sensor = sensor(&SensorOptions { quantum_n: 0.001, ..SensorOptions::off() });
+        let reading = press(&mut sensor, (FOREARM, 100), force);
+        prop_assert!((reading - force).abs() <= 0.0005 + 1e-12);
+        let nearest: f64 = format!("{reading:.3}").parse().unwrap();
+        prop_assert_eq!(reading, nearest);
+    }
+}
+
+/// Pins that an untouched taxel reads 0 behind a gate of six sigmas (2e-9 a reading; 45 300 of them) and a force over
+/// the gate is read, floor and saturation included.
+#[test]
+fn gate_floor_and_saturation_cut_where_they_say() {
+    let mut gated = sensor(&SensorOptions {
+        noise_n: 0.005,
+        gate_sigmas: 6.0,
+        ..SensorOptions::off()
+    });
+    for _ in 0..100 {
+        gated.sample();
+        assert!((0..384).all(|taxel| gated.reading_n(FOREARM, taxel) == 0.0));
+    }
+    // Ten sigmas over the gate.
+    assert!(press(&mut gated, (FOREARM, 0), 0.08) > 0.03);
+    let mut cut = sensor(&SensorOptions {
+        floor_n: 1.0,
+        saturation_n: 17.0,
+        ..SensorOptions::off()
+    });
+    let readings = [0.99, 1.01, 16.5, 17.5].map(|force| press(&mut cut, (FOREARM, 0), force));
+    assert_eq!(readings, [0.0, 1.01, 16.5, 17.0]);
+}
+
+/// Pins that readings come as many whole frames late as asked for, and start from nothing.
+#[test]
+fn readings_are_late_by_whole_frames() {
+    for delay_frames in [0, 1, 3] {
+        let mut sensor = sensor(&SensorOptions {
+            delay_frames,
+            ..SensorOptions::off()
+        });
+        let forces: Vec<f64> = (1..20).map(f64::from).collect();
+        let readings: Vec<f64> = forces
+            .iter()
+            .map(|force| press(&mut sensor, (FLIPPER, 5), *force))
+            .collect();
+        let delay = delay_frames as usize;
+        assert!(readings[..delay].iter().all(|reading| *reading == 0.0));
+        assert_eq!(readings[delay..], forces[..forces.len() - delay]);
+    }
+}
+
+/// Pins dead taxels: those listed always, a share of the others as large as asked for (three sigmas of a binomial),
+/// drawn anew for another reach and the same for the same; the noise of the living does not change.
+#[test]
+fn dead_taxels_read_nothing() {
+    let skin = Arm::cody().unwrap().skin;
+    let options = SensorOptions {
+        dead_share: 0.2,
+        dead_taxels: BTreeMap::from([("flipper".to_string(), vec![4])]),
+        ..SensorOptions::off()
+    };
+    let dead_in = |reach: u64| {
+        let mut sensor = Sensor::new(&options, &skin, 1, "test", reach);
+        let all = || {
+            (0..384)
+                .map(|taxel| (FOREARM, taxel))
+                .chain((0..69).map(|taxel| (FLIPPER, taxel)))
+        };
+        all().for_each(|(patch, taxel)| sensor.press(patch, taxel, 1.0));
+        sensor.sample();
+        all()
+            .map(|(patch, taxel)| sensor.reading_n(patch, taxel) == 0.0)
+            .collect::<Vec<bool>>()
+    };
+    let reaches: Vec<Vec<bool>> = (0..20).map(dead_in).collect();
+    assert!(reaches.iter().all(|dead| dead[384 + 4]));
+    assert_eq!(reaches[0], dead_in(0));
+    assert_ne!(reaches[0], reaches[1]);
+    // Without the listed one of each reach.
+    let drawn = reaches.iter().flatten().filter(|dead| **dead).count() as f64 - 20.0;
+    let trials = 20.0 * 452.0;
+    assert!(
+        (drawn - 0.2 * trials).abs() < 3.0 * (trials * 0.2 * 0.8f64).sqrt(),
+        "{drawn} of {trials}"
+    );
+    let noisy = SensorOptions {
+        noise_n: 0.01,
+        ..SensorOptions::off()
+    };
+    let one_dead = SensorOptions {
+        dead_taxels: BTreeMap::from([("forearm".to_string(), vec![9])]),
+        ..noisy.clone()
+    };
+    let (mut whole, mut broken) = (sensor(&noisy), sensor(&one_dead));
+    assert_eq!(
+        press(&mut broken, (FOREARM, 10), 1.0),
+        press(&mut whole, (FOREARM, 10), 1.0)
+    );
+    assert_eq!(press(&mut broken, (FOREARM, 9), 1.0), 0.0);
+}
+
+/// Pins that options outside their limits and dead taxels that the skin does not have are found, by key.
+#[test]
+fn faults_are_found() {
+    let layout = Arm::cody().unwrap().skin.layout;
+    assert_eq!(SensorOptions::default().fault(), None);
+    assert_eq!(SensorOptions::off().fault(), None);
+    let fault = |options: SensorOptions| options.fault().or(options.fault_on(&layout)).map(|(key, ..)| key);
+    let with_dead = |patch: &str, taxel| SensorOptions {
+        dead_taxels: BTreeMap::from([(patch.to_string(), vec![taxel])]),
+        ..SensorOptions::default()
+    };
+    assert_eq!(fault(with_dead("forearm", 383)), None);
+    for options in [with_dead("forearm", 384), with_dead("elbow", 0)] {
+        assert_eq!(fault(options).as_deref(), Some("dead_taxels"));
+    }
+    let fabric = FabricOptions {
+        hysteresis_share: 1.0,
+        ..FabricOptions::default()
+    };
+    let options = SensorOptions {
+        fabric,
+        ..SensorOptions::default()
+    };
+    assert_eq!(fault(options).as_deref(), Some("fabric.hysteresis_share"));
+    let options = SensorOptions {
+        creep_time_s: 0.0,
+        ..SensorOptions::default()
+    };
+    assert_eq!(fault(options).as_deref(), Some("creep_time_s"));
+}
