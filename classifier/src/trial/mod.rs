@@ -33,7 +33,7 @@ pub enum Labels {
 pub struct TrialOptions {
     /// Name of the patch; the paper classifies on the forearm only.
     pub patch: String,
-    /// A taxel is in contact where its sensed force is above this, N. The authors' threshold is not published. 0.05 by
+    /// A taxel is in contact where its sensed force is above this, N. The authors' threshold is not published. 0.03 by
     /// choice: far over the noise (2 mN), and low enough for the touch of a leaf; with it a reach has about as many
     /// trials as the paper's.
     pub threshold_n: f64,
@@ -56,7 +56,7 @@ impl Default for TrialOptions {
     fn default() -> Self {
         TrialOptions {
             patch: "forearm".into(),
-            threshold_n: 0.05,
+            threshold_n: 0.03,
             min_samples: 1,
             wrap: None,
             association_distance_m: 0.025,

@@ -8,16 +8,20 @@ use super::options::SensorOptions;
 use super::stray::Strays;
 use crate::world::FRAME_PERIOD_S;
 
+/// Retardation times of the cover's creep, s: one a decade, so that between the first and the last a held force's reading
+/// grows with the logarithm of time, as rubber's strain does.
+pub const CREEP_TIMES_S: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
+
 /// The capacitive taxels of one patch.
 pub struct Capacitive {
     /// Four neighbours of each taxel; the taxel itself stands for one that the grid does not have.
     neighbours: Vec<[usize; 4]>,
     crosstalk_share: f64,
     creep_share: f64,
-    /// Share of the way to its end that the creep goes in a frame.
-    creep_advance: f64,
-    /// The force that each taxel has crept to, N.
-    crept_n: Vec<f64>,
+    /// Share of the way to its end that each part of the creep goes in a frame.
+    creep_advance: [f64; CREEP_TIMES_S.len()],
+    /// The forces that each taxel has crept to, N, by retardation time.
+    crept_n: Vec<[f64; CREEP_TIMES_S.len()]>,
     strays: Strays,
     noise: Noise,
     gate_n: f64,
@@ -32,9 +36,9 @@ impl Capacitive {
         Capacitive {
             neighbours: neighbours(patch),
             crosstalk_share: options.crosstalk_share,
-            creep_share: options.creep_share,
-            creep_advance: -(-FRAME_PERIOD_S / options.creep_time_s).exp_m1(),
-            crept_n: vec![0.0; patch.taxels.len()],
+            creep_share: options.creep_share_per_decade,
+            creep_advance: CREEP_TIMES_S.map(|time_s| -(-FRAME_PERIOD_S / time_s).exp_m1()),
+            crept_n: vec![[0.0; CREEP_TIMES_S.len()]; patch.taxels.len()],
             strays: Strays::new(options, patch.taxels.len()),
             noise: Noise::new(options.noise_n),
             gate_n: options.gate_sigmas * options.noise_n,
@@ -55,10 +59,12 @@ impl Capacitive {
         let offsets = self.strays.advance(random_strays);
         for (taxel, (reading, offset)) in reading_n.iter_mut().zip(offsets).enumerate() {
             let felt = felt(&self.neighbours[taxel], self.crosstalk_share, true_force_n, taxel);
-            // Exact for a force that is constant over the frame: dz/dt = (f − z)/τ.
+            // Kelvin-Voigt elements, exact for a force that is constant over the frame: dz/dt = (f − z)/τ.
             let crept = &mut self.crept_n[taxel];
-            *crept += (felt - *crept) * self.creep_advance;
-            let analog = felt + self.creep_share * *crept + offset + self.noise.draw(random);
+            for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
+                *crept += (felt - *crept) * advance;
+            }
+            let analog = felt + self.creep_share * crept.iter().sum::<f64>() + offset + self.noise.draw(random);
             *reading = if analog.abs() < self.gate_n || analog < self.floor_n {
                 0.0
             } else {

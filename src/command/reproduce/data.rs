@@ -120,7 +120,7 @@ pub enum Change {
 }
 
 /// What each part of reality is worth: Table I with one of these changed at a time; name, what it is, and how.
-pub const CHANGES: [(&str, &str, Change); 5] = [
+pub const CHANGES: [(&str, &str, Change); 6] = [
     (
         "labels by contact",
         "a trial's category is what truly touches the taxel, not what stands in the scene",
@@ -141,6 +141,11 @@ pub const CHANGES: [(&str, &str, Change); 5] = [
         "no strays",
         "no taxel reads a force where nothing touches",
         Change::Scene(|scene| scene.sensor.stray_share = 0.0),
+    ),
+    (
+        "no creep",
+        "a taxel reads nothing of a contact that has gone",
+        Change::Scene(|scene| scene.sensor.creep_share_per_decade = 0.0),
     ),
     (
         "perfect sensor",

@@ -33,26 +33,44 @@ fn crosstalk_moves_force_and_loses_none() {
     assert_eq!(sensor.reading_n(FLIPPER, 4), 0.0);
 }
 
-/// Pins the creep to its closed form: under a constant force F the reading after n frames is F (1 + c (1 − e^(−nΔt/τ)))
-/// and, m frames after release, F c (1 − e^(−nΔt/τ)) e^(−mΔt/τ). The update is exact, so to rounding.
+/// Pins the creep to its closed form: under a constant force F the reading after n frames is F (1 + c Σ (1 − e^(−nΔt/τ))),
+/// τ = 0.1, 1, 10, 100 s, and, m frames after release, F c Σ (1 − e^(−nΔt/τ)) e^(−mΔt/τ). The update is exact, so to
+/// rounding.
 #[test]
 fn creep_follows_its_step_response() {
-    let (share, time_s, force) = (0.05, 12.0, 2.0);
+    let (share, force) = (0.05, 2.0);
     let mut sensor = sensor(&SensorOptions {
-        creep_share: share,
-        creep_time_s: time_s,
+        creep_share_per_decade: share,
         ..SensorOptions::off()
     });
-    let decay = |frames: i32| (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
+    let decay = |frames: i32, time_s: f64| (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
+    let sum = |part: &dyn Fn(f64) -> f64| [0.1, 1.0, 10.0, 100.0].into_iter().map(part).sum::<f64>();
     let held = 3000;
     for frame in 1..=held {
         let reading = press(&mut sensor, (FOREARM, 50), force);
-        let expected = force * (1.0 + share * (1.0 - decay(frame)));
+        let expected = force * (1.0 + share * sum(&|time_s| 1.0 - decay(frame, time_s)));
         assert!((reading - expected).abs() < 1e-10, "{frame}: {reading}, {expected}");
     }
     for frame in 1..=held {
         let reading = press(&mut sensor, (FOREARM, 50), 0.0);
-        let expected = force * share * (1.0 - decay(held)) * decay(frame);
+        let expected = force * share * sum(&|time_s| (1.0 - decay(held, time_s)) * decay(frame, time_s));
         assert!((reading - expected).abs() < 1e-10, "{frame}: {reading}, {expected}");
+    }
+}
+
+/// Pins that creep goes with the logarithm of time: from 0.1 to 1, 1 to 10 and 10 to 100 s under a force, the reading
+/// grows by the share a decade, within 10 %: the tenth that the next element would add to the last decade is missing.
+#[test]
+fn creep_goes_with_the_logarithm_of_time() {
+    let share = 0.05;
+    let mut sensor = sensor(&SensorOptions {
+        creep_share_per_decade: share,
+        ..SensorOptions::off()
+    });
+    let mut readings = vec![1.0];
+    readings.extend((0..10_000).map(|_| press(&mut sensor, (FOREARM, 50), 1.0)));
+    for (from, to) in [(10, 100), (100, 1000), (1000, 10_000)] {
+        let grown = readings[to] - readings[from];
+        assert!((grown / share - 1.0).abs() < 0.1, "frames {from} to {to}: {grown}");
     }
 }

@@ -172,8 +172,8 @@ fn faults_are_found() {
     };
     assert_eq!(fault(options).as_deref(), Some("fabric.hysteresis_share"));
     let options = SensorOptions {
-        creep_time_s: 0.0,
+        creep_share_per_decade: -0.1,
         ..SensorOptions::default()
     };
-    assert_eq!(fault(options).as_deref(), Some("creep_time_s"));
+    assert_eq!(fault(options).as_deref(), Some("creep_share_per_decade"));
 }
