@@ -82,13 +82,10 @@ impl Report<'_> {
             &charts,
         );
         let caption = "The paper's orderings on the mean campaign";
-        let orderings = tables::orderings("campaign_orderings", caption, &campaigns.orderings);
+        self.page.paragraph(&format!("{caption}:"));
         self.page.list(&words::orderings(&campaigns.orderings));
-        let tables = [
-            tables::campaigns(self.results),
-            Some(orderings),
-            tables::campaign_trials(self.results),
-        ];
+        self.numbers(tables::orderings("campaign_orderings", caption, &campaigns.orderings));
+        let tables = [tables::campaigns(self.results), tables::campaign_trials(self.results)];
         tables.into_iter().flatten().for_each(|table| self.table(table));
     }
 
