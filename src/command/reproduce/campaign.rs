@@ -13,6 +13,7 @@ use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
 use underbrush_sim::scene::{Scene, SceneFile};
 
+use super::classifiers::{self, Compared};
 use super::data::{self, TRAINING};
 use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::failure::Failure;
@@ -36,6 +37,14 @@ pub struct Measurement {
     pub trials_per_reach: Vec<TrialsPerReach>,
     /// Twelve cells a recipe.
     pub table_1: Vec<Cell>,
+}
+
+/// What of a campaign enters the mean of many.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OneOfMany {
+    pub measurement: Measurement,
+    /// Classifiers, and their accuracy on whole taxel trials, two folds by whole reaches, per cent.
+    pub classifiers: Vec<(String, f64)>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -270,9 +279,23 @@ pub fn kept<T: Serialize + DeserializeOwned>(
     Ok(kept.result)
 }
 
-/// The measurement of the campaign of a seed.
-pub fn measured(out: &Path, seed: u64, quick: bool) -> Result<Measurement, Failure> {
+impl OneOfMany {
+    pub fn new(measurement: Measurement, compared: &[Compared]) -> Self {
+        let accuracy = |own: &Compared| (own.classifier.to_owned(), own.accuracy);
+        OneOfMany {
+            measurement,
+            classifiers: compared.iter().map(accuracy).collect(),
+        }
+    }
+}
+
+/// The campaign of a seed.
+pub fn measured(out: &Path, seed: u64, quick: bool) -> Result<OneOfMany, Failure> {
     kept(out, "seed", (seed, quick), || {
-        Ok(Trials::of_campaign(&campaign(seed, quick)?)?.measure(quick)?.0)
+        let trials = Trials::of_campaign(&campaign(seed, quick)?)?;
+        Ok(OneOfMany::new(
+            trials.measure(quick)?.0,
+            &classifiers::run(&trials.taxel)?,
+        ))
     })
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 
-use super::campaign::{Cell, Measurement};
-use super::results::{CampaignCell, CampaignTrials, Campaigns, Ordering, features_name, unit_name};
+use super::campaign::{Cell, OneOfMany};
+use super::results::{CampaignCell, CampaignClassifier, CampaignTrials, Campaigns, Ordering, features_name, unit_name};
 
 /// Mean absolute difference from the paper by recipe, of (recipe, accuracy, paper).
 pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, f64)>) -> BTreeMap<String, f64> {
@@ -90,14 +90,12 @@ pub fn orderings_of(cells: &[Cell]) -> Vec<Ordering> {
 
 impl Campaigns {
     /// Means and spreads over campaigns; `None` of none.
-    pub fn of(seeds: Vec<u64>, measured: &[Measurement]) -> Option<Self> {
-        let first = measured.first()?;
+    pub fn of(seeds: Vec<u64>, campaigns: &[OneOfMany]) -> Option<Self> {
+        let first = campaigns.first()?;
+        let over = |value: &dyn Fn(&OneOfMany) -> Option<f64>| campaigns.iter().filter_map(value).collect::<Vec<f64>>();
         let mut table_1 = Vec::new();
-        for (place, cell) in first.table_1.iter().enumerate() {
-            let values: Vec<f64> = measured
-                .iter()
-                .filter_map(|own| Some(own.table_1.get(place)?.accuracy))
-                .collect();
+        for (place, cell) in first.measurement.table_1.iter().enumerate() {
+            let values = over(&|own| Some(own.measurement.table_1.get(place)?.accuracy));
             let (accuracy, standard_deviation) = mean_and_deviation(&values);
             table_1.push(CampaignCell {
                 by: cell.by,
@@ -112,16 +110,27 @@ impl Campaigns {
             });
         }
         let mut trials_per_reach = Vec::new();
-        for (place, row) in first.trials_per_reach.iter().enumerate() {
-            let own = |own: &Measurement| Some(own.trials_per_reach.get(place)?.per_reach);
-            let (per_reach, standard_deviation) =
-                mean_and_deviation(&measured.iter().filter_map(own).collect::<Vec<_>>());
+        for (place, row) in first.measurement.trials_per_reach.iter().enumerate() {
+            let values = over(&|own| Some(own.measurement.trials_per_reach.get(place)?.per_reach));
+            let (per_reach, standard_deviation) = mean_and_deviation(&values);
             trials_per_reach.push(CampaignTrials {
                 by: row.by,
                 category: row.category.clone(),
                 per_reach,
                 standard_deviation,
                 paper: row.paper,
+            });
+        }
+        let mut classifiers = Vec::new();
+        for (place, (classifier, _)) in first.classifiers.iter().enumerate() {
+            let values = over(&|own| Some(own.classifiers.get(place)?.1));
+            let (accuracy, standard_deviation) = mean_and_deviation(&values);
+            classifiers.push(CampaignClassifier {
+                classifier: classifier.clone(),
+                accuracy,
+                standard_deviation,
+                least: values.iter().copied().fold(f64::INFINITY, f64::min),
+                most: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
             });
         }
         let plain = |cell: &CampaignCell| (cell.recipe.clone(), cell.by, cell.features, cell.states, cell.accuracy);
@@ -135,6 +144,7 @@ impl Campaigns {
             orderings: orderings(&table_1.iter().map(plain).collect::<Vec<_>>()),
             table_1,
             trials_per_reach,
+            classifiers,
         })
     }
 }

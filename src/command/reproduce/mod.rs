@@ -35,7 +35,7 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::{Dataset, write_trials};
 
-use self::campaign::{Measurement, RecipeCell, Trials};
+use self::campaign::{OneOfMany, RecipeCell, Trials};
 use self::online::{Classified, Online, Shares};
 use self::reaches::TestReaches;
 use self::results::{Campaigns, Outliers, Results, Roc, SamplesUsed, Timing};
@@ -59,7 +59,7 @@ pub struct Options {
     /// Seed
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// Make Table I from N independent campaigns, of this seed and the next ones, and report mean and spread
+    /// Make Table I and compare classifiers in N independent campaigns, of this seed and the next ones; mean and spread
     ///
     /// Each campaign's result is kept: more can be added later, and an interrupted run goes on after the last.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
@@ -164,7 +164,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     if options.campaigns > 1 {
         results.campaigns = stages.run("Further campaigns", || {
-            campaigns(out, seed, quick, options.campaigns, &results.measurement)
+            let first = OneOfMany::new(results.measurement.clone(), &results.classifiers);
+            campaigns(out, (seed, quick), options.campaigns, first)
         })?;
     }
     results.timing = Timing::of(&stages, &online);
@@ -190,14 +191,13 @@ fn make_or_reuse(out: &Path, seed: u64, quick: bool) -> Result<Dataset, Failure>
 /// The first campaign and `count` − 1 more.
 fn campaigns(
     out: &Path,
-    seed: u64,
-    quick: bool,
+    (seed, quick): (u64, bool),
     count: u64,
-    first: &Measurement,
+    first: OneOfMany,
 ) -> Result<Option<Campaigns>, Failure> {
     let bar = progress::bar(count - 1, "further campaigns");
     let seeds: Vec<u64> = (0..count).map(|number| seed.wrapping_add(number)).collect();
-    let mut measured = vec![first.clone()];
+    let mut measured = vec![first];
     for seed in &seeds[1..] {
         measured.push(campaign::measured(out, *seed, quick)?);
         bar.inc(1);

@@ -83,6 +83,20 @@ pub struct Campaigns {
     /// Of the mean cells.
     pub orderings: Vec<Ordering>,
     pub trials_per_reach: Vec<CampaignTrials>,
+    pub classifiers: Vec<CampaignClassifier>,
+}
+
+/// A classifier on whole taxel trials, two folds by whole reaches.
+#[derive(Serialize)]
+pub struct CampaignClassifier {
+    pub classifier: String,
+    /// Mean over campaigns, per cent.
+    pub accuracy: f64,
+    /// Standard deviation over campaigns, points; `None` of one campaign.
+    pub standard_deviation: Option<f64>,
+    /// Lowest and highest campaign, per cent.
+    pub least: f64,
+    pub most: f64,
 }
 
 #[derive(Serialize)]

@@ -6,7 +6,7 @@ mod trials;
 
 use underbrush_classifier::report::{Cell, Table};
 
-pub use beyond::{ablation, by_samples, classifiers, roc, splits, splits_of};
+pub use beyond::{ablation, by_samples, campaign_classifiers, classifiers, roc, splits, splits_of};
 pub use online::{detection, figure_8_times, figure_11, figure_15, figures_9_and_10};
 pub use trials::{
     campaign_trials, campaigns, confusion, figure_5, figure_13, orderings, table_1, table_1_all, trials_per_reach,

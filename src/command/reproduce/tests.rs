@@ -14,6 +14,7 @@ use xml::reader::{EventReader, XmlEvent};
 mod scenes;
 
 use super::ablation::Ablated;
+use super::campaign::Measurement;
 use super::reaches::Found;
 use super::*;
 
@@ -76,7 +77,8 @@ fn report(data: &Data, folder: &Path) -> Results {
         trials_per_reach,
         table_1,
     } = results.measurement.clone();
-    results.campaigns = Campaigns::of(vec![0, 1], &[results.measurement.clone(), results.measurement.clone()]);
+    let one = OneOfMany::new(results.measurement.clone(), &results.classifiers);
+    results.campaigns = Campaigns::of(vec![0, 1], &[one.clone(), one]);
     let settings = ["one", "other"].map(|name| splits::Setting::new(name, &data.trials.taxel, [8, 8], [8, 8]));
     results.splits = splits::splits(&settings).unwrap();
     results.ablation = [ablation::AS_IS, "something"]
@@ -267,18 +269,21 @@ fn orderings_are_found_as_they_are() {
 #[test]
 fn campaigns_have_mean_and_spread() {
     // Pins mean, sample standard deviation and range of three campaigns against numbers worked out by hand.
-    let measurement = |accuracy: f64| Measurement {
-        trials_per_reach: Vec::new(),
-        table_1: vec![campaign::Cell {
-            by: TableOneUnit::Taxel,
-            features: FeatureSet::Force,
-            states: 10,
-            recipe: "authors".into(),
-            accuracy,
-            low: 0.0,
-            high: 100.0,
-            paper: 80.24,
-        }],
+    let measurement = |accuracy: f64| OneOfMany {
+        measurement: Measurement {
+            trials_per_reach: Vec::new(),
+            table_1: vec![campaign::Cell {
+                by: TableOneUnit::Taxel,
+                features: FeatureSet::Force,
+                states: 10,
+                recipe: "authors".into(),
+                accuracy,
+                low: 0.0,
+                high: 100.0,
+                paper: 80.24,
+            }],
+        },
+        classifiers: vec![("some".into(), accuracy + 1.0)],
     };
     let found = Campaigns::of(vec![0, 1, 2], &[70.0, 74.0, 84.0].map(measurement)).unwrap();
     let cell = &found.table_1[0];
@@ -286,6 +291,9 @@ fn campaigns_have_mean_and_spread() {
     // Deviations −6, −2, 8: (36 + 4 + 64) / 2 = 52.
     assert!((cell.standard_deviation.unwrap() - 52.0_f64.sqrt()).abs() < 1e-12);
     assert!((found.mean_absolute_difference_points["authors"] - 4.24).abs() < 1e-9);
+    let some = &found.classifiers[0];
+    assert_eq!((some.accuracy, some.least, some.most), (77.0, 71.0, 85.0));
+    assert!((some.standard_deviation.unwrap() - 52.0_f64.sqrt()).abs() < 1e-12);
     assert!(
         Campaigns::of(vec![0], &[measurement(70.0)]).unwrap().table_1[0]
             .standard_deviation

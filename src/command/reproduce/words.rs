@@ -63,6 +63,9 @@ pub fn text(results: &Results, out: &Path) -> String {
         );
     }
     add(&tables::classifiers(results), 5);
+    if let Some(table) = tables::campaign_classifiers(results) {
+        add(&table, 6);
+    }
     for classifier in results.split_classifiers() {
         add(&tables::splits_of(results, classifier), 6);
     }

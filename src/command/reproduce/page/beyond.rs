@@ -16,6 +16,9 @@ impl Report<'_> {
         );
         self.page.paragraph(&words::classifiers(self.results));
         self.table(tables::classifiers(self.results));
+        if let Some(table) = tables::campaign_classifiers(self.results) {
+            self.table(table);
+        }
         if let Some(chart) = figures::by_samples(self.results) {
             self.page
                 .figure("Accuracy on all trials against samples since contact.", &[chart]);

@@ -25,6 +25,27 @@ pub fn classifiers(results: &Results) -> Table {
     table
 }
 
+pub fn campaign_classifiers(results: &Results) -> Option<Table> {
+    let campaigns = results.campaigns.as_ref()?;
+    let columns = ["classifier", "mean", "SD", "least", "most", "against the paper's best"];
+    let caption = format!(
+        "The same, mean of {} campaigns: accuracy, %, by whole reaches",
+        campaigns.seeds.len()
+    );
+    let mut table = Table::new("campaign_classifiers", caption, &columns);
+    for own in &campaigns.classifiers {
+        table.rows.push(vec![
+            own.classifier.as_str().into(),
+            Cell::Number(own.accuracy, 1),
+            Cell::optional(own.standard_deviation, 1),
+            Cell::Number(own.least, 1),
+            Cell::Number(own.most, 1),
+            Cell::Difference(own.accuracy - PAPER_BEST, 1),
+        ]);
+    }
+    Some(table)
+}
+
 pub fn by_samples(results: &Results) -> Table {
     let columns = [
         "classifier",
