@@ -69,9 +69,7 @@ impl FilterModel {
             viterbi: ViterbiModel::new(initial, transition, emissions),
         }
     }
-}
 
-impl FilterModel {
     /// States and padding.
     fn padded(&self) -> usize {
         self.states.next_multiple_of(CHUNK)
@@ -115,8 +113,8 @@ impl LogDensity {
         }
     }
 
-    /// Base-2 logarithms of a state's density at four samples (D tiles); NaN where opposite infinities meet, near the end of the
-    /// range of f64.
+    /// Base-2 logarithms of a state's density at four samples (D tiles); NaN where opposite infinities meet, near the end
+    /// of the range of f64.
     #[inline(always)]
     fn of(&self, state: usize, sample: &[Tile]) -> Tile {
         let peak = self.peak[state];

@@ -104,8 +104,8 @@ impl Campaigns {
                 recipe: cell.recipe.clone(),
                 accuracy,
                 standard_deviation,
-                least: values.iter().copied().fold(f64::INFINITY, f64::min),
-                most: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                least: least(&values),
+                most: most(&values),
                 paper: cell.paper,
             });
         }
@@ -129,8 +129,8 @@ impl Campaigns {
                 classifier: classifier.clone(),
                 accuracy,
                 standard_deviation,
-                least: values.iter().copied().fold(f64::INFINITY, f64::min),
-                most: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                least: least(&values),
+                most: most(&values),
             });
         }
         let plain = |cell: &CampaignCell| (cell.recipe.clone(), cell.by, cell.features, cell.states, cell.accuracy);
@@ -147,6 +147,14 @@ impl Campaigns {
             classifiers,
         })
     }
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn most(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Mean, and the standard deviation of a sample of more than one.
