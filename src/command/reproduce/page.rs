@@ -88,8 +88,9 @@ impl Report<'_> {
         self.page.section("What was run");
         self.page.paragraph(
             "Bhattacharjee, Kapusta, Rehg and Kemp (2013) let a compliant arm with tactile skin reach through artificial \
-             foliage and told leaves from trunks by hidden Markov models. Here the robot is simulated; all else follows \
-             the paper. Each section gives the paper's result, ours, and the difference.",
+             foliage and told leaves from trunks by hidden Markov models. Here the robot is simulated; what the paper \
+             leaves open is chosen, as ARCHITECTURE.md tells. Each section gives the paper's result, ours, and the \
+             difference.",
         );
         let size = if *quick {
             ", a third of the paper's reaches (--quick)"
