@@ -7,18 +7,18 @@
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 #![allow(clippy::print_stderr, reason = "an example has no other place to print")]
 
-use std::collections::BTreeMap;
 use std::process::ExitCode;
 
 use rayon::prelude::*;
-use underbrush_recording::{Audit, InputError, Recording};
+use underbrush_recording::{Audit, GoalOutcomes, InputError, Recording};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 /// What is left of a reach.
 struct Digest {
-    outcome: String,
+    goals: GoalOutcomes,
     seconds: f64,
+    /// Whether an object truly pressed on any skin.
     touched: bool,
     peak_force_n: f64,
     audit: Audit,
@@ -35,12 +35,9 @@ fn digest(recording: &Recording) -> Digest {
         );
     }
     Digest {
-        outcome: recording
-            .goals
-            .last()
-            .map_or("no goal".into(), |goal| format!("{:?}", goal.outcome)),
+        goals: recording.goal_outcomes(),
         seconds: recording.frames.len() as f64 / recording.rate_hz,
-        touched: !recording.contacts.is_empty(),
+        touched: recording.touched_frames().values().any(|frames| *frames > 0),
         peak_force_n: recording
             .contacts
             .iter()
@@ -70,7 +67,7 @@ fn main() -> ExitCode {
 fn sweep(reaches: usize, scenes: &[String]) -> Result<(), InputError> {
     let names: Vec<&str> = Audit::FIELDS.iter().map(|field| field.name).collect();
     println!(
-        "| scene | reaches | simulated s | touched | outcomes | peak force / N | {} |",
+        "| scene | reaches | simulated s | skin touched | goals | peak force / N | {} |",
         names.join(" | ")
     );
     println!("|---|---|---|---|---|---|{}", "---|".repeat(names.len()));
@@ -80,17 +77,14 @@ fn sweep(reaches: usize, scenes: &[String]) -> Result<(), InputError> {
             .into_par_iter()
             .map(|index| Ok(digest(&plan.run(index as u64, &mut |_, _, _| {})?)))
             .collect::<Result<_, InputError>>()?;
-        let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
-        for digest in &digests {
-            *outcomes.entry(&digest.outcome).or_default() += 1;
-        }
+        let goals: GoalOutcomes = digests.iter().map(|digest| digest.goals).sum();
         let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, f64::max);
         let audit: Vec<String> = Audit::FIELDS
             .iter()
             .map(|field| format!("{:.1e}", worst(&|digest| (field.get)(&digest.audit))))
             .collect();
         println!(
-            "| {} | {reaches} | {:.0} | {} | {outcomes:?} | {:.0} | {} |",
+            "| {} | {reaches} | {:.0} | {} | {goals} | {:.0} | {} |",
             plan.scene.name,
             digests.iter().map(|digest| digest.seconds).sum::<f64>(),
             digests.iter().filter(|digest| digest.touched).count(),

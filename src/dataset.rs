@@ -47,7 +47,7 @@ impl Campaign {
         let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
         let result: Result<(), CampaignError<DiskError>> = campaign::run(&plans, &to_run, |index, recording| {
             writer.stage(missing[index], &recording)?;
-            bar.reach(recording.outcome());
+            bar.reach(recording.goal_outcomes());
             Ok(())
         });
         bar.finish();
@@ -66,9 +66,9 @@ impl Campaign {
         let (plans, jobs) = (self.plans()?, self.jobs());
         let bar = CampaignBar::new(jobs.len() as u64, 0);
         let result = campaign::run(&plans, &jobs, |position, recording| {
-            let outcome = recording.outcome();
+            let goals = recording.goal_outcomes();
             receive(position, recording)?;
-            bar.reach(outcome);
+            bar.reach(goals);
             Ok(())
         });
         bar.finish();

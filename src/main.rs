@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 mod audit;
 mod command;
 mod dataset;
+mod ends;
 mod failure;
 mod input;
 mod output;

@@ -1,15 +1,14 @@
-//! A bar on stderr for long work: reaches done, time left, outcomes. None where stderr is no terminal.
+//! A bar on stderr for long work: reaches done, time left, goals reached. None where stderr is no terminal.
 
-use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use underbrush_recording::Outcome;
+use underbrush_recording::GoalOutcomes;
 
 /// The bar of a campaign.
 pub struct CampaignBar {
     bar: ProgressBar,
-    outcomes: Mutex<BTreeMap<Outcome, u64>>,
+    goals: Mutex<GoalOutcomes>,
 }
 
 impl CampaignBar {
@@ -20,19 +19,15 @@ impl CampaignBar {
         bar.reset_eta();
         CampaignBar {
             bar,
-            outcomes: Mutex::default(),
+            goals: Mutex::default(),
         }
     }
 
-    /// Counts one reach.
-    pub fn reach(&self, outcome: Outcome) {
-        if let Ok(mut outcomes) = self.outcomes.lock() {
-            *outcomes.entry(outcome).or_default() += 1;
-            let counts: Vec<String> = outcomes
-                .iter()
-                .map(|(outcome, count)| format!("{count} {}", outcome.name()))
-                .collect();
-            self.bar.set_message(counts.join(", "));
+    /// Counts one reach by how its goals ended.
+    pub fn reach(&self, goals: GoalOutcomes) {
+        if let Ok(mut sum) = self.goals.lock() {
+            *sum = [*sum, goals].into_iter().sum();
+            self.bar.set_message(sum.to_string());
         }
         self.bar.inc(1);
     }

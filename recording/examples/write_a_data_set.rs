@@ -116,8 +116,10 @@ fn recording(reach: u64) -> Recording {
             start_time_s: 0.0,
             end_time_s,
             outcome: Outcome::Reached,
+            safety_stop: None,
         }],
         contacts: vec![Contact {
+            link: layout().patches[0].link.clone(),
             patch: Some(0),
             object: (reach % 2) as u16,
             first_frame: 0,

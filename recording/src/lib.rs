@@ -12,6 +12,7 @@ pub mod disk;
 pub mod frame;
 pub mod input_error;
 pub mod layout;
+pub mod outcome;
 pub mod reach;
 pub mod trial;
 
@@ -20,5 +21,6 @@ pub use category::Category;
 pub use frame::{Frame, Pose, TaxelReading};
 pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
-pub use reach::{Contact, GoalRecord, ObjectRecord, Outcome, Recording};
+pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};
+pub use reach::{Contact, GoalRecord, ObjectRecord, Recording};
 pub use trial::{Region, Sample, Trial};

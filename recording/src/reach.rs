@@ -5,41 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Audit, Category, Frame, SkinLayout};
-
-/// How a goal, or a whole reach, ended. Data, not an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// The tip came within the controller's dead zone of the goal.
-    Reached,
-    /// The tip moved less than the controller's bound over its window.
-    Stuck,
-    /// The time allowed ran out.
-    TimedOut,
-    /// A contact force passed the stop force.
-    Aborted,
-}
-
-impl Outcome {
-    /// All outcomes, best first.
-    pub const ALL: [Outcome; 4] = [Outcome::Reached, Outcome::Stuck, Outcome::TimedOut, Outcome::Aborted];
-
-    /// The lower-case name used in every file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Outcome::Reached => "reached",
-            Outcome::Stuck => "stuck",
-            Outcome::TimedOut => "timed_out",
-            Outcome::Aborted => "aborted",
-        }
-    }
-
-    /// The outcome of a name as written by [`Outcome::name`].
-    pub fn from_name(name: &str) -> Option<Outcome> {
-        Outcome::ALL.into_iter().find(|outcome| outcome.name() == name)
-    }
-}
+use crate::{Audit, Category, Frame, GoalOutcomes, NamedStop, Outcome, SafetyStop, SkinLayout};
 
 /// One object of the clutter, as ground truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,7 +21,7 @@ pub struct ObjectRecord {
 }
 
 /// One goal of a reach and how it ended.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GoalRecord {
     /// The goal for the tip, m, world frame.
     pub position_world: DVec3,
@@ -65,12 +31,17 @@ pub struct GoalRecord {
     pub end_time_s: f64,
     /// How it ended.
     pub outcome: Outcome,
+    /// The contact that ended it; only where the outcome is [`Outcome::Aborted`], and there `None` where nobody knows,
+    /// as on a robot that an operator stopped.
+    pub safety_stop: Option<SafetyStop>,
 }
 
-/// One contact between a patch (or bare link) and an object, from the first frame to the last.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// One contact between a patch, or a part of a link without skin, and an object, from the first frame to the last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Patch of the layout, `None` for a part of the arm without skin.
+    /// Name of the link; where there is a patch, of the link that carries it.
+    pub link: String,
+    /// Patch of the layout, `None` for a part of the link without skin.
     pub patch: Option<u16>,
     /// Index in [`Recording::objects`].
     pub object: u16,
@@ -105,7 +76,7 @@ pub struct Recording {
     pub objects: Vec<ObjectRecord>,
     /// The goals in the order in which they were tried.
     pub goals: Vec<GoalRecord>,
-    /// Contacts sorted by first frame, then patch, then object.
+    /// Contacts sorted by first frame, then patch, then link, then object.
     pub contacts: Vec<Contact>,
     /// The samples.
     pub frames: Vec<Frame>,
@@ -122,4 +93,59 @@ impl Recording {
             .max()
             .unwrap_or(Outcome::Reached)
     }
+
+    /// How many of the goals tried ended in which way.
+    pub fn goal_outcomes(&self) -> GoalOutcomes {
+        let mut counts = GoalOutcomes::default();
+        for goal in &self.goals {
+            counts.count(goal.outcome);
+        }
+        counts
+    }
+
+    /// What ended the reach, where a force passed the controller's stop force.
+    pub fn safety_stop(&self) -> Option<NamedStop> {
+        let stop = self.goals.iter().find_map(|goal| goal.safety_stop.as_ref())?;
+        let object = self.objects.get(usize::from(stop.object))?;
+        let patch = stop.patch.and_then(|patch| self.layout.patches.get(usize::from(patch)));
+        Some(NamedStop {
+            object_index: stop.object,
+            object_kind: object.kind.clone(),
+            link: stop.link.clone(),
+            patch: patch.map(|patch| patch.name.clone()),
+            force_n: stop.force_n,
+        })
+    }
+
+    /// For each patch, by name, the number of frames in which an object truly pressed on it. What the sensor reported
+    /// does not matter: strays and creep are no contact. All are 0 where ground truth is not known, as on a robot.
+    pub fn touched_frames(&self) -> BTreeMap<String, u32> {
+        let frames_of = |patch: usize| {
+            let mut spans: Vec<(u32, u32)> = self
+                .contacts
+                .iter()
+                .filter(|contact| contact.patch.is_some_and(|own| usize::from(own) == patch))
+                .filter(|contact| contact.peak_force_n > 0.0)
+                .map(|contact| (contact.first_frame, contact.last_frame))
+                .collect();
+            spans.sort_unstable();
+            let (mut frames, mut next) = (0, 0);
+            for (first, last) in spans {
+                // Frames in which two objects pressed on the patch count once.
+                let first = first.max(next);
+                if first <= last {
+                    frames = (last - first).saturating_add(1).saturating_add(frames);
+                    next = last.saturating_add(1);
+                }
+            }
+            frames
+        };
+        let patches = self.layout.patches.iter().enumerate();
+        patches
+            .map(|(index, patch)| (patch.name.clone(), frames_of(index)))
+            .collect()
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,59 +5,56 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_recording::Contact;
 
-/// Follows which patch touches which object, frame by frame.
+use crate::touch::Pair;
+
+/// Follows which part of the arm touches which object, frame by frame.
 #[derive(Default)]
 pub struct ContactLog {
-    open: BTreeMap<(Option<u16>, u16), (Contact, f64)>,
-    closed: Vec<Contact>,
+    open: BTreeMap<Pair, Course>,
+    closed: Vec<(Pair, Course)>,
+}
+
+/// One contact so far.
+struct Course {
+    first_frame: u32,
+    last_frame: u32,
+    peak_force_n: f64,
+    force_sum_n: f64,
 }
 
 impl ContactLog {
-    /// Takes the forces between patches and objects in one frame, N.
-    pub fn observe(&mut self, frame: u32, pairs: &BTreeMap<(Option<u16>, u16), DVec3>) {
+    /// Takes the forces between the pairs that touch in one frame, N.
+    pub fn observe(&mut self, frame: u32, pairs: &BTreeMap<Pair, DVec3>) {
         for (pair, force) in pairs {
             let force_n = force.length();
-            let (contact, sum) = self.open.entry(*pair).or_insert_with(|| {
-                let contact = Contact {
-                    patch: pair.0,
-                    object: pair.1,
-                    first_frame: frame,
-                    last_frame: frame,
-                    peak_force_n: 0.0,
-                    mean_force_n: 0.0,
-                };
-                (contact, 0.0)
+            let course = self.open.entry(*pair).or_insert(Course {
+                first_frame: frame,
+                last_frame: frame,
+                peak_force_n: 0.0,
+                force_sum_n: 0.0,
             });
-            contact.last_frame = frame;
-            contact.peak_force_n = contact.peak_force_n.max(force_n);
-            *sum += force_n;
-        }
-        let ended: Vec<_> = self
-            .open
-            .iter()
-            .filter(|(_, (contact, _))| contact.last_frame < frame)
-            .map(|(pair, _)| *pair)
-            .collect();
-        for pair in ended {
-            self.close(pair);
-        }
-    }
-
-    /// All contacts, those still open included, by first frame, then patch, then object.
-    pub fn finish(mut self) -> Vec<Contact> {
-        for pair in self.open.keys().copied().collect::<Vec<_>>() {
-            self.close(pair);
+            course.last_frame = frame;
+            course.peak_force_n = course.peak_force_n.max(force_n);
+            course.force_sum_n += force_n;
         }
         self.closed
-            .sort_by_key(|contact| (contact.first_frame, contact.patch, contact.object));
-        self.closed
+            .extend(self.open.extract_if(.., |_, course| course.last_frame < frame));
     }
 
-    fn close(&mut self, pair: (Option<u16>, u16)) {
-        if let Some((mut contact, sum)) = self.open.remove(&pair) {
-            contact.mean_force_n = sum / f64::from(contact.last_frame - contact.first_frame + 1);
-            self.closed.push(contact);
-        }
+    /// All contacts, those still open included, by first frame, then patch, then link, then object.
+    pub fn finish(mut self, link_name: impl Fn(u16) -> String) -> Vec<Contact> {
+        self.closed.extend(self.open);
+        self.closed.sort_by_key(|(pair, course)| (course.first_frame, *pair));
+        let contact = |(pair, course): (Pair, Course)| Contact {
+            link: link_name(pair.link),
+            patch: pair.patch,
+            object: pair.object,
+            first_frame: course.first_frame,
+            last_frame: course.last_frame,
+            peak_force_n: course.peak_force_n,
+            mean_force_n: course.force_sum_n / f64::from(course.last_frame - course.first_frame + 1),
+        };
+        self.closed.into_iter().map(contact).collect()
     }
 }
 
@@ -65,20 +62,56 @@ impl ContactLog {
 mod tests {
     use super::*;
 
+    const PAIR: Pair = Pair {
+        patch: Some(0),
+        link: 2,
+        object: 3,
+    };
+
+    fn link_name(link: u16) -> String {
+        format!("link {link}")
+    }
+
     /// Pins that a contact which breaks and comes again makes two rows, with peak and mean of its own frames.
     #[test]
     fn a_broken_contact_is_two() {
         let mut log = ContactLog::default();
-        let pressed = |force: f64| BTreeMap::from([((Some(0), 3), DVec3::X * force)]);
+        let pressed = |force: f64| BTreeMap::from([(PAIR, DVec3::X * force)]);
         log.observe(5, &pressed(1.0));
         log.observe(6, &pressed(3.0));
         log.observe(7, &BTreeMap::new());
         log.observe(8, &pressed(2.0));
-        let contacts = log.finish();
+        let contacts = log.finish(link_name);
         let summary: Vec<_> = contacts
             .iter()
             .map(|c| (c.first_frame, c.last_frame, c.peak_force_n, c.mean_force_n))
             .collect();
         assert_eq!(summary, [(5, 6, 3.0, 2.0), (8, 8, 2.0, 2.0)]);
+    }
+
+    /// Pins that an object on two links without skin makes two contacts, each with the name of its link, and that contacts
+    /// of one first frame come by patch, then link, then object.
+    #[test]
+    fn contacts_name_their_links() {
+        let bare = |link, object| Pair {
+            patch: None,
+            link,
+            object,
+        };
+        let pairs = [PAIR, bare(4, 1), bare(1, 3), bare(4, 0)];
+        let mut log = ContactLog::default();
+        log.observe(0, &BTreeMap::from(pairs.map(|pair| (pair, DVec3::X))));
+        let contacts = log.finish(link_name);
+        let places: Vec<_> = contacts
+            .iter()
+            .map(|contact| (contact.patch, contact.link.as_str(), contact.object))
+            .collect();
+        let expected = [
+            (None, "link 1", 3),
+            (None, "link 4", 0),
+            (None, "link 4", 1),
+            (Some(0), "link 2", 3),
+        ];
+        assert_eq!(places, expected);
     }
 }

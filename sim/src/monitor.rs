@@ -27,8 +27,8 @@ impl Monitor {
         }
     }
 
-    /// Takes the tip's position (m, world frame) and the largest contact force on the skin (N) of one frame; says how
-    /// the way ended, where it has.
+    /// Takes the tip's position (m, world frame) and the largest force between one link and one object (N) of one frame;
+    /// says how the way ended, where it has.
     pub fn observe(&mut self, tip_world: DVec3, largest_force_n: f64) -> Option<Outcome> {
         self.frames += 1;
         let window = (self.rules.stuck_window_s / FRAME_PERIOD_S).round() as usize;

@@ -1,7 +1,7 @@
 //! One reach: sense → control → step → record, goal after goal.
 
 use glam::DVec3;
-use underbrush_recording::{Audit, Frame, GoalRecord, InputError, Outcome, Pose, Recording};
+use underbrush_recording::{Audit, Frame, GoalRecord, InputError, Outcome, Pose, Recording, SafetyStop};
 
 use crate::arm::{Arm, ArmAtStart};
 use crate::clutter::Clutter;
@@ -93,6 +93,8 @@ struct Reach<'a> {
     controller: Box<dyn Controller>,
     sensor: Sensor,
     contacts: ContactLog,
+    /// What ended the last way, if its force passed the stop force.
+    safety_stop: Option<SafetyStop>,
     recording: Recording,
     /// Frames between two calls of the controller.
     control_period: usize,
@@ -136,6 +138,7 @@ impl<'a> Reach<'a> {
             controller,
             sensor: Sensor::new(&scene.file.sensor, &plan.arm.skin, plan.seed, &scene.name, reach_index),
             contacts: ContactLog::default(),
+            safety_stop: None,
             recording,
             equilibrium_rad: posture,
         }
@@ -151,17 +154,20 @@ impl<'a> Reach<'a> {
                 }
                 outcome = self.retry(clutter, index, *goal, observer);
             }
+            let end_time_s = self.time_s();
             self.recording.goals.push(GoalRecord {
                 position_world: *goal,
                 start_time_s,
-                end_time_s: self.time_s(),
+                end_time_s,
                 outcome,
+                safety_stop: self.safety_stop.take(),
             });
             if outcome == Outcome::Aborted {
                 break;
             }
         }
-        self.recording.contacts = self.contacts.finish();
+        let links = &self.plan.arm.links;
+        self.recording.contacts = self.contacts.finish(|link| links[usize::from(link)].name.clone());
         self.recording.audit = self.world.auditor.audit();
         self.recording
     }
@@ -209,11 +215,22 @@ impl<'a> Reach<'a> {
                 self.control(&touch, target);
             }
             let frame = self.record(&touch, goal_index, goal);
-            let ended = monitor.observe(frame.tip_pose_world.position, touch.largest_force_n());
+            let largest = touch.largest_force();
+            let ended = monitor.observe(
+                frame.tip_pose_world.position,
+                largest.map_or(0.0, |force| force.force_n),
+            );
             observer(&self.world, clutter, &frame);
             self.recording.frames.push(frame);
             self.world.advance_frame(&self.plan.arm, &self.equilibrium_rad, clutter);
             if let Some(outcome) = ended {
+                let stop = largest.filter(|_| outcome == Outcome::Aborted);
+                self.safety_stop = stop.map(|force| SafetyStop {
+                    object: force.object,
+                    link: self.plan.arm.links[usize::from(force.link)].name.clone(),
+                    patch: force.patch,
+                    force_n: force.force_n,
+                });
                 return outcome;
             }
         }

@@ -10,6 +10,30 @@ use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SkinPatch};
 use crate::world::World;
 
+/// Two things that press on each other: a patch, or the part of a link without skin, and an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Pair {
+    /// The patch, `None` for the part of the link without skin.
+    pub patch: Option<u16>,
+    /// The link, index in the arm.
+    pub link: u16,
+    /// The object, index in the clutter.
+    pub object: u16,
+}
+
+/// The force between one link, with or without skin, and one object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkForce {
+    /// The link, index in the arm.
+    pub link: u16,
+    /// The object, index in the clutter.
+    pub object: u16,
+    /// The patch that feels most of it, `None` where most of it falls on the part without skin.
+    pub patch: Option<u16>,
+    /// Its magnitude, N.
+    pub force_n: f64,
+}
+
 /// What arm and skin feel in one frame.
 #[derive(Clone, Debug, Default)]
 pub struct Touch {
@@ -17,8 +41,8 @@ pub struct Touch {
     pub taxels: Vec<TaxelReading>,
     /// Sum of the solver's contact forces on each patch, N, world frame.
     pub contact_force_world: Vec<DVec3>,
-    /// Force between a patch (`None`: bare link) and an object, N, world frame.
-    pub pairs: BTreeMap<(Option<u16>, u16), DVec3>,
+    /// Force between each pair in contact, N, world frame.
+    pub pairs: BTreeMap<Pair, DVec3>,
     /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's.
     pub force_residual: f64,
     /// Largest difference, over the patches, between the moment of the taxel forces, each at its taxel's centre, and
@@ -27,9 +51,25 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// The largest force between the arm and one object, N.
-    pub fn largest_force_n(&self) -> f64 {
-        self.pairs.values().map(|force| force.length()).fold(0.0, f64::max)
+    /// The largest force between one link and one object, `None` where nothing touches the arm.
+    pub fn largest_force(&self) -> Option<LinkForce> {
+        // Between the same two bodies, forces on skin and beside it add up.
+        let mut bodies: BTreeMap<(u16, u16), (DVec3, Option<u16>, f64)> = BTreeMap::new();
+        for (pair, force) in &self.pairs {
+            let part_n = force.length();
+            let (sum, patch, largest_part_n) = bodies.entry((pair.link, pair.object)).or_default();
+            *sum += *force;
+            if part_n > *largest_part_n {
+                (*patch, *largest_part_n) = (pair.patch, part_n);
+            }
+        }
+        let forces = bodies.into_iter().map(|((link, object), (sum, patch, _))| LinkForce {
+            link,
+            object,
+            patch,
+            force_n: sum.length(),
+        });
+        forces.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
     }
 }
 
@@ -38,7 +78,22 @@ impl Touch {
 struct Load {
     normal_n: f64,
     shear_link: DVec3,
-    object: Option<(u16, f64)>,
+    /// Normal force by object, N; an object of several collision shapes, as a leaf is, has one sum.
+    normal_n_by_object: BTreeMap<u16, f64>,
+}
+
+impl Load {
+    fn add(&mut self, object: u16, normal_n: f64, shear_link: DVec3) {
+        self.normal_n += normal_n;
+        self.shear_link += shear_link;
+        *self.normal_n_by_object.entry(object).or_default() += normal_n;
+    }
+
+    /// The object that presses most; of equals the first of the clutter.
+    fn object(&self) -> Option<u16> {
+        let objects = self.normal_n_by_object.iter().rev();
+        objects.max_by(|a, b| a.1.total_cmp(b.1)).map(|(object, _)| *object)
+    }
 }
 
 /// Contact points between one patch and one collision shape.
@@ -63,10 +118,12 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
         let patch = patches
             .iter()
             .position(|patch| patch.link == contact.link && patch.covers(&point));
-        *touch
-            .pairs
-            .entry((patch.map(|patch| patch as u16), object))
-            .or_default() += contact.force_world;
+        let pair = Pair {
+            patch: patch.map(|patch| patch as u16),
+            link: contact.link as u16,
+            object,
+        };
+        *touch.pairs.entry(pair).or_default() += contact.force_world;
         if let Some(patch) = patch {
             touch.contact_force_world[patch] += contact.force_world;
             wrenches[patch].add(point.position_link, point.force_link);
@@ -88,11 +145,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
         let shape_pose = world.link_pose(skin.link).inverse() * *shape.position();
         for force in skin.spread_under(&group.points, shape.shape(), &shape_pose, compliance) {
             let load = loads.entry((*patch, force.taxel)).or_default();
-            load.normal_n += force.normal_force_n;
-            load.shear_link += force.shear_link;
-            if load.object.is_none_or(|(_, largest)| force.normal_force_n > largest) {
-                load.object = Some((group.object, force.normal_force_n));
-            }
+            load.add(group.object, force.normal_force_n, force.shear_link);
         }
     }
     for ((patch, taxel), load) in &loads {
@@ -119,7 +172,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
                     shear.dot(place.normal_link.cross(place.tangent_link)),
                 ],
                 sensed_force_n,
-                object: load.and_then(|load| load.object).map(|(object, _)| object),
+                object: load.and_then(Load::object),
             });
         }
     }
@@ -211,11 +264,67 @@ mod tests {
         (arm, world, equilibrium, touch)
     }
 
+    fn largest_force_n(touch: &Touch) -> f64 {
+        touch.largest_force().map_or(0.0, |force| force.force_n)
+    }
+
     fn trunk() -> Box<dyn Object> {
         Box::new(Trunk {
             diameter_m: 0.03,
             height_m: 0.6,
         })
+    }
+
+    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf outdo a trunk that presses harder
+    /// than either, and of equals the first is named.
+    #[test]
+    fn a_taxel_names_the_object_that_presses_most_in_sum() {
+        let mut load = Load::default();
+        assert_eq!(load.object(), None);
+        let (leaf, trunk) = (7, 2);
+        load.add(leaf, 0.3, DVec3::X);
+        load.add(trunk, 0.4, DVec3::ZERO);
+        assert_eq!(load.object(), Some(trunk));
+        load.add(leaf, 0.3, DVec3::Y);
+        assert_eq!(load.object(), Some(leaf));
+        assert!((load.normal_n - 1.0).abs() < 1e-15 && load.shear_link == DVec3::new(1.0, 1.0, 0.0));
+        load.add(trunk, 0.2, DVec3::ZERO);
+        assert_eq!(load.object(), Some(trunk));
+    }
+
+    /// Pins the force that a stop force is held against: that between one link and one object, skin and bare parts together;
+    /// forces of other links or other objects are not added, and the patch named is the one that feels most of it.
+    #[test]
+    fn forces_add_up_by_link_and_object() {
+        let pair = |patch, link, object| Pair { patch, link, object };
+        let touch = |pairs: &[(Pair, DVec3)]| Touch {
+            pairs: pairs.iter().copied().collect(),
+            ..Touch::default()
+        };
+        assert_eq!(Touch::default().largest_force(), None);
+        let found = touch(&[
+            (pair(Some(0), 3, 5), DVec3::X * 60.0),
+            (pair(None, 3, 5), DVec3::X * 50.0),
+            (pair(Some(1), 4, 5), DVec3::X * 90.0),
+            (pair(None, 3, 6), DVec3::X * 100.0),
+        ]);
+        let expected = LinkForce {
+            link: 3,
+            object: 5,
+            patch: Some(0),
+            force_n: 110.0,
+        };
+        assert_eq!(found.largest_force(), Some(expected));
+        let bare = touch(&[
+            (pair(Some(0), 3, 5), DVec3::X * 3.0),
+            (pair(None, 3, 5), DVec3::Y * 4.0),
+        ]);
+        let expected = LinkForce {
+            patch: None,
+            force_n: 5.0,
+            ..expected
+        };
+        assert_eq!(bare.largest_force(), Some(expected));
     }
 
     /// Pins that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and
@@ -287,7 +396,7 @@ mod tests {
         let (_, world, _, touch) = press(Box::new(trunk), 0.010, 0.0, 2.0);
         let audit = world.auditor.audit();
         assert!(audit.largest_frame_force_jump_n < 100.0, "{audit:?}");
-        let force = touch.largest_force_n();
+        let force = largest_force_n(&touch);
         // 5 mm against the arm's 0.1–0.5 kN/m.
         assert!((0.1..10.0).contains(&force), "{force} N");
     }
@@ -306,12 +415,12 @@ mod tests {
         };
         let (.., soft) = press(Box::new(leaf), 0.005, 6.0, 4.0);
         let (.., hard) = press(trunk(), 0.017, 6.0, 4.0);
-        assert!(soft.largest_force_n() > 0.01, "the leaf was not touched");
+        assert!(largest_force_n(&soft) > 0.01, "the leaf was not touched");
         assert!(
-            soft.largest_force_n() < 0.3 * hard.largest_force_n(),
+            largest_force_n(&soft) < 0.3 * largest_force_n(&hard),
             "{} N, {} N",
-            soft.largest_force_n(),
-            hard.largest_force_n()
+            largest_force_n(&soft),
+            largest_force_n(&hard)
         );
     }
 }

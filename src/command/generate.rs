@@ -13,6 +13,7 @@ use underbrush_sim::scene::Scene;
 
 use crate::audit::{self, Worst};
 use crate::dataset::Campaign;
+use crate::ends::Ends;
 use crate::failure::Failure;
 use crate::output;
 
@@ -62,8 +63,8 @@ pub struct Summary {
     frames: usize,
     simulated_s: f64,
     wall_s: f64,
-    touched_reaches: usize,
-    outcomes: BTreeMap<&'static str, usize>,
+    #[serde(flatten)]
+    ends: Ends,
     /// The worst figures of the audit, with the reach that they are from.
     audit: BTreeMap<&'static str, Worst>,
 }
@@ -73,41 +74,29 @@ impl Summary {
     pub fn of(dataset: &Dataset, wall_s: f64) -> Self {
         let episodes = dataset.episodes();
         let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
-        let mut outcomes = BTreeMap::new();
-        for episode in episodes {
-            *outcomes.entry(episode.outcome.name()).or_default() += 1;
-        }
         Summary {
             dataset: dataset.dir().to_path_buf(),
             reaches: episodes.len(),
             frames,
             simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
             wall_s,
-            touched_reaches: episodes.iter().filter(|episode| episode.touched).count(),
-            outcomes,
+            ends: Ends::of(episodes),
             audit: audit::worst(episodes),
         }
     }
 
     /// For a person.
     pub fn text(&self) -> String {
-        let outcomes: Vec<String> = self
-            .outcomes
-            .iter()
-            .map(|(name, count)| format!("{count} {name}"))
-            .collect();
         format!(
             "{} reaches, {:.0} s of simulated time in {:.0} s ({:.0} times real time)\n\
-             outcomes: {}; {} of {} reaches touched something\n\
+             {}\n\
              {}\n\
              data set in {}",
             self.reaches,
             self.simulated_s,
             self.wall_s,
             self.simulated_s / self.wall_s.max(1e-9),
-            outcomes.join(", "),
-            self.touched_reaches,
-            self.reaches,
+            self.ends.text(),
             audit::text(&self.audit),
             self.dataset.display()
         )

@@ -12,6 +12,7 @@ use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
+use crate::ends::Ends;
 use crate::failure::Failure;
 use crate::{audit, input, output};
 
@@ -91,10 +92,9 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
     let dataset = Dataset::open(path)?;
     dataset.verify()?;
     let episodes = dataset.episodes();
-    let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
+    let ends = Ends::of(episodes);
     let mut scenes: BTreeMap<&str, usize> = BTreeMap::new();
     for episode in episodes {
-        *outcomes.entry(episode.outcome.name()).or_default() += 1;
         *scenes.entry(&episode.scene).or_default() += 1;
     }
     let provenance = dataset.provenance();
@@ -109,8 +109,9 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
         "reaches": episodes.len(),
         "frames": episodes.iter().map(|episode| episode.frames).sum::<usize>(),
         "reaches by scene": scenes,
-        "outcomes": outcomes,
-        "reaches that touched something": episodes.iter().filter(|episode| episode.touched).count(),
+        "goals": ends.goals,
+        "aborted reaches": ends.aborted,
+        "reaches with true contact, by patch": ends.touched_reaches,
         "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
         "taxels": patches,
         "audit, worst of all reaches": audit::worst(episodes),
@@ -133,8 +134,10 @@ fn recording(path: &Path) -> Result<Value, Failure> {
         "reach": recording.reach_index,
         "frames": recording.frames.len(),
         "seconds": recording.frames.len() as f64 / recording.rate_hz,
-        "outcome": recording.outcome().name(),
-        "goals": goals.join(", "),
+        "goals": recording.goal_outcomes().to_string(),
+        "goals, in order": goals.join(", "),
+        "aborted by": recording.safety_stop(),
+        "frames with true contact, by patch": recording.touched_frames(),
         "objects": recording.objects.len(),
         "contacts": recording.contacts.len(),
         "audit": recording.audit,

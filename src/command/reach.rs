@@ -1,5 +1,6 @@
 //! `underbrush reach`: one reach, looked at closely.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -7,7 +8,7 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::disk::write_recording;
-use underbrush_recording::{Audit, Recording};
+use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_sim::controller;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -46,8 +47,12 @@ pub struct Report {
     controller: String,
     seed: u64,
     reach_index: u64,
-    outcome: &'static str,
+    goals_reached: usize,
     goals: Vec<Goal>,
+    /// What ended the reach, where a force passed the stop force.
+    aborted_by: Option<NamedStop>,
+    /// Frames in which an object truly pressed on a patch, by patch.
+    touched_frames: BTreeMap<String, u32>,
     simulated_s: f64,
     wall_s: f64,
     simulated_over_wall: f64,
@@ -118,7 +123,7 @@ impl Report {
             controller: recording.controller.clone(),
             seed: recording.seed,
             reach_index: recording.reach_index,
-            outcome: recording.outcome().name(),
+            goals_reached: recording.goal_outcomes().reached,
             goals: recording
                 .goals
                 .iter()
@@ -128,6 +133,8 @@ impl Report {
                     position_world_m: goal.position_world.to_array(),
                 })
                 .collect(),
+            aborted_by: recording.safety_stop(),
+            touched_frames: recording.touched_frames(),
             simulated_s,
             wall_s,
             simulated_over_wall: simulated_s / wall_s.max(1e-9),
@@ -161,18 +168,29 @@ impl Report {
                 ]
             })
             .collect();
+        let aborted = self
+            .aborted_by
+            .as_ref()
+            .map_or(String::new(), |stop| format!(", then aborted: {stop}"));
+        let patches = self.touched_frames.iter();
+        let touched: Vec<String> = patches
+            .map(|(patch, frames)| format!("{patch} in {frames} frames"))
+            .collect();
         output::table(&["goal", "position / m", "outcome", "seconds"], &rows)
             + &format!(
-                "\n{} (seed {}, reach {}, {}): {}\n\
+                "\n{} (seed {}, reach {}, {}): {} of {} goals reached{}\n\
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
                  {} contacts; peak force {:.2} N, mean {:.2} N; the controller's f_max is {} N a taxel\n\
+                 true contact: {}\n\
                  {} taxel trials and {} component trials on the forearm\n\
                  largest relative difference between taxel and contact forces: {:.1e}",
                 self.scene,
                 self.seed,
                 self.reach_index,
                 self.controller,
-                self.outcome,
+                self.goals_reached,
+                self.goals.len(),
+                aborted,
                 self.simulated_s,
                 self.wall_s,
                 self.simulated_over_wall,
@@ -180,6 +198,7 @@ impl Report {
                 self.peak_contact_force_n,
                 self.mean_contact_force_n,
                 self.f_max_n,
+                touched.join(", "),
                 self.taxel_trials,
                 self.component_trials,
                 self.audit.largest_force_residual

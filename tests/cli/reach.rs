@@ -41,13 +41,18 @@ fn a_reach_is_that_of_its_campaign() {
 
 #[test]
 fn the_report_agrees_with_the_recording() {
-    // Pins: outcome, contacts and peak force of --json are those of the file written; the picture is an SVG.
+    // Pins: goals reached, true contact, contacts and peak force of --json are those of the file written; the picture is an SVG.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
     let [file, picture] = ["reach.parquet", "reach.svg"].map(|name| folder.path().join(name));
     let report = underbrush!["reach", scene, "--out", file, "--picture", picture, "--json"].json();
     let recording = read_recording(file).unwrap();
-    assert_eq!(report["outcome"], recording.outcome().name());
+    assert_eq!(report["goals_reached"], recording.goal_outcomes().reached);
+    assert_eq!(report["goals"].as_array().unwrap().len(), recording.goals.len());
+    assert_eq!(
+        report["touched_frames"]["forearm"],
+        recording.touched_frames()["forearm"]
+    );
     assert_eq!(report["contacts"], recording.contacts.len());
     let peak = recording
         .contacts

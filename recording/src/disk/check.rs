@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use super::DiskError;
-use crate::{Audit, Frame, InputError, Pose, Recording, SkinLayout};
+use crate::{Audit, Frame, InputError, Outcome, Pose, Recording, SkinLayout};
 
 /// A rule broken by a recording or a trial.
 #[derive(Debug, PartialEq)]
@@ -153,24 +153,22 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         finite(goal.position_world.to_array().into_iter().chain(times), || {
             format!("goals[{index}]")
         })?;
+        let Some(stop) = &goal.safety_stop else { continue };
+        let field = |name: &str| format!("goals[{index}].safety_stop{name}");
+        require(
+            goal.outcome == Outcome::Aborted,
+            || field(""),
+            || format!("one on a goal that {}", goal.outcome.name()),
+            "none unless the outcome is aborted",
+        )?;
+        check_place(recording, &stop.link, stop.patch, stop.object, field)?;
+        finite([stop.force_n], || field(".force_n"))?;
     }
     for (index, contact) in recording.contacts.iter().enumerate() {
         let field = |name: &str| format!("contacts[{index}].{name}");
-        let patch = contact.patch.map_or(0, usize::from);
-        let known = contact.patch.is_none() || patch < recording.layout.patches.len();
-        require(
-            known,
-            || field("patch"),
-            || patch.to_string(),
-            "the index of a patch of the layout",
-        )?;
-        let known = usize::from(contact.object) < objects;
-        require(
-            known,
-            || field("object"),
-            || contact.object.to_string(),
-            "the index of an object",
-        )?;
+        check_place(recording, &contact.link, contact.patch, contact.object, |name| {
+            format!("contacts[{index}]{name}")
+        })?;
         let ordered = contact.first_frame <= contact.last_frame;
         require(
             ordered,
@@ -183,6 +181,44 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         })?;
     }
     Ok(())
+}
+
+/// Checks where an object pressed on the arm: a patch with its own link, or a link that has a name, and a known object.
+fn check_place(
+    recording: &Recording,
+    link: &str,
+    patch: Option<u16>,
+    object: u16,
+    field: impl Fn(&str) -> String,
+) -> Result<(), Violation> {
+    if let Some(patch) = patch {
+        let known = recording.layout.patches.get(usize::from(patch));
+        require(
+            known.is_some(),
+            || field(".patch"),
+            || patch.to_string(),
+            "the index of a patch of the layout",
+        )?;
+        require(
+            known.is_some_and(|patch| patch.link == link),
+            || field(".link"),
+            || format!("{link:?}"),
+            "the link that carries the patch",
+        )?;
+    } else {
+        require(
+            !link.is_empty(),
+            || field(".link"),
+            || "no name".into(),
+            "the name of a link",
+        )?;
+    }
+    require(
+        usize::from(object) < recording.objects.len(),
+        || field(".object"),
+        || object.to_string(),
+        "the index of an object",
+    )
 }
 
 fn pose_numbers(pose: &Pose) -> impl Iterator<Item = f64> {

@@ -15,7 +15,7 @@ use crate::{InputError, Recording};
 /// Metadata key of the format's version.
 const FORMAT_KEY: &str = "underbrush.format";
 /// The version that this program writes and reads.
-const FORMAT: &str = "underbrush-recording/2";
+const FORMAT: &str = "underbrush-recording/3";
 /// Metadata key of everything that is not per frame: a [`Recording`] without frames, as JSON.
 const RECORDING_KEY: &str = "underbrush.recording";
 

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use arrow_array::{
-    Array, ArrayRef, ArrowPrimitiveType, BooleanArray, FixedSizeListArray, Float64Array, PrimitiveArray, RecordBatch,
-    StringArray,
+    Array, ArrayRef, ArrowPrimitiveType, FixedSizeListArray, Float64Array, PrimitiveArray, RecordBatch, StringArray,
 };
 use glam::DVec3;
 
@@ -85,6 +84,14 @@ impl<'a> Columns<'a> {
             .values())
     }
 
+    /// A column of numbers, nulls allowed, one a row.
+    pub(super) fn numbers_or_null<T: ArrowPrimitiveType>(
+        &self,
+        name: &str,
+    ) -> Result<&'a PrimitiveArray<T>, DiskError> {
+        self.typed(name, &T::DATA_TYPE.to_string())
+    }
+
     /// A column of `width` numbers a row, one row after the other; width 1 is a plain column.
     pub(super) fn rows<T: ArrowPrimitiveType>(&self, name: &str, width: usize) -> Result<&'a [T::Native], DiskError> {
         if width == 1 {
@@ -113,11 +120,6 @@ impl<'a> Columns<'a> {
     /// A column of text, nulls allowed.
     pub(super) fn text_or_null(&self, name: &str) -> Result<&'a StringArray, DiskError> {
         self.typed(name, "text")
-    }
-
-    /// A column of truth values without nulls.
-    pub(super) fn flags(&self, name: &str) -> Result<&'a BooleanArray, DiskError> {
-        self.whole(name, "truth values")
     }
 
     /// The three columns of [`TableBuilder::vectors`], as vectors.

@@ -50,7 +50,7 @@ pub struct Preset {
     pub equilibrium_offset_rad: Option<f64>,
     /// Where |φ − q| passes this, the joint's φ is set back to q, rad.
     pub equilibrium_reset_rad: Option<f64>,
-    /// A reach is aborted over this force between the arm and one object, N.
+    /// A reach is aborted over this force between one link, with or without skin, and one object, N.
     pub stop_force_n: f64,
     /// A goal is reached within this distance, m.
     pub reached_distance_m: f64,

@@ -14,6 +14,7 @@ use super::classifiers::Compared;
 use super::online::{Detection, Engineered, Shares};
 use super::splits::Split;
 use crate::audit::{self, Worst};
+use crate::ends::Ends;
 
 /// The numbers of one run. Only `timing` depends on the machine.
 #[derive(Serialize)]
@@ -55,8 +56,8 @@ pub struct Reaches {
     pub count: usize,
     pub frames: usize,
     pub simulated_s: f64,
-    pub touched: usize,
-    pub outcomes: BTreeMap<&'static str, usize>,
+    #[serde(flatten)]
+    pub ends: Ends,
     pub audit: BTreeMap<&'static str, Worst>,
 }
 
@@ -214,16 +215,11 @@ impl Results {
 impl Reaches {
     pub fn of(episodes: &[Episode]) -> Self {
         let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
-        let mut outcomes = BTreeMap::new();
-        for episode in episodes {
-            *outcomes.entry(episode.outcome.name()).or_default() += 1;
-        }
         Reaches {
             count: episodes.len(),
             frames,
             simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
-            touched: episodes.iter().filter(|episode| episode.touched).count(),
-            outcomes,
+            ends: Ends::of(episodes),
             audit: audit::worst(episodes),
         }
     }

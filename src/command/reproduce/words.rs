@@ -20,18 +20,11 @@ const CLOSE_POINTS: f64 = 3.0;
 /// For a terminal.
 pub fn text(results: &Results, out: &Path) -> String {
     let reaches = &results.reaches;
-    let outcomes: Vec<String> = reaches
-        .outcomes
-        .iter()
-        .map(|(name, count)| format!("{count} {name}"))
-        .collect();
     let mut text = format!(
-        "{} training reaches, {:.0} s of simulated time\noutcomes: {}; {} of {} reaches touched something\n{}\n\n",
+        "{} training reaches, {:.0} s of simulated time\n{}\n{}\n\n",
         reaches.count,
         reaches.simulated_s,
-        outcomes.join(", "),
-        reaches.touched,
-        reaches.count,
+        reaches.ends.text(),
         audit::text(&reaches.audit).trim_end()
     );
     let mut add = |table: &underbrush_classifier::report::Table, columns: usize| {

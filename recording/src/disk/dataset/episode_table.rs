@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use arrow_array::builder::{ListBuilder, StringBuilder};
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
-use arrow_array::{Array, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt64Array};
+use arrow_array::types::{Float64Type, Int32Type, Int64Type, UInt64Type};
+use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray, UInt64Array};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ use super::truth_tables::read_outcome;
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, open, write_table};
 use crate::disk::table::{Columns, TableBuilder};
-use crate::{Audit, AuditField, Outcome, Recording};
+use crate::{Audit, AuditField, GoalOutcomes, NamedStop, Outcome, Recording};
 
 /// One reach of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,16 +40,17 @@ pub struct Episode {
     pub controller: String,
     /// How the reach ended: the worst of its goals' outcomes.
     pub outcome: Outcome,
-    /// Number of goals tried.
-    pub goals: usize,
-    /// Number of goals reached.
-    pub goals_reached: usize,
+    /// How many of the goals tried ended in which way.
+    pub goal_outcomes: GoalOutcomes,
+    /// What ended the reach, where a force passed the controller's stop force.
+    pub safety_stop: Option<NamedStop>,
     /// Number of objects in the clutter.
     pub objects: usize,
     /// Number of contacts, with and without skin.
     pub contacts: usize,
-    /// Whether any skin touched anything.
-    pub touched: bool,
+    /// Number of frames in which an object truly pressed on a patch, for each patch by name; see
+    /// [`Recording::touched_frames`].
+    pub touched_frames: BTreeMap<String, u32>,
     /// How far the physics was from what it should be.
     pub audit: Audit,
 }
@@ -71,7 +72,6 @@ impl Episode {
             chunk_index,
             file_index,
         } = place;
-        let reached = recording.goals.iter().filter(|goal| goal.outcome == Outcome::Reached);
         Episode {
             task,
             frames,
@@ -79,11 +79,11 @@ impl Episode {
             chunk_index,
             file_index,
             outcome: recording.outcome(),
-            goals: recording.goals.len(),
-            goals_reached: reached.count(),
+            goal_outcomes: recording.goal_outcomes(),
+            safety_stop: recording.safety_stop(),
             objects: recording.objects.len(),
             contacts: recording.contacts.len(),
-            touched: recording.contacts.iter().any(|contact| contact.patch.is_some()),
+            touched_frames: recording.touched_frames(),
             scene: recording.scene,
             seed: recording.seed,
             reach_index: recording.reach_index,
@@ -91,7 +91,20 @@ impl Episode {
             audit: recording.audit,
         }
     }
+
+    /// Number of goals tried.
+    pub fn goals(&self) -> usize {
+        self.goal_outcomes.tried()
+    }
 }
+
+/// Column of the number of goals with an outcome.
+fn goals_column(outcome: Outcome) -> String {
+    format!("goals_{}", outcome.name())
+}
+
+/// Columns of the frames in which a patch was touched begin so; the patch's name follows.
+const TOUCHED_FRAMES: &str = "touched_frames.";
 
 /// Writes the episodes, in order.
 pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
@@ -121,22 +134,78 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
         .column("reach_index", wide(|episode| episode.reach_index))
         .column("controller", text(|episode| &episode.controller))
         .column("outcome", text(|episode| episode.outcome.name()))
-        .column("goals", count(|episode| episode.goals))
-        .column("goals_reached", count(|episode| episode.goals_reached))
         .column("objects", count(|episode| episode.objects))
         .column("contacts", count(|episode| episode.contacts))
-        .column(
-            "touched",
-            BooleanArray::from_iter(episodes.iter().map(|episode| Some(episode.touched))),
-        )
         .column("rest_frames", count(|episode| episode.audit.rest_frames as usize));
     let figure =
         |field: &AuditField| Float64Array::from_iter_values(episodes.iter().map(|episode| (field.get)(&episode.audit)));
     let figures = Audit::FIELDS.iter();
-    let batch = figures
-        .fold(table, |table, field| table.column(field.name, figure(field)))
-        .build(path)?;
-    write_table(path, &batch, [])
+    let table = figures.fold(table, |table, field| table.column(field.name, figure(field)));
+    let table = Outcome::ALL.into_iter().fold(table, |table, outcome| {
+        let goals = episodes.iter().map(|episode| episode.goal_outcomes.of(outcome) as i64);
+        table.column(goals_column(outcome), Int64Array::from_iter_values(goals))
+    });
+    let table = stop_columns(table, episodes);
+    // All episodes of a set have the same skin.
+    let patches = episodes.first().map(|episode| episode.touched_frames.keys());
+    let table = patches.into_iter().flatten().fold(table, |table, patch| {
+        let frames = episodes.iter().map(|episode| {
+            let frames = episode.touched_frames.get(patch);
+            frames.map_or(0, |frames| i64::from(*frames))
+        });
+        table.column(format!("{TOUCHED_FRAMES}{patch}"), Int64Array::from_iter_values(frames))
+    });
+    write_table(path, &table.build(path)?, [])
+}
+
+/// Adds the columns of what ended each reach; null where no force passed the stop force.
+fn stop_columns(table: TableBuilder, episodes: &[Episode]) -> TableBuilder {
+    let stops = || episodes.iter().map(|episode| episode.safety_stop.as_ref());
+    let objects = stops().map(|stop| stop.map(|stop| i32::from(stop.object_index)));
+    let kinds = stops().map(|stop| stop.map(|stop| stop.object_kind.as_str()));
+    let links = stops().map(|stop| stop.map(|stop| stop.link.as_str()));
+    let patches = stops().map(|stop| stop?.patch.as_deref());
+    let forces = stops().map(|stop| stop.map(|stop| stop.force_n));
+    table
+        .column("stop_object_index", objects.collect::<Int32Array>())
+        .column("stop_object_kind", kinds.collect::<StringArray>())
+        .column("stop_link", links.collect::<StringArray>())
+        .column("stop_patch", patches.collect::<StringArray>())
+        .column("stop_force_n", forces.collect::<Float64Array>())
+}
+
+/// What ended each reach.
+fn read_stops(columns: &Columns) -> Result<Vec<Option<NamedStop>>, DiskError> {
+    let object = columns.numbers_or_null::<Int32Type>("stop_object_index")?;
+    let kind = columns.text_or_null("stop_object_kind")?;
+    let link = columns.text_or_null("stop_link")?;
+    let patch = columns.text_or_null("stop_patch")?;
+    let force = columns.numbers_or_null::<Float64Type>("stop_force_n")?;
+    let stop = |row: usize| {
+        let given = [
+            object.is_valid(row),
+            kind.is_valid(row),
+            link.is_valid(row),
+            force.is_valid(row),
+        ];
+        match given {
+            [false, false, false, false] => Ok(None),
+            [true, true, true, true] => Ok(Some(NamedStop {
+                object_index: u16::try_from(object.value(row))
+                    .map_err(|_| columns.error("stop_object_index", object.value(row).to_string(), "0 to 32767"))?,
+                object_kind: kind.value(row).to_string(),
+                link: link.value(row).to_string(),
+                patch: patch.is_valid(row).then(|| patch.value(row).to_string()),
+                force_n: force.value(row),
+            })),
+            _ => Err(columns.error(
+                "stop_object_index, stop_object_kind, stop_link and stop_force_n",
+                "only some of them",
+                "all of them, or none",
+            )),
+        }
+    };
+    (0..columns.batch.num_rows()).map(stop).collect()
 }
 
 /// Reads the episodes back, in order.
@@ -149,7 +218,7 @@ pub(super) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
 }
 
 fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), DiskError> {
-    let count = |name: &'static str| -> Result<Vec<usize>, DiskError> {
+    let count = |name: &str| -> Result<Vec<usize>, DiskError> {
         let numbers = columns.numbers::<Int64Type>(name)?.iter();
         let number = |&n: &i64| {
             // Within 32 bits, so that no sum of them can overflow.
@@ -161,7 +230,17 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
     let tasks = first_tasks(columns)?;
     let (index, frames, first_index) = (count("episode_index")?, count("length")?, count("dataset_from_index")?);
     let (chunk_index, file_index) = (count("data/chunk_index")?, count("data/file_index")?);
-    let (goals, goals_reached) = (count("goals")?, count("goals_reached")?);
+    let goals = Outcome::ALL
+        .into_iter()
+        .map(|outcome| Ok((outcome, count(&goals_column(outcome))?)))
+        .collect::<Result<Vec<_>, DiskError>>()?;
+    let stops = read_stops(columns)?;
+    let schema = columns.batch.schema();
+    let touched = schema.fields().iter().filter_map(|field| {
+        let patch = field.name().strip_prefix(TOUCHED_FRAMES)?;
+        Some(count(field.name()).map(|frames| (patch.to_string(), frames)))
+    });
+    let touched = touched.collect::<Result<Vec<_>, DiskError>>()?;
     let (objects, contacts) = (count("objects")?, count("contacts")?);
     let (scene, controller, outcome) = (
         columns.text("scene")?,
@@ -170,13 +249,12 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
     );
     let seed = columns.numbers::<UInt64Type>("seed")?;
     let reach_index = columns.numbers::<UInt64Type>("reach_index")?;
-    let touched = columns.flags("touched")?;
     let rest_frames = count("rest_frames")?;
     let figures = Audit::FIELDS
         .iter()
         .map(|field| Ok((field.set, columns.numbers::<Float64Type>(field.name)?)))
         .collect::<Result<Vec<_>, DiskError>>()?;
-    for (row, task) in tasks.into_iter().enumerate() {
+    for (row, (task, safety_stop)) in tasks.into_iter().zip(stops).enumerate() {
         let expected = episodes
             .last()
             .map_or(0, |episode| episode.first_index + episode.frames);
@@ -193,6 +271,10 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
         for (set, figure) in &figures {
             set(&mut audit, figure[row]);
         }
+        let mut goal_outcomes = GoalOutcomes::default();
+        for (outcome, count) in &goals {
+            *goal_outcomes.of_mut(*outcome) = count[row];
+        }
         episodes.push(Episode {
             task,
             frames: frames[row],
@@ -204,11 +286,15 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
             reach_index: reach_index[row],
             controller: controller.value(row).to_string(),
             outcome: read_outcome(columns, outcome, row)?,
-            goals: goals[row],
-            goals_reached: goals_reached[row],
+            goal_outcomes,
+            safety_stop,
             objects: objects[row],
             contacts: contacts[row],
-            touched: touched.value(row),
+            // Counts are within 32 bits.
+            touched_frames: touched
+                .iter()
+                .map(|(patch, frames)| (patch.clone(), frames[row] as u32))
+                .collect(),
             audit,
         });
     }

@@ -98,7 +98,7 @@ impl TruthTables {
         let table = |name: &str, rows: RecordBatch| ParquetFile::create(&dir.join(name), rows.schema(), []);
         Ok(TruthTables {
             objects: table(names::OBJECTS, object_rows(dir, 0, &[])?)?,
-            goals: table(names::GOALS, goal_rows(dir, 0, &[])?)?,
+            goals: table(names::GOALS, goal_rows(dir, 0, &[], &SkinLayout::default())?)?,
             contacts: table(names::CONTACTS, contact_rows(dir, 0, &[], &[], &SkinLayout::default())?)?,
         })
     }
@@ -112,7 +112,7 @@ impl TruthTables {
             ..
         } = recording;
         self.objects.write(&object_rows(dir, episode, objects)?)?;
-        self.goals.write(&goal_rows(dir, episode, goals)?)?;
+        self.goals.write(&goal_rows(dir, episode, goals, layout)?)?;
         self.contacts
             .write(&contact_rows(dir, episode, contacts, objects, layout)?)
     }

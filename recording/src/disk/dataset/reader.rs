@@ -173,7 +173,7 @@ impl Dataset {
             joint_names: self.joint_names.clone(),
             layout: self.layout.clone(),
             objects: read_objects(&path(names::OBJECTS), first(|e| e.objects), episode.objects)?,
-            goals: read_goals(&path(names::GOALS), first(|e| e.goals), episode.goals)?,
+            goals: read_goals(&path(names::GOALS), &self.layout, first(|e| e.goals()), episode.goals())?,
             contacts: read_contacts(
                 &path(names::CONTACTS),
                 &self.layout,

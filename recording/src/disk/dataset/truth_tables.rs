@@ -10,7 +10,7 @@ use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, Stri
 use crate::disk::DiskError;
 use crate::disk::parquet_file::read_rows;
 use crate::disk::table::{Columns, TableBuilder};
-use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, SkinLayout};
+use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, SafetyStop, SkinLayout};
 
 fn table(episode: usize, rows: usize) -> TableBuilder {
     TableBuilder::default().column("episode_index", Int64Array::from_value(episode as i64, rows))
@@ -68,19 +68,55 @@ pub(super) fn read_objects(path: &Path, first: usize, count: usize) -> Result<Ve
     Ok(objects)
 }
 
-/// An episode's goals.
-pub(super) fn goal_rows(path: &Path, episode: usize, goals: &[GoalRecord]) -> Result<RecordBatch, DiskError> {
+/// An episode's goals; the columns of a safety stop are null where there was none, `stop_patch` also where most of the
+/// force fell on a part of the link without skin.
+pub(super) fn goal_rows(
+    path: &Path,
+    episode: usize,
+    goals: &[GoalRecord],
+    layout: &SkinLayout,
+) -> Result<RecordBatch, DiskError> {
+    let stops = || goals.iter().map(|goal| goal.safety_stop.as_ref());
     table(episode, goals.len())
         .column("goal_index", numbering(goals.len()))
         .vectors("position_world", "_m", goals.iter().map(|goal| goal.position_world))
         .column("start_time_s", numbers(goals.iter().map(|goal| goal.start_time_s)))
         .column("end_time_s", numbers(goals.iter().map(|goal| goal.end_time_s)))
         .column("outcome", text(goals.iter().map(|goal| goal.outcome.name())))
+        .column(
+            "stop_object_index",
+            stops()
+                .map(|stop| stop.map(|stop| i32::from(stop.object)))
+                .collect::<Int32Array>(),
+        )
+        .column(
+            "stop_link",
+            stops()
+                .map(|stop| stop.map(|stop| stop.link.as_str()))
+                .collect::<StringArray>(),
+        )
+        .column(
+            "stop_patch",
+            stops()
+                .map(|stop| patch_name(layout, stop?.patch))
+                .collect::<StringArray>(),
+        )
+        .column(
+            "stop_force_n",
+            stops()
+                .map(|stop| stop.map(|stop| stop.force_n))
+                .collect::<Float64Array>(),
+        )
         .build(path)
 }
 
 /// The goals in the rows from `first` on.
-pub(super) fn read_goals(path: &Path, first: usize, count: usize) -> Result<Vec<GoalRecord>, DiskError> {
+pub(super) fn read_goals(
+    path: &Path,
+    layout: &SkinLayout,
+    first: usize,
+    count: usize,
+) -> Result<Vec<GoalRecord>, DiskError> {
     let mut goals = Vec::new();
     for batch in read_rows(path, first, count)? {
         let columns = Columns { path, batch: &batch };
@@ -93,10 +129,62 @@ pub(super) fn read_goals(path: &Path, first: usize, count: usize) -> Result<Vec<
                 start_time_s: start[row],
                 end_time_s: end[row],
                 outcome: read_outcome(&columns, outcome, row)?,
+                safety_stop: read_safety_stop(&columns, layout, row)?,
             });
         }
     }
     Ok(goals)
+}
+
+/// The contact that ended the goal in a row, if any did.
+fn read_safety_stop(columns: &Columns, layout: &SkinLayout, row: usize) -> Result<Option<SafetyStop>, DiskError> {
+    let object = columns.numbers_or_null::<Int32Type>("stop_object_index")?;
+    let link = columns.text_or_null("stop_link")?;
+    let patch = columns.text_or_null("stop_patch")?;
+    let force = columns.numbers_or_null::<Float64Type>("stop_force_n")?;
+    match [object.is_valid(row), link.is_valid(row), force.is_valid(row)] {
+        [false, false, false] if !patch.is_valid(row) => Ok(None),
+        [true, true, true] => Ok(Some(SafetyStop {
+            object: read_object(columns, "stop_object_index", object.value(row))?,
+            link: link.value(row).to_string(),
+            patch: read_patch(columns, "stop_patch", patch, layout, row)?,
+            force_n: force.value(row),
+        })),
+        _ => Err(columns.error(
+            "stop_object_index, stop_link, stop_patch and stop_force_n",
+            "only some of them",
+            "all of them (stop_patch may be null), or none",
+        )),
+    }
+}
+
+/// The name of a patch; null for a part of the arm without skin.
+fn patch_name(layout: &SkinLayout, patch: Option<u16>) -> Option<&str> {
+    let patch = layout.patches.get(usize::from(patch?))?;
+    Some(&patch.name)
+}
+
+/// The patch that a row names.
+fn read_patch(
+    columns: &Columns,
+    column: &str,
+    names: &StringArray,
+    layout: &SkinLayout,
+    row: usize,
+) -> Result<Option<u16>, DiskError> {
+    if !names.is_valid(row) {
+        return Ok(None);
+    }
+    let name = names.value(row);
+    let index = layout.patch_index(name).and_then(|index| u16::try_from(index).ok());
+    match index {
+        Some(index) => Ok(Some(index)),
+        None => Err(columns.error(column, name, "a patch of meta/taxels.parquet")),
+    }
+}
+
+fn read_object(columns: &Columns, column: &str, object: i32) -> Result<u16, DiskError> {
+    u16::try_from(object).map_err(|_| columns.error(column, object.to_string(), "0 to 32767"))
 }
 
 /// The outcome that a row names.
@@ -105,7 +193,7 @@ pub(super) fn read_outcome(columns: &Columns, outcome: &StringArray, row: usize)
     Outcome::from_name(name).ok_or_else(|| columns.error("outcome", name, "reached, stuck, timed_out or aborted"))
 }
 
-/// An episode's contacts, one row each; the patch is null for a part of the arm without skin.
+/// An episode's contacts, one row each; the patch is null for a part of the link without skin.
 pub(super) fn contact_rows(
     path: &Path,
     episode: usize,
@@ -113,17 +201,20 @@ pub(super) fn contact_rows(
     objects: &[ObjectRecord],
     layout: &SkinLayout,
 ) -> Result<RecordBatch, DiskError> {
-    let patch = |contact: &Contact| {
-        let patch = contact.patch.and_then(|patch| layout.patches.get(usize::from(patch)));
-        patch.map(|patch| patch.name.as_str())
-    };
     let category = |contact: &Contact| {
         let object = objects.get(usize::from(contact.object));
         object.map(|object| object.category.name())
     };
     let frames = |frame: fn(&Contact) -> u32| Int64Array::from_iter_values(contacts.iter().map(frame).map(i64::from));
     table(episode, contacts.len())
-        .column("patch", contacts.iter().map(patch).collect::<StringArray>())
+        .column("link", text(contacts.iter().map(|contact| contact.link.as_str())))
+        .column(
+            "patch",
+            contacts
+                .iter()
+                .map(|contact| patch_name(layout, contact.patch))
+                .collect::<StringArray>(),
+        )
         .column(
             "object_index",
             Int32Array::from_iter_values(contacts.iter().map(|contact| contact.object.into())),
@@ -152,6 +243,7 @@ pub(super) fn read_contacts(
     let mut contacts = Vec::new();
     for batch in read_rows(path, first, count)? {
         let columns = Columns { path, batch: &batch };
+        let link = columns.text("link")?;
         let patch = columns.text_or_null("patch")?;
         let object = columns.numbers::<Int32Type>("object_index")?;
         let frames = [
@@ -164,19 +256,10 @@ pub(super) fn read_contacts(
             let whole = |name: &str, number: i64| {
                 u32::try_from(number).map_err(|_| columns.error(name, number.to_string(), "0 to 4294967295"))
             };
-            let patch = match patch.is_valid(row).then(|| patch.value(row)) {
-                None => None,
-                Some(name) => Some(
-                    layout
-                        .patch_index(name)
-                        .and_then(|index| u16::try_from(index).ok())
-                        .ok_or_else(|| columns.error("patch", name, "a patch of meta/taxels.parquet"))?,
-                ),
-            };
             contacts.push(Contact {
-                patch,
-                object: u16::try_from(object[row])
-                    .map_err(|_| columns.error("object_index", object[row].to_string(), "0 to 32767"))?,
+                link: link.value(row).to_string(),
+                patch: read_patch(&columns, "patch", patch, layout, row)?,
+                object: read_object(&columns, "object_index", object[row])?,
                 first_frame: whole("first_frame", frames[0][row])?,
                 last_frame: whole("last_frame", frames[1][row])?,
                 peak_force_n: peak[row],

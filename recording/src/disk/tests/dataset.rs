@@ -6,7 +6,7 @@ use super::reach;
 use crate::disk::{
     Dataset, DatasetPlan, DatasetWriter, DiskError, PlannedEpisode, Provenance, SceneText, write_recording,
 };
-use crate::{InputError, Outcome, Recording};
+use crate::{InputError, NamedStop, Outcome, Recording, SafetyStop};
 
 /// Lengths of the reaches of the test set, frames; the third is longer than one batch.
 const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];
@@ -27,9 +27,18 @@ pub(super) fn recordings() -> Vec<Recording> {
     quiet.contacts.clear();
     recordings[1].scene = "trunks".into();
     // One contact of a bare link.
-    let mut bare = recordings[1].contacts[0];
+    let bare = &mut recordings[1].contacts[0];
     bare.patch = None;
-    recordings[1].contacts = vec![bare];
+    bare.link = "upper arm".into();
+    // One reach that is aborted.
+    let stopped = &mut recordings[2].goals[0];
+    stopped.outcome = Outcome::Aborted;
+    stopped.safety_stop = Some(SafetyStop {
+        object: 0,
+        link: "forearm_link".into(),
+        patch: Some(0),
+        force_n: 101.5,
+    });
     recordings
 }
 
@@ -140,17 +149,31 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
         "several data files in order: {files:?}"
     );
     let outcomes: Vec<_> = episodes.iter().map(|episode| episode.outcome).collect();
-    let (reached, stuck) = (Outcome::Reached, Outcome::Stuck);
-    assert_eq!(outcomes, [reached, stuck, reached, reached, reached]);
+    let (reached, stuck, aborted) = (Outcome::Reached, Outcome::Stuck, Outcome::Aborted);
+    assert_eq!(outcomes, [reached, stuck, aborted, reached, reached]);
+    let stops: Vec<_> = episodes.iter().map(|episode| episode.safety_stop.clone()).collect();
+    let stop = NamedStop {
+        object_index: 0,
+        object_kind: "trunk".into(),
+        link: "forearm_link".into(),
+        patch: Some("forearm".into()),
+        force_n: 101.5,
+    };
+    assert_eq!(stops, [None, None, Some(stop), None, None]);
     assert_eq!(
-        episodes.iter().map(|episode| episode.goals_reached).collect::<Vec<_>>(),
-        [1, 0, 1, 0, 1]
+        episodes
+            .iter()
+            .map(|episode| episode.goal_outcomes.reached)
+            .collect::<Vec<_>>(),
+        [1, 0, 0, 0, 1]
     );
     // Episode 1 touches with a bare link only, episode 3 not at all.
-    assert_eq!(
-        episodes.iter().map(|episode| episode.touched).collect::<Vec<_>>(),
-        [true, false, true, false, true]
-    );
+    let touched_frames = |patch: &str| -> Vec<u32> {
+        let frames = episodes.iter().map(|episode| episode.touched_frames[patch]);
+        frames.collect()
+    };
+    assert_eq!(touched_frames("forearm"), [39, 0, 1499, 0, 32]);
+    assert_eq!(touched_frames("tip"), [0; 5]);
     assert_eq!(
         episodes.iter().map(|episode| episode.reach_index).collect::<Vec<_>>(),
         REACHES
@@ -228,7 +251,7 @@ fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     let (info, provenance) = (dir.join("meta/info.json"), dir.join("meta/provenance.json"));
     for (path, from, to, field) in [
         (&info, "v3.0", "v2.1", "codebase_version"),
-        (&provenance, "underbrush-dataset/1", "underbrush-dataset/9", "format"),
+        (&provenance, "underbrush-dataset/2", "underbrush-dataset/9", "format"),
         (&info, "\"total_frames\": 1608", "\"total_frames\": 1609", "checksum"),
         (&info, "{", "", "JSON"),
     ] {

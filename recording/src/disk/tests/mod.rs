@@ -12,8 +12,8 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 use crate::{
-    Audit, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout,
-    Taxel, TaxelReading,
+    Audit, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SafetyStop,
+    SkinLayout, Taxel, TaxelReading,
 };
 
 /// A field's name in an error and a change that spoils it.
@@ -89,7 +89,16 @@ fn goal() -> impl Strategy<Value = GoalRecord> {
             start_time_s,
             end_time_s,
             outcome,
+            safety_stop: None,
         })
+}
+
+/// Where something pressed on the arm: link, patch and object, from any indices.
+fn place(layout: &SkinLayout, objects: usize, patch: Option<Index>, object: Index) -> (String, Option<u16>, u16) {
+    let patches = layout.patches.len();
+    let patch = patch.filter(|_| patches > 0).map(|patch| patch.index(patches));
+    let link = patch.map_or("bare link".to_string(), |patch| layout.patches[patch].link.clone());
+    (link, patch.map(|patch| patch as u16), object.index(objects) as u16)
 }
 
 /// One taxel's forces, its object and whether it is listed at all.
@@ -177,7 +186,7 @@ pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
         prop::collection::vec(patch(), 0..3),
         1..4usize,
         prop::collection::vec(object(), 0..4),
-        prop::collection::vec(goal(), 0..3),
+        prop::collection::vec((goal(), prop::option::of((any::<Index>(), number()))), 0..3),
         0..6usize,
     );
     parts.prop_flat_map(|(patches, joints, objects, goals, frames)| {
@@ -202,22 +211,39 @@ pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
             "\\PC{0,8}",
         )
             .prop_map(move |(frames, contacts, (seed, reach_index), rate_hz, audit, scene)| {
-                let places = layout.patches.len();
                 let possible = !objects.is_empty() && !frames.is_empty();
                 let contacts = contacts
                     .into_iter()
                     .filter(|_| possible)
                     .map(|(patch, [object, a, b], peak, mean)| {
                         let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
+                        let (link, patch, object) = place(&layout, objects.len(), patch, object);
                         Contact {
-                            patch: patch.filter(|_| places > 0).map(|patch| patch.index(places) as u16),
-                            object: object.index(objects.len()) as u16,
+                            link,
+                            patch,
+                            object,
                             first_frame: a.min(b),
                             last_frame: a.max(b),
                             peak_force_n: peak,
                             mean_force_n: mean,
                         }
                     });
+                let goals = goals.iter().map(|(goal, stop)| {
+                    let stop = stop.filter(|_| goal.outcome == Outcome::Aborted && !objects.is_empty());
+                    let safety_stop = stop.map(|(index, force_n)| {
+                        let (link, patch, object) = place(&layout, objects.len(), Some(index), index);
+                        SafetyStop {
+                            object,
+                            link,
+                            patch,
+                            force_n,
+                        }
+                    });
+                    GoalRecord {
+                        safety_stop,
+                        ..goal.clone()
+                    }
+                });
                 Recording {
                     scene,
                     controller: "cody-2013".into(),
@@ -228,7 +254,7 @@ pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
                     contacts: contacts.collect(),
                     layout: layout.clone(),
                     objects: objects.clone(),
-                    goals: goals.clone(),
+                    goals: goals.collect(),
                     frames,
                     audit,
                 }
@@ -323,8 +349,10 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             } else {
                 Outcome::Stuck
             },
+            safety_stop: None,
         }],
         contacts: vec![Contact {
+            link: "forearm_link".into(),
             patch: Some(0),
             object: 1,
             first_frame: 1,

@@ -7,22 +7,17 @@ use super::Report;
 impl Report<'_> {
     pub(super) fn training_data(&mut self) {
         let reaches = &self.results.reaches;
-        let outcomes: Vec<String> = reaches
-            .outcomes
-            .iter()
-            .map(|(name, count)| format!("{count} {name}"))
-            .collect();
         self.page.section("Training data");
         self.page.published(
             "10 reaches in a leaf-only and 25 in a trunk-only environment gave 288 and 324 trials by component, 496 and \
              582 by taxel.",
         );
         self.page.paragraph(&format!(
-            "{} reaches, {:.0} s of simulated time; {} touched something. Outcomes: {}.",
+            "{} reaches, {:.0} s of simulated time; {}; {}.",
             reaches.count,
             reaches.simulated_s,
-            reaches.touched,
-            outcomes.join(", ")
+            reaches.ends.goals,
+            reaches.ends.touched_text()
         ));
         self.page.paragraph(&words::trials(self.results));
         self.table(tables::trials_per_reach(self.results));
