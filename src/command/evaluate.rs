@@ -270,5 +270,12 @@ pub fn text(evaluation: &Evaluation) -> String {
             percent(by_reach.high)
         );
     }
+    let balanced = evaluation.balanced_accuracy;
+    text += &format!(
+        "\nmajority baseline {} % (the most frequent category, always); balanced accuracy {} (mean of the recalls of the \
+         classifier's categories)",
+        percent(evaluation.majority_baseline),
+        balanced.map_or("-".into(), |balanced| format!("{} %", percent(balanced)))
+    );
     text
 }

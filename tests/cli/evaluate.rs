@@ -45,14 +45,17 @@ fn the_confusion_matrix_counts_each_trial_once() {
 
 #[test]
 fn text_names_the_figures() {
-    // Pins: without --json a person reads a table with recall, precision and interval.
+    // Pins: without --json a person reads a table with recall, precision and interval, and an accuracy that does not
+    // stand alone.
     let text = underbrush!["evaluate", fixture().table_csv(), "--states", "2"].success();
     for part in [
         "truth \\ verdict",
         "recall %",
         "95 % interval",
         "precision %",
-        "accuracy",
+        "\naccuracy ",
+        "majority baseline ",
+        "balanced accuracy ",
     ] {
         assert!(text.contains(part), "no {part:?} in:\n{text}");
     }

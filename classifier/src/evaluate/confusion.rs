@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Category;
 
 use super::Prediction;
 use super::interval::{Interval, wilson};
@@ -17,6 +18,24 @@ pub struct ConfusionMatrix {
     pub verdict: Vec<String>,
     /// Trials by row and column.
     pub count: Vec<Vec<usize>>,
+}
+
+/// An accuracy and the two figures without which it says little.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// Trials judged.
+    pub trials: usize,
+    /// Fraction of trials whose verdict is the truth. Uncertain counts as wrong, and so does outlier, except for trials
+    /// of the category outlier. No verdict is right for a trial of the category block.
+    pub accuracy: f64,
+    /// What one would reach by giving every trial the same verdict: the fraction of trials that belong to the most
+    /// frequent true category. Blocks do not count as such a category, because no verdict is right for them.
+    pub majority_baseline: f64,
+    /// The mean of the recalls of the classifier's categories, each with the same weight: giving every trial the same
+    /// verdict reaches 1 / (number of categories), however the trials are distributed. Categories that the classifier
+    /// does not know (blocks, outliers, foreign names) and categories without trials have no part in it; `None` where
+    /// no trial is of a category that the classifier knows.
+    pub balanced_accuracy: Option<f64>,
 }
 
 /// How one category fares.
@@ -67,6 +86,33 @@ impl ConfusionMatrix {
         ConfusionMatrix { truth, verdict, count }
     }
 
+    /// The accuracy with its majority baseline and the balanced accuracy; `None` without trials.
+    pub fn accuracy(&self) -> Option<Accuracy> {
+        let figures = self.figures();
+        let trials: usize = figures.iter().map(|own| own.trials).sum();
+        if trials == 0 {
+            return None;
+        }
+        let fraction = |count: usize| count as f64 / trials as f64;
+        let majority = figures
+            .iter()
+            .filter(|own| own.category != Category::Block.name())
+            .map(|own| own.trials)
+            .max();
+        let known = &self.verdict[..self.verdict.len() - 2];
+        let recalls: Vec<f64> = figures
+            .iter()
+            .filter(|own| known.contains(&own.category) && own.trials > 0)
+            .map(|own| own.recall)
+            .collect();
+        Some(Accuracy {
+            trials,
+            accuracy: fraction(figures.iter().map(|own| own.correct).sum()),
+            majority_baseline: fraction(majority.unwrap_or(0)),
+            balanced_accuracy: (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64),
+        })
+    }
+
     /// Figures of each true category, in the order of the rows.
     pub fn figures(&self) -> Vec<CategoryFigures> {
         let models = self.verdict.len() - 2;
@@ -94,3 +140,6 @@ impl ConfusionMatrix {
         figures.collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,7 +17,7 @@ use thiserror::Error;
 use underbrush_recording::Trial;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples};
-pub use confusion::{CategoryFigures, ConfusionMatrix};
+pub use confusion::{Accuracy, CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
@@ -88,10 +88,19 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Whether the verdict is the truth; for a foreign object that is [`Verdict::Outlier`].
+    /// Whether the verdict is the truth; for a foreign object (the category outlier) that is [`Verdict::Outlier`].
+    ///
+    /// No verdict is right for a foam block. It is not an outlier, because the paper defines one as "an object which does
+    /// not normally belong to the environment in question" (section V-D), and the leaves stand in these blocks (section
+    /// IV-A); it is also neither a leaf nor a trunk.
     pub fn is_correct(&self) -> bool {
-        self.verdict.name() == self.category && self.verdict != Verdict::Uncertain
+        is_right(&self.category, &self.verdict)
     }
+}
+
+/// Whether a verdict is right for this true category; one rule for whole trials and for single frames.
+fn is_right(truth: &str, verdict: &Verdict) -> bool {
+    verdict.name() == truth && *verdict != Verdict::Uncertain
 }
 
 /// Verdicts on trials with ground truth, and what they amount to.
@@ -101,8 +110,13 @@ pub struct Evaluation {
     pub predictions: Vec<Prediction>,
     /// Truth against verdict.
     pub confusion: ConfusionMatrix,
-    /// Fraction of trials whose verdict is the truth; uncertain ones count as wrong.
+    /// Fraction of trials whose verdict is the truth; see [`Accuracy::accuracy`] for what counts as wrong. After
+    /// cross-validation it is pooled: the held-out trials of all folds count together, each once.
     pub accuracy: f64,
+    /// See [`Accuracy::majority_baseline`]; over the same trials as the accuracy.
+    pub majority_baseline: f64,
+    /// See [`Accuracy::balanced_accuracy`]; over the same trials as the accuracy.
+    pub balanced_accuracy: Option<f64>,
     /// Wilson's 95 % interval of the accuracy, as if trials were independent. They are not: one contact lights several
     /// taxels.
     pub accuracy_interval_by_trial: Interval,
@@ -131,13 +145,15 @@ impl Evaluation {
         models: &[String],
         training: Vec<BTreeMap<String, TrainingHistory>>,
     ) -> Result<Self, EvaluateError> {
-        if predictions.is_empty() {
-            return Err(EvaluateError::NoTruth);
-        }
         let confusion = ConfusionMatrix::of(&predictions, models);
+        let Some(accuracy) = confusion.accuracy() else {
+            return Err(EvaluateError::NoTruth);
+        };
         let correct = predictions.iter().filter(|prediction| prediction.is_correct()).count();
         Ok(Evaluation {
-            accuracy: correct as f64 / predictions.len() as f64,
+            accuracy: accuracy.accuracy,
+            majority_baseline: accuracy.majority_baseline,
+            balanced_accuracy: accuracy.balanced_accuracy,
             accuracy_interval_by_trial: wilson(correct, predictions.len()),
             accuracy_interval_by_reach: bootstrap_by_reach(&predictions, BOOTSTRAP_RESAMPLES, 0),
             categories: confusion.figures(),

@@ -5,6 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 use underbrush_recording::{Category, Frame, Recording};
 
+use super::is_right;
 use crate::decision::Verdict;
 use crate::model_set::ModelSet;
 use crate::online::{OnlineClassifier, OnlineError, OnlineOptions, TaxelVerdict};
@@ -22,9 +23,10 @@ pub enum StreamTruth {
 /// Taxels in contact by what their verdict is worth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
-    /// The verdict is the truth; for blocks and outliers, which no model knows, that is [`Verdict::Outlier`].
+    /// The verdict is the truth, by the same rule as for whole trials ([`super::Prediction::is_correct`]): for an outlier
+    /// that is [`Verdict::Outlier`], for a foam block no verdict is right.
     pub correct: usize,
-    /// The verdict is another category, or a trained category is called an outlier.
+    /// The verdict is another category, or something that is no outlier is called one.
     pub misclassified: usize,
     /// No verdict yet.
     pub uncertain: usize,
@@ -43,11 +45,9 @@ impl Tally {
             self.unknown += 1;
             return;
         };
-        let foreign = matches!(truth, Category::Block | Category::Outlier);
         match verdict {
             Verdict::Uncertain => self.uncertain += 1,
-            Verdict::Outlier if foreign => self.correct += 1,
-            Verdict::Category(name) if !foreign && name == truth.name() => self.correct += 1,
+            verdict if is_right(truth.name(), verdict) => self.correct += 1,
             _ => self.misclassified += 1,
         }
     }

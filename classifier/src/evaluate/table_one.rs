@@ -50,7 +50,8 @@ pub struct TableOneCell {
     pub states: usize,
     /// The paper's accuracy, per cent.
     pub paper_accuracy_percent: f64,
-    /// Ours, with all that belongs to it.
+    /// Ours, with majority baseline and balanced accuracy. They are pooled: the held-out trials of both folds count
+    /// together. The paper does not say whether it pooled or took the mean of its two folds.
     pub evaluation: Evaluation,
 }
 

@@ -159,7 +159,7 @@ fn cross_validation_tests_each_trial_once_on_the_other_fold() {
     );
 }
 
-fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> {
+pub(super) fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> {
     let verdict = |name: &str| match name {
         "uncertain" => Verdict::Uncertain,
         "outlier" => Verdict::Outlier,

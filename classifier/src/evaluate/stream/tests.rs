@@ -128,6 +128,44 @@ fn a_foreign_object_is_rightly_an_outlier() {
     assert_eq!(stream.total().misclassified, 3 + 4);
 }
 
+/// Pins that an object has the same right and wrong verdicts in a stream and as a whole trial, for each category and
+/// verdict; before, a block called an outlier was right in a stream and wrong as a trial.
+#[test]
+fn right_in_a_stream_is_right_as_a_trial() {
+    let verdicts = [
+        Verdict::Category("leaf".into()),
+        Verdict::Category("trunk".into()),
+        Verdict::Uncertain,
+        Verdict::Outlier,
+    ];
+    let mut right = Vec::new();
+    for truth in Category::ALL {
+        for verdict in &verdicts {
+            let mut tally = Tally::default();
+            tally.count(Some(truth), verdict);
+            let prediction = crate::evaluate::Prediction {
+                trial: 0,
+                reach: None,
+                category: truth.name().into(),
+                fold: 0,
+                samples: 1,
+                scores: vec![],
+                verdict: verdict.clone(),
+            };
+            assert_eq!(tally.correct == 1, prediction.is_correct(), "{truth:?} called {verdict}");
+            if prediction.is_correct() {
+                right.push((truth, verdict.name()));
+            }
+        }
+    }
+    let expected = [
+        (Category::Leaf, "leaf"),
+        (Category::Trunk, "trunk"),
+        (Category::Outlier, "outlier"),
+    ];
+    assert_eq!(right, expected);
+}
+
 #[test]
 fn no_contact_has_no_means() {
     // Pins that a reach without contact divides nothing by nothing.

@@ -1,0 +1,93 @@
+use super::*;
+use crate::evaluate::EvaluateError;
+use crate::evaluate::Evaluation;
+use crate::evaluate::tests::predictions;
+
+/// The figures of rows (truth, verdict, count) by a classifier of leaf and trunk.
+fn accuracy(rows: &[(&str, &str, usize)]) -> Accuracy {
+    evaluation(rows).confusion.accuracy().unwrap()
+}
+
+fn evaluation(rows: &[(&str, &str, usize)]) -> Evaluation {
+    let rows: Vec<_> = rows
+        .iter()
+        .map(|&(truth, verdict, count)| (truth, verdict, 0, count))
+        .collect();
+    Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap()
+}
+
+/// Pins the definitions on counts made up by hand: 30 leaves of which 24 are found, 10 trunks of which 4 are found,
+/// and that the evaluation carries the same figures.
+#[test]
+fn baseline_and_balance_follow_from_the_counts() {
+    let rows = [
+        ("leaf", "leaf", 24),
+        ("leaf", "trunk", 6),
+        ("trunk", "trunk", 4),
+        ("trunk", "leaf", 6),
+    ];
+    let found = evaluation(&rows);
+    let expected = Accuracy {
+        trials: 40,
+        accuracy: 28.0 / 40.0,
+        majority_baseline: 30.0 / 40.0,
+        balanced_accuracy: Some((24.0 / 30.0 + 4.0 / 10.0) / 2.0),
+    };
+    assert_eq!(found.confusion.accuracy(), Some(expected));
+    assert_eq!(found.accuracy, expected.accuracy);
+    assert_eq!(found.majority_baseline, expected.majority_baseline);
+    assert_eq!(found.balanced_accuracy, expected.balanced_accuracy);
+}
+
+/// Pins what the figures are for: a classifier that always says trunk reaches the majority baseline exactly, and half
+/// of everything in balance, whatever the share of trunks.
+#[test]
+fn one_verdict_for_all_is_the_baseline() {
+    for (leaves, trunks) in [(10, 90), (40, 60), (3, 500)] {
+        let found = accuracy(&[("leaf", "trunk", leaves), ("trunk", "trunk", trunks)]);
+        assert_eq!(found.accuracy, found.majority_baseline, "{leaves} leaves");
+        assert_eq!(found.balanced_accuracy, Some(0.5), "{leaves} leaves");
+    }
+}
+
+/// Pins that uncertain counts as wrong, and that outlier is wrong for what the classifier knows.
+#[test]
+fn uncertain_and_outlier_are_wrong() {
+    let found = accuracy(&[
+        ("leaf", "leaf", 6),
+        ("leaf", "uncertain", 4),
+        ("trunk", "trunk", 9),
+        ("trunk", "outlier", 1),
+    ]);
+    assert_eq!(found.accuracy, 15.0 / 20.0);
+    assert_eq!(found.balanced_accuracy, Some((0.6 + 0.9) / 2.0));
+    assert_eq!(found.majority_baseline, 0.5);
+}
+
+/// Pins that outliers count for accuracy and baseline but not for the balance, which is the known categories' alone,
+/// and that no verdict is right for a block: not even outlier, since the leaves stand in it.
+#[test]
+fn a_block_is_no_outlier() {
+    let found = accuracy(&[
+        ("leaf", "leaf", 2),
+        ("leaf", "trunk", 2),
+        ("outlier", "outlier", 5),
+        ("outlier", "leaf", 1),
+        ("block", "outlier", 7),
+        ("block", "trunk", 3),
+    ]);
+    assert_eq!(found.trials, 20);
+    assert_eq!(found.accuracy, 7.0 / 20.0);
+    assert_eq!(found.majority_baseline, 6.0 / 20.0);
+    assert_eq!(found.balanced_accuracy, Some(0.5));
+}
+
+/// Pins that there is no balance without a trial of a known category, and no accuracy without any trial.
+#[test]
+fn without_trials_there_are_no_figures() {
+    assert_eq!(accuracy(&[("outlier", "leaf", 3)]).balanced_accuracy, None);
+    assert_eq!(accuracy(&[("block", "leaf", 3)]).majority_baseline, 0.0);
+    let models = ["leaf".to_owned(), "trunk".to_owned()];
+    assert_eq!(ConfusionMatrix::of(&[], &models).accuracy(), None);
+    assert_eq!(Evaluation::of(vec![], &models, vec![]), Err(EvaluateError::NoTruth));
+}
