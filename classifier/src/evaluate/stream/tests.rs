@@ -152,7 +152,11 @@ fn right_in_a_stream_is_right_as_a_trial() {
                 scores: vec![],
                 verdict: verdict.clone(),
             };
-            assert_eq!(tally.correct == 1, prediction.is_correct(), "{truth:?} called {verdict}");
+            assert_eq!(
+                tally.correct == 1,
+                prediction.is_correct(),
+                "{truth:?} called {verdict}"
+            );
             if prediction.is_correct() {
                 right.push((truth, verdict.name()));
             }
