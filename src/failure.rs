@@ -90,7 +90,8 @@ impl Failure {
         let place = input.file.display().to_string();
         let diagnostic = MietteDiagnostic::new(message).with_help(help);
         let text = std::fs::read_to_string(&input.file).ok();
-        let (Some(line), Some(text)) = (input.line, text) else {
+        let shown = text.filter(|text| input.line.is_some_and(|line| can_be_shown(text, line)));
+        let (Some(line), Some(text)) = (input.line, shown) else {
             let line = input.line.map_or(String::new(), |line| format!(":{line}"));
             return Report::new(MietteDiagnostic {
                 message: format!("{place}{line}: {}", diagnostic.message),
@@ -102,6 +103,18 @@ impl Failure {
         let diagnostic = diagnostic.with_label(LabeledSpan::at(start..start + length, "here"));
         Report::new(diagnostic).with_source_code(NamedSource::new(place, text))
     }
+}
+
+/// Longer lines are not shown beside an error, nor are their neighbours: nobody reads them, and a line may be the whole of
+/// a file of many megabytes.
+const LONGEST_LINE_BYTES: usize = 1000;
+
+/// Whether a text has this line (from 1), and it and its two neighbours, which are shown with it, are short enough.
+fn can_be_shown(text: &str, line: usize) -> bool {
+    let shown = text.split_inclusive('\n').skip(line.saturating_sub(2)).take(3);
+    line >= 1
+        && text.split_inclusive('\n').nth(line - 1).is_some()
+        && shown.into_iter().all(|line| line.len() <= LONGEST_LINE_BYTES)
 }
 
 impl From<InputError> for Failure {

@@ -22,8 +22,11 @@ pub struct InputError {
     pub remedy: String,
 }
 
+/// Longer texts are cut to this many characters, so that the error about a line of a megabyte is no megabyte itself.
+const LONGEST_TEXT: usize = 400;
+
 impl InputError {
-    /// An error about `field` of `file`, its line not known; see [`InputError::at_line`].
+    /// An error about `field` of `file`, its line not known; see [`InputError::at_line`]. Long texts are shortened.
     pub fn new(
         file: impl AsRef<Path>,
         field: impl Into<String>,
@@ -34,10 +37,10 @@ impl InputError {
         InputError {
             file: file.as_ref().to_path_buf(),
             line: None,
-            field: field.into(),
-            found: found.into(),
-            allowed: allowed.into(),
-            remedy: remedy.into(),
+            field: shortened(field.into()),
+            found: shortened(found.into()),
+            allowed: shortened(allowed.into()),
+            remedy: shortened(remedy.into()),
         }
     }
 
@@ -47,6 +50,14 @@ impl InputError {
         self.line = Some(line);
         self
     }
+}
+
+/// A text of at most [`LONGEST_TEXT`] characters, and how long it was where that is less than the whole.
+fn shortened(text: String) -> String {
+    let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) else {
+        return text;
+    };
+    format!("{}… ({} characters)", &text[..end], text.chars().count())
 }
 
 impl fmt::Display for InputError {
@@ -64,3 +75,20 @@ impl fmt::Display for InputError {
 }
 
 impl std::error::Error for InputError {}
+
+#[cfg(test)]
+mod tests {
+    use super::InputError;
+
+    /// Pins that a fault in a cell of a megabyte gives a text of a few lines, cut between characters.
+    #[test]
+    fn long_texts_are_shortened() {
+        let long = "ü".repeat(1_000_000);
+        let error = InputError::new("trials.csv", &long, &long, &long, &long).at_line(3);
+        let text = error.to_string();
+        assert!(text.chars().count() < 2000, "{} characters", text.chars().count());
+        assert!(error.found.ends_with("… (1000000 characters)"), "{}", error.found);
+        let short = InputError::new("trials.csv", "force_n", "inf", "a force", "correct the cell");
+        assert_eq!(short.found, "inf");
+    }
+}

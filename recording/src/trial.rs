@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::limits::{self, Limits, short};
+
 /// One sample of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
@@ -26,6 +28,59 @@ pub struct Region {
     pub largest_force_n: f64,
     /// The sum of the sensed forces of its taxels, N.
     pub force_sum_n: f64,
+}
+
+/// How far the sum of a region's forces may miss what its parts allow, relative: some hundred forces added up in single
+/// precision, or printed with five digits.
+const ROUNDING: f64 = 1e-4;
+
+impl Sample {
+    /// What is wrong with the numbers, if anything: the column in a trials table, what was found and what is allowed.
+    pub fn fault(&self) -> Option<(&'static str, String, String)> {
+        let numbers: [(&'static str, Option<f64>, Limits); 3] = [
+            ("time_s", Some(self.time_s), limits::TIME_S),
+            ("force_n", Some(self.force_n), limits::FORCE_N),
+            ("motion_m", self.motion_m, limits::MOTION_M),
+        ];
+        for (column, value, limits) in numbers {
+            if let Some(value) = value
+                && !limits.hold(value)
+            {
+                return Some((column, short(value), limits.to_string()));
+            }
+        }
+        let region = self.region?;
+        let (column, allowed) = region.fault()?;
+        Some((column, format!("{region:?}"), allowed))
+    }
+}
+
+impl Region {
+    /// What is wrong with the numbers, if anything: the column in a trials table and what is allowed there.
+    pub fn fault(&self) -> Option<(&'static str, String)> {
+        let taxels = f64::from(self.taxels);
+        let (largest, sum) = (self.largest_force_n, self.force_sum_n);
+        for (column, value, limits) in [
+            ("region_taxels", taxels, limits::REGION_TAXELS),
+            ("region_largest_force_n", largest, limits::REGION_LARGEST_FORCE_N),
+            ("region_force_sum_n", sum, limits::REGION_FORCE_SUM_N),
+        ] {
+            if !limits.hold(value) {
+                return Some((column, limits.to_string()));
+            }
+        }
+        let most = largest * taxels;
+        let holds = sum >= largest * (1.0 - ROUNDING) && sum <= most * (1.0 + ROUNDING);
+        (!holds).then(|| {
+            let allowed = format!(
+                "{} to {} N: the largest force alone, or as much on each of the {} taxels",
+                short(largest),
+                short(most),
+                self.taxels
+            );
+            ("region_force_sum_n", allowed)
+        })
+    }
 }
 
 /// One trial (paper, sections IV-C and IV-D): the unit that is trained on and classified.

@@ -133,11 +133,13 @@ impl ArmHandles {
             };
             let angle = link.joint.coords()[AXIS];
             let reach = joint.torque_limit_nm / joint.stiffness_nm_per_rad;
-            link.joint.set_spring(
-                AXIS,
-                joint.stiffness_nm_per_rad,
-                target.clamp(angle - reach, angle + reach),
-            );
+            // `clamp` panics where an engine that has diverged gives no angle any more; NaN is passed on instead.
+            let rest = if target.is_nan() {
+                *target
+            } else {
+                target.max(angle - reach).min(angle + reach)
+            };
+            link.joint.set_spring(AXIS, joint.stiffness_nm_per_rad, rest);
         }
     }
 

@@ -6,8 +6,10 @@ use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::InputError;
+use underbrush_recording::limits::short;
 
-use super::source::Source;
+use super::limits;
+use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, read_chain};
 use super::{Arm, Joint, LinkCollider, LinkShape, skin_file};
 
@@ -60,9 +62,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     let file: ArmFile = source.toml("compare with the arm file of `cody`, which ships with underbrush")?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut chain = read_chain(&open(&folder.join(&file.urdf))?, &file.base_link)?;
-    if !(file.friction.is_finite() && file.friction >= 0.0) {
-        return Err(source.fault_after(0, "friction", file.friction, "a finite number, not negative"));
-    }
+    source.check(0, "friction", file.friction, limits::FRICTION)?;
     for hull in &file.hull {
         add_hull(&source, hull, &mut chain)?;
     }
@@ -137,38 +137,36 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
     let fault = |key: &str, found: String, allowed: &str| {
         source.fault_after(start, &format!("joint {}.{key}", joint.name), found, allowed)
     };
-    for (key, value, least) in [
-        ("stiffness_nm_per_rad", table.stiffness_nm_per_rad, f64::MIN_POSITIVE),
+    for (key, value, limits) in [
+        (
+            "stiffness_nm_per_rad",
+            table.stiffness_nm_per_rad,
+            limits::STIFFNESS_NM_PER_RAD,
+        ),
         (
             "believed_stiffness_nm_per_rad",
             table.believed_stiffness_nm_per_rad,
-            f64::MIN_POSITIVE,
+            limits::STIFFNESS_NM_PER_RAD,
         ),
-        ("damping_nm_s_per_rad", table.damping_nm_s_per_rad, 0.0),
-        ("armature_kg_m2", table.armature_kg_m2, 0.0),
+        (
+            "damping_nm_s_per_rad",
+            table.damping_nm_s_per_rad,
+            limits::DAMPING_NM_S_PER_RAD,
+        ),
+        ("armature_kg_m2", table.armature_kg_m2, limits::ARMATURE_KG_M2),
     ] {
-        if !(value.is_finite() && value >= least) {
-            let allowed = if least > 0.0 {
-                "a positive number"
-            } else {
-                "a finite number, not negative"
-            };
-            return Err(fault(key, value.to_string(), allowed));
-        }
+        source.check(start, &format!("joint {}.{key}", joint.name), value, limits)?;
     }
     let limits_rad = table.controller_limits_deg.map(f64::to_radians);
     let [lower, upper] = limits_rad;
     let mechanical = joint.limits_rad.map(f64::to_degrees);
-    if !(lower.is_finite() && upper.is_finite() && lower < upper) {
-        let found = format!("{:?}", table.controller_limits_deg);
-        return Err(fault(
-            "controller_limits_deg",
-            found,
-            "two finite angles, the smaller first",
-        ));
+    let degrees = table.controller_limits_deg;
+    if !(degrees.iter().all(|angle| limits::ANGLE_DEG.hold(*angle)) && lower < upper) {
+        let allowed = format!("two angles from {}, the smaller first", limits::ANGLE_DEG);
+        return Err(fault("controller_limits_deg", listed(&degrees), &allowed));
     }
     if lower < joint.limits_rad[0] || upper > joint.limits_rad[1] {
-        let found = format!("{:?}", table.controller_limits_deg);
+        let found = listed(&degrees);
         let allowed = format!(
             "within the URDF's limits, {:.4} to {:.4} deg",
             mechanical[0], mechanical[1]
@@ -178,7 +176,7 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
     let start_rad = table.start_deg.to_radians();
     if !(lower..=upper).contains(&start_rad) {
         let allowed = format!("an angle within {:?} deg", table.controller_limits_deg);
-        return Err(fault("start_deg", table.start_deg.to_string(), &allowed));
+        return Err(fault("start_deg", short(table.start_deg), &allowed));
     }
     Ok(Joint {
         name: joint.name,
@@ -202,17 +200,21 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
     let Some((link, pose)) = chain.frames.get(&hull.link).copied() else {
         return Err(source.fault_after(start, "hull.link", &hull.link, known_links(chain)));
     };
+    for point in &hull.points_m {
+        source.check_each(start, "hull.points_m", point, limits::PLACE_M)?;
+    }
     let points_m: Vec<DVec3> = hull.points_m.iter().copied().map(DVec3::from_array).collect();
-    let finite = points_m.iter().all(|point| point.is_finite());
     let shape = LinkShape::Hull { points_m };
-    if !finite || shape.engine_shape().is_none() {
-        let found = format!("{} points without a convex hull", hull.points_m.len());
-        return Err(source.fault_after(
-            start,
-            "hull.points_m",
-            found,
-            "at least four finite points, not all in one plane",
-        ));
+    let volume_m3 = shape
+        .engine_shape()
+        .map_or(0.0, |(shape, _)| shape.mass_properties(1.0).mass());
+    if !limits::HULL_VOLUME_M3.hold(volume_m3) {
+        let found = format!("{} points around {} m³", hull.points_m.len(), short(volume_m3));
+        let allowed = format!(
+            "at least four points, not all in one plane, around {}",
+            limits::HULL_VOLUME_M3
+        );
+        return Err(source.fault_after(start, "hull.points_m", found, allowed));
     }
     chain.links[link]
         .colliders

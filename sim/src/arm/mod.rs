@@ -14,10 +14,12 @@ mod at_start;
 pub mod engine;
 mod file;
 pub mod kinematics;
+mod limits;
 pub mod skin;
 mod skin_file;
 mod source;
 mod urdf;
+mod urdf_text;
 
 pub use at_start::ArmAtStart;
 pub use skin::Skin;

@@ -4,11 +4,13 @@ use glam::DVec3;
 use rapier3d::prelude::Pose;
 use serde::Deserialize;
 use toml::Spanned;
+use underbrush_recording::limits::{MOST_PATCHES, MOST_TAXELS, short};
 use underbrush_recording::{Grid, InputError, Patch, SkinLayout, Taxel};
 
 use super::file::known_links;
+use super::limits;
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
-use super::source::Source;
+use super::source::{Source, listed};
 use super::urdf::Chain;
 
 #[derive(Deserialize)]
@@ -62,8 +64,10 @@ struct TaxelTable {
 /// Reads the skin file of an arm with this chain.
 pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputError> {
     let file: SkinFile = source.toml("compare with the skin file of `cody`, which ships with underbrush")?;
-    if !positive(file.stiffness_n_per_m3) {
-        return Err(source.fault_after(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, "a positive number"));
+    source.check(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
+    if file.patch.len() > MOST_PATCHES {
+        let found = format!("{} patches", file.patch.len());
+        return Err(source.fault_after(0, "patch", found, format!("at most {MOST_PATCHES} patches")));
     }
     let mut skin = Skin {
         layout: SkinLayout { patches: Vec::new() },
@@ -87,6 +91,11 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
                 return Err(source.fault_after(start, "patch", format!("both or none in {:?}", table.name), allowed));
             }
         };
+        let count = skin.layout.taxel_count() + taxels.len();
+        if !(1..=MOST_TAXELS).contains(&count) {
+            let allowed = format!("1 to {MOST_TAXELS} taxels on all patches together");
+            return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
+        }
         for taxel in &mut taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
             taxel.normal_link = pose.rotation * taxel.normal_link;
@@ -119,39 +128,35 @@ fn cylinder_taxels(
     let fault = |key: &str, found: String, allowed: &str| {
         Err(source.fault_after(start, &format!("patch.cylinder.{key}"), found, allowed))
     };
+    source.check_each(start, "patch.cylinder.row_0_m", &table.row_0_m, limits::PLACE_M)?;
     let row_0 = DVec3::from_array(table.row_0_m);
-    if !row_0.is_finite() {
-        return fault("row_0_m", format!("{:?}", table.row_0_m), "three finite numbers");
-    }
-    let Some(axis) = DVec3::from_array(table.axis).try_normalize() else {
-        return fault(
-            "axis",
-            format!("{:?}", table.axis),
-            "three finite numbers, not all zero",
-        );
-    };
-    let Some(zero) = DVec3::from_array(table.zero_angle)
-        .reject_from_normalized(axis)
-        .try_normalize()
+    let axis = source.direction(start, "patch.cylinder.axis", table.axis)?;
+    let zero = source.direction(start, "patch.cylinder.zero_angle", table.zero_angle)?;
+    // Within a thousandth of the axis the direction across it is all rounding.
+    let Some(zero) = Some(zero.reject_from_normalized(axis))
+        .filter(|across| across.length() > 1e-3)
+        .and_then(DVec3::try_normalize)
     else {
-        return fault(
-            "zero_angle",
-            format!("{:?}", table.zero_angle),
-            "a direction across the axis",
-        );
+        return fault("zero_angle", listed(&table.zero_angle), "a direction across the axis");
     };
-    for (key, value) in [
-        ("radius_m", table.radius_m),
-        ("row_pitch_m", table.row_pitch_m),
-        ("taxel_size_m", table.taxel_size_m),
+    for (key, value, limits) in [
+        ("radius_m", table.radius_m, limits::RADIUS_M),
+        ("row_pitch_m", table.row_pitch_m, limits::TAXEL_SIZE_M),
+        ("taxel_size_m", table.taxel_size_m, limits::TAXEL_SIZE_M),
     ] {
-        if !positive(value) {
-            return fault(key, value.to_string(), "a positive number");
-        }
+        source.check(start, &format!("patch.cylinder.{key}"), value, limits)?;
     }
-    if !(1..=10_000).contains(&table.rows) {
-        return fault("rows", table.rows.to_string(), "1 to 10000");
+    let columns = table.column_angles_deg.len();
+    if !(1..=MOST_TAXELS / columns.max(1)).contains(&table.rows) {
+        let allowed = format!("at least 1, and at most {MOST_TAXELS} taxels on all patches together");
+        return fault("rows", format!("{} rows of {columns} taxels", table.rows), &allowed);
     }
+    source.check_each(
+        start,
+        "patch.cylinder.column_angles_deg",
+        &table.column_angles_deg,
+        limits::ANGLE_DEG,
+    )?;
     let angles = &table.column_angles_deg;
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return fault("column_angles_deg", "none".into(), "at least one angle");
@@ -165,7 +170,7 @@ fn cylinder_taxels(
         let allowed = format!(
             "taxels that do not overlap: at most the row pitch, and rising column angles at least {least_step_deg:.2} deg apart"
         );
-        return fault("taxel_size_m", table.taxel_size_m.to_string(), &allowed);
+        return fault("taxel_size_m", short(table.taxel_size_m), &allowed);
     }
     let quarter = axis.cross(zero);
     let taxel = |row: usize, angle_deg: f64| {
@@ -200,50 +205,36 @@ fn cylinder_taxels(
 fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Taxel>, InputError> {
     let start = table.span().start;
     let table = table.get_ref();
-    let limits = table.derived_area_limits_m2;
-    if let Some([least, most]) = limits
-        && !(positive(least) && most.is_finite() && least <= most)
-    {
-        let found = format!("{:?}", [least, most]);
-        return Err(source.fault_after(
-            start,
-            "derived_area_limits_m2",
-            found,
-            "two positive areas, the smaller first",
-        ));
+    let derived = table.derived_area_limits_m2;
+    if let Some([least, most]) = derived {
+        source.check_each(start, "derived_area_limits_m2", &[least, most], limits::TAXEL_AREA_M2)?;
+        if least > most {
+            let found = listed(&[least, most]);
+            return Err(source.fault_after(start, "derived_area_limits_m2", found, "two areas, the smaller first"));
+        }
+    }
+    if table.taxels.len() > MOST_TAXELS {
+        let found = format!("{} taxels", table.taxels.len());
+        let allowed = format!("at most {MOST_TAXELS} taxels on all patches together");
+        return Err(source.fault_after(start, "patch.points.taxels", found, allowed));
     }
     let mut taxels = Vec::with_capacity(table.taxels.len());
     for (number, entry) in table.taxels.iter().enumerate() {
-        let fault = |key: &str, found: String, allowed: &str| {
-            Err(source.fault_after(
-                entry.span().start,
-                &format!("patch.points.taxels[{number}].{key}"),
-                found,
-                allowed,
-            ))
-        };
+        let place = |key: &str| format!("patch.points.taxels[{number}].{key}");
+        let at = entry.span().start;
         let given = entry.get_ref();
+        source.check_each(at, &place("position_m"), &given.position_m, limits::PLACE_M)?;
         let position_link = DVec3::from_array(given.position_m);
-        if !position_link.is_finite() {
-            return fault("position_m", format!("{:?}", given.position_m), "three finite numbers");
-        }
-        let Some(normal_link) = DVec3::from_array(given.normal).try_normalize() else {
-            return fault(
-                "normal",
-                format!("{:?}", given.normal),
-                "three finite numbers, not all zero",
-            );
-        };
-        let area_m2 = match (given.area_m2, limits) {
-            (Some(area), _) if positive(area) => area,
-            (Some(area), _) => return fault("area_m2", area.to_string(), "a positive number"),
+        let normal_link = source.direction(at, &place("normal"), given.normal)?;
+        let area_m2 = match (given.area_m2, derived) {
+            (Some(area), _) => {
+                source.check(at, &place("area_m2"), area, limits::TAXEL_AREA_M2)?;
+                area
+            }
             (None, Some([least, most])) => derived_area(&table.taxels, number, normal_link).clamp(least, most),
             (None, None) => {
-                return fault(
-                    "area_m2",
-                    "none".into(),
-                    "an area, or derived_area_limits_m2 for the whole patch",
-                );
+                let allowed = "an area, or derived_area_limits_m2 for the whole patch";
+                return Err(source.fault_after(at, &place("area_m2"), "none", allowed));
             }
         };
         // Along the link's z axis, or its x axis where z is the normal.
@@ -270,8 +261,4 @@ fn derived_area(taxels: &[Spanned<TaxelTable>], number: usize, normal: DVec3) ->
     neighbours
         .map(|(_, taxel)| position(taxel).distance_squared(position(&taxels[number])))
         .fold(f64::INFINITY, f64::min)
-}
-
-fn positive(value: f64) -> bool {
-    value.is_finite() && value > 0.0
 }

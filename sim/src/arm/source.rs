@@ -3,8 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use serde::de::DeserializeOwned;
-use underbrush_recording::InputError;
+use underbrush_recording::limits::short;
+use underbrush_recording::{InputError, Limits};
+
+use super::limits::DIRECTION;
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -23,6 +27,23 @@ pub(super) fn read_from_disk(path: &Path) -> Result<String, InputError> {
             "check the path and the permissions",
         )
     })
+}
+
+/// Numbers in brackets, each as short as it can be.
+pub(super) fn listed(values: &[f64]) -> String {
+    let texts: Vec<String> = values.iter().map(|value| short(*value)).collect();
+    format!("[{}]", texts.join(", "))
+}
+
+/// The unit vector in the direction of one whose length lies within the limits.
+pub(super) fn unit(vector: [f64; 3]) -> Option<DVec3> {
+    let vector = DVec3::from_array(vector);
+    vector.try_normalize().filter(|_| DIRECTION.hold(vector.length()))
+}
+
+/// What a direction may be, for error texts.
+pub(super) fn directions() -> String {
+    format!("three numbers, not all zero; a vector of length {DIRECTION}")
 }
 
 impl Source {
@@ -77,20 +98,32 @@ impl Source {
         self.fault(field, found, allowed, remedy).at_line(line)
     }
 
-    /// The line, from 1, of the first `element` tag whose `name` attribute is `name`, in XML.
-    pub(super) fn line_of_element(&self, element: &str, name: &str) -> Option<usize> {
-        let opening = format!("<{element}");
-        let attributes = [format!("name=\"{name}\""), format!("name='{name}'")];
-        let mut from = 0;
-        while let Some(start) = self.text[from..].find(&opening).map(|place| from + place) {
-            let length = self.text[start..].find('>').unwrap_or(self.text.len() - start);
-            let tag = &self.text[start..start + length];
-            if attributes.iter().any(|attribute| tag.contains(attribute)) {
-                return Some(self.line(start));
-            }
-            from = start + opening.len();
+    /// The error where a number at `field`, written from byte `offset` on, lies outside its limits.
+    pub(super) fn check(&self, offset: usize, field: &str, value: f64, limits: Limits) -> Result<(), InputError> {
+        if limits.hold(value) {
+            return Ok(());
         }
-        None
+        Err(self.fault_after(offset, field, short(value), limits.to_string()))
+    }
+
+    /// As [`Source::check`], for coordinates.
+    pub(super) fn check_each(
+        &self,
+        offset: usize,
+        field: &str,
+        values: &[f64],
+        limits: Limits,
+    ) -> Result<(), InputError> {
+        if values.iter().all(|value| limits.hold(*value)) {
+            return Ok(());
+        }
+        let allowed = format!("numbers from {limits}");
+        Err(self.fault_after(offset, field, listed(values), allowed))
+    }
+
+    /// The error where a vector that gives a direction is too short or too long to be one.
+    pub(super) fn direction(&self, offset: usize, field: &str, vector: [f64; 3]) -> Result<DVec3, InputError> {
+        unit(vector).ok_or_else(|| self.fault_after(offset, field, listed(&vector), directions()))
     }
 
     fn line(&self, offset: usize) -> usize {

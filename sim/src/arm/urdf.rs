@@ -6,9 +6,12 @@ use std::fmt::Display;
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use rapier3d::prelude::Pose;
 use underbrush_recording::InputError;
+use underbrush_recording::limits::short;
 use urdf_rs::{Geometry, JointType, Robot};
 
-use super::source::Source;
+use super::limits::{self, MOST_JOINTS};
+use super::source::{Source, directions, listed, unit};
+use super::urdf_text::{Elements, elements};
 use super::{Link, LinkCollider, LinkShape};
 
 /// What the URDF says of a chain.
@@ -35,9 +38,14 @@ const REMEDY: &str = "mend the URDF";
 
 /// Reads the chain that hangs on `base`.
 pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputError> {
+    let elements = elements(source)?;
     let robot = urdf_rs::read_from_string(&source.text)
         .map_err(|error| source.fault("robot", error, "a URDF robot description", REMEDY))?;
-    let reader = Reader { source, robot: &robot };
+    let reader = Reader {
+        source,
+        elements,
+        robot: &robot,
+    };
     reader.check_names()?;
     let mut chain = Chain {
         links: Vec::new(),
@@ -60,6 +68,10 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
         }
         chain.links.push(link);
         let Some((joint, origin_parent)) = joint else { break };
+        if chain.joints.len() == MOST_JOINTS {
+            let allowed = format!("at most {MOST_JOINTS} moving joints");
+            return Err(reader.joint_fault(joint, "", "one more moving joint", &allowed));
+        }
         chain.joints.push(reader.joint(joint, origin_parent)?);
         root = &joint.child.link;
     }
@@ -71,6 +83,7 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
 
 struct Reader<'a> {
     source: &'a Source,
+    elements: Elements,
     robot: &'a Robot,
 }
 
@@ -116,7 +129,7 @@ impl<'a> Reader<'a> {
                     }
                     frames.push((
                         &joint.child.link,
-                        pose * self.pose(&joint.name, "joint", &joint.origin)?,
+                        pose * self.pose("joint", &joint.name, "origin", &joint.origin)?,
                     ));
                 }
             }
@@ -146,7 +159,7 @@ impl<'a> Reader<'a> {
                     "a serial chain (fix the joints of side branches)",
                 ));
             }
-            next = Some((joint, *pose * self.pose(&joint.name, "joint", &joint.origin)?));
+            next = Some((joint, *pose * self.pose("joint", &joint.name, "origin", &joint.origin)?));
         }
         Ok(next)
     }
@@ -167,22 +180,21 @@ impl<'a> Reader<'a> {
         if joint.mimic.is_some() {
             return Err(self.joint_fault(joint, "mimic", "a coupled joint", "independent joints"));
         }
-        if limits_rad[0].is_nan() || limits_rad[1].is_nan() || limits_rad[0] >= limits_rad[1] {
+        let numbers = [
+            ("limit.lower", joint.limit.lower, limits::ANGLE_RAD),
+            ("limit.upper", joint.limit.upper, limits::ANGLE_RAD),
+            ("limit.effort", joint.limit.effort, limits::TORQUE_NM),
+            ("limit.velocity", joint.limit.velocity, limits::SPEED_RAD_PER_S),
+        ];
+        if let Some((field, value, limits)) = numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
+            return Err(self.joint_fault(joint, field, short(value), &limits.to_string()));
+        }
+        if limits_rad[0] >= limits_rad[1] {
             let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
             return Err(self.joint_fault(joint, "limit", found, "lower below upper, rad"));
         }
-        for (field, value) in [
-            ("limit.effort", joint.limit.effort),
-            ("limit.velocity", joint.limit.velocity),
-        ] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(self.joint_fault(joint, field, value, "a positive number (Nm; rad/s)"));
-            }
-        }
-        let axis = DVec3::from_array(joint.axis.xyz.0);
-        let axis_child = axis
-            .try_normalize()
-            .ok_or_else(|| self.joint_fault(joint, "axis", format!("{axis}"), "three finite numbers, not all zero"))?;
+        let axis_child = unit(joint.axis.xyz.0)
+            .ok_or_else(|| self.joint_fault(joint, "axis", listed(&joint.axis.xyz.0), &directions()))?;
         Ok(ChainJoint {
             name: joint.name.clone(),
             origin_parent,
@@ -204,21 +216,25 @@ impl<'a> Reader<'a> {
             };
             let inertial = &link.inertial;
             let mass = inertial.mass.value;
-            if !(mass.is_finite() && mass >= 0.0) {
-                return Err(self.link_fault(part, "inertial.mass", mass, "a finite number, kg, not negative"));
+            if !limits::MASS_KG.hold(mass) {
+                return Err(self.link_fault(part, "inertial.mass", short(mass), &limits::MASS_KG.to_string()));
             }
             if mass > 0.0 {
-                let frame = *pose * self.pose(part, "link", &inertial.origin)?;
+                let frame = *pose * self.pose("link", part, "inertial.origin", &inertial.origin)?;
                 parts.push((
                     mass,
                     frame.translation,
                     self.inertia(part, &inertial.inertia, frame.rotation)?,
                 ));
             }
-            for collision in &link.collision {
-                let frame = self.pose(part, "link", &collision.origin)?;
+            for (number, collision) in link.collision.iter().enumerate() {
+                let place = match number {
+                    0 => "collision".to_string(),
+                    _ => format!("collision[{number}]"),
+                };
+                let frame = self.pose("link", part, &format!("{place}.origin"), &collision.origin)?;
                 colliders.push(LinkCollider {
-                    shape: self.shape(part, &collision.geometry)?,
+                    shape: self.shape(part, &place, &collision.geometry)?,
                     pose_link: *pose * frame,
                 });
             }
@@ -255,29 +271,30 @@ impl<'a> Reader<'a> {
     fn inertia(&self, link: &str, given: &urdf_rs::Inertia, rotation: DQuat) -> Result<DMat3, InputError> {
         let entries = [given.ixx, given.ixy, given.ixz, given.iyy, given.iyz, given.izz];
         let [xx, xy, xz, yy, yz, zz] = entries;
-        if entries.iter().any(|entry| !entry.is_finite()) {
-            return Err(self.link_fault(
-                link,
-                "inertial.inertia",
-                format!("{entries:?}"),
-                "finite numbers, kg m²",
-            ));
+        let entry = limits::INERTIA_ENTRY_KG_M2;
+        if entries.iter().any(|value| !entry.hold(*value)) {
+            let allowed = format!("numbers from {entry}");
+            return Err(self.link_fault(link, "inertial.inertia", listed(&entries), &allowed));
         }
         let matrix = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let mut moments = matrix.symmetric_eigenvalues();
         moments.as_mut_slice().sort_by(f64::total_cmp);
         // Figures rounded to a few digits may miss the triangle inequality by that rounding.
-        if moments[0] <= 0.0 || moments[2] > (moments[0] + moments[1]) * 1.001 {
+        let within = moments.iter().all(|moment| limits::INERTIA_KG_M2.hold(*moment));
+        if !within || moments[2] > (moments[0] + moments[1]) * 1.001 {
             let found = format!("principal moments {:e}, {:e}, {:e}", moments[0], moments[1], moments[2]);
-            let allowed = "positive principal moments, none above the sum of the other two";
-            return Err(self.link_fault(link, "inertial.inertia", found, allowed));
+            let allowed = format!(
+                "principal moments of {}, none above the sum of the other two",
+                limits::INERTIA_KG_M2
+            );
+            return Err(self.link_fault(link, "inertial.inertia", found, &allowed));
         }
         let turn = DMat3::from_quat(rotation);
         let matrix = DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
         Ok(turn * matrix * turn.transpose())
     }
 
-    fn shape(&self, link: &str, geometry: &Geometry) -> Result<LinkShape, InputError> {
+    fn shape(&self, link: &str, place: &str, geometry: &Geometry) -> Result<LinkShape, InputError> {
         let (sizes, shape) = match geometry {
             Geometry::Sphere { radius } => (vec![*radius], LinkShape::Sphere { radius_m: *radius }),
             Geometry::Cylinder { radius, length } => (
@@ -302,22 +319,28 @@ impl<'a> Reader<'a> {
             ),
             Geometry::Mesh { filename, .. } => {
                 let allowed = "box, cylinder, capsule or sphere (give other shapes as [[hull]] in the arm's TOML file)";
-                return Err(self.link_fault(link, "collision.geometry", format!("mesh {filename}"), allowed));
+                return Err(self.link_fault(link, &format!("{place}.geometry"), format!("mesh {filename}"), allowed));
             }
         };
-        if sizes.iter().any(|size| !(size.is_finite() && *size > 0.0)) {
-            return Err(self.link_fault(link, "collision.geometry", format!("{sizes:?}"), "positive sizes, m"));
+        if sizes.iter().any(|size| !limits::SIZE_M.hold(*size)) {
+            let allowed = format!("sizes of {}", limits::SIZE_M);
+            return Err(self.link_fault(link, &format!("{place}.geometry"), listed(&sizes), &allowed));
         }
         Ok(shape)
     }
 
-    fn pose(&self, name: &str, element: &str, origin: &urdf_rs::Pose) -> Result<Pose, InputError> {
+    fn pose(&self, element: &str, name: &str, field: &str, origin: &urdf_rs::Pose) -> Result<Pose, InputError> {
+        for (key, numbers, limits) in [
+            ("xyz", origin.xyz.0, limits::PLACE_M),
+            ("rpy", origin.rpy.0, limits::ANGLE_RAD),
+        ] {
+            if numbers.iter().any(|number| !limits.hold(*number)) {
+                let found = format!("{key} {}", listed(&numbers));
+                return Err(self.fault(element, name, field, found, &format!("numbers from {limits}")));
+            }
+        }
         let [roll, pitch, yaw] = origin.rpy.0;
         let translation = DVec3::from_array(origin.xyz.0);
-        if !translation.is_finite() || ![roll, pitch, yaw].iter().all(|angle| angle.is_finite()) {
-            let found = format!("xyz {translation}, rpy {:?}", origin.rpy.0);
-            return Err(self.fault(element, name, "origin", found, "finite numbers"));
-        }
         Ok(Pose::from_parts(
             translation,
             DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll),
@@ -340,7 +363,7 @@ impl<'a> Reader<'a> {
             format!("{place}, {field}")
         };
         let fault = self.source.fault(place, found, allowed, REMEDY);
-        match self.source.line_of_element(element, name) {
+        match self.elements.line(&format!("{element} {name}"), field) {
             Some(line) => fault.at_line(line),
             None => fault,
         }

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::limits;
 use super::quantity::Quantity;
 use crate::object::{Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
@@ -55,9 +56,11 @@ fn default_controller() -> String {
 pub struct RobotSection {
     /// Factor on the stiffness of every joint, the simulated and the believed; the damping goes with its square root, which
     /// keeps the joints' damping ratio (a choice).
+    #[schemars(range(min = limits::STIFFNESS_SCALE.least, max = limits::STIFFNESS_SCALE.most))]
     pub stiffness_scale: f64,
     /// Factor on what the controller allows the hand in one step: move, turn, and change of the equilibrium angles. The
     /// joints' own slew limits stay.
+    #[schemars(range(min = limits::HAND_SPEED_SCALE.least, max = limits::HAND_SPEED_SCALE.most))]
     pub hand_speed_scale: f64,
 }
 
@@ -80,6 +83,7 @@ pub struct Workspace {
     /// Rightmost and leftmost foot, m.
     pub y_m: [f64; 2],
     /// Height of the table top, m.
+    #[schemars(range(min = limits::PLACE_M.least, max = limits::PLACE_M.most))]
     pub table_height_m: f64,
 }
 
@@ -112,11 +116,14 @@ pub struct Placement {
 #[serde(deny_unknown_fields, default)]
 pub struct Goals {
     /// How many per reach ("multiple goal positions", paper, section IV-B).
+    #[schemars(range(min = limits::GOALS.least, max = limits::GOALS.most))]
     pub count: u32,
     /// How often a goal is tried again, after backing off, where the arm got stuck (Jain et al. 2013).
+    #[schemars(range(min = limits::RETRIES.least, max = limits::RETRIES.most))]
     pub retries: u32,
     /// How long the operator, who gives the goals one by one (paper, section IV-B), watches an arm that makes no headway
     /// before giving the next, s. If not given, nobody watches: the controller's own rule decides when it is stuck.
+    #[schemars(range(min = limits::PATIENCE_S.least, max = limits::PATIENCE_S.most))]
     pub patience_s: Option<f64>,
     /// Forward, m, world frame.
     pub x_m: Quantity,
@@ -144,11 +151,14 @@ impl Default for Goals {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PhysicsSection {
-    /// Length of a step, s; a whole number of steps makes 10 ms, the period of the skin.
+    /// Length of a step, s; a whole number of steps makes 10 ms, the period of the skin. Not under 0.1 ms.
+    #[schemars(range(min = limits::STEP_S.least, max = limits::STEP_S.most))]
     pub step_s: f64,
     /// Solver substeps in a step.
+    #[schemars(range(min = limits::SUBSTEPS.least, max = limits::SUBSTEPS.most))]
     pub substeps: u32,
     /// Gravity, m/s².
+    #[schemars(range(min = limits::GRAVITY_M_PER_S2.least, max = limits::GRAVITY_M_PER_S2.most))]
     pub gravity_m_per_s2: f64,
     /// Whether objects that nothing is near are left out of the solver until something comes near.
     pub dormancy: bool,

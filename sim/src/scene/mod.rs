@@ -5,11 +5,13 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::InputError;
+use underbrush_recording::limits::short;
 
 use crate::object::Limited;
 use crate::sensor::Fault;
 
 mod file;
+pub mod limits;
 pub mod quantity;
 
 pub use file::{Goals, Objects, PhysicsSection, Placement, RobotSection, SceneFile, Workspace};
@@ -26,9 +28,6 @@ pub struct Scene {
     /// What it says.
     pub file: SceneFile,
 }
-
-/// Clutter of more objects than this is refused: it is a slip of the keyboard, not a scene.
-const LARGEST_COUNT: u32 = 10_000;
 
 impl Scene {
     /// Reads and checks a scene file.
@@ -91,35 +90,15 @@ impl Scene {
         let file = &self.file;
         let workspace = &file.workspace;
         for (key, [low, high]) in [("workspace.x_m", workspace.x_m), ("workspace.y_m", workspace.y_m)] {
-            if !(low.is_finite() && high.is_finite() && low < high) {
-                return Err(self.fault(key, format!("[{low}, {high}]"), "two finite numbers, the smaller first"));
+            if !(limits::PLACE_M.hold(low) && limits::PLACE_M.hold(high) && low < high) {
+                let allowed = format!("two numbers from {}, the smaller first", limits::PLACE_M);
+                return Err(self.fault(key, format!("[{}, {}]", short(low), short(high)), allowed));
             }
         }
-        if !workspace.table_height_m.is_finite() {
-            return Err(self.fault("workspace.table_height_m", workspace.table_height_m, "a finite height"));
-        }
-        self.check_physics()?;
-        for (key, scale) in [
-            ("robot.stiffness_scale", file.robot.stiffness_scale),
-            ("robot.hand_speed_scale", file.robot.hand_speed_scale),
-        ] {
-            if !(0.1..=10.0).contains(&scale) {
-                return Err(self.fault(key, scale, "0.1 to 10"));
-            }
-        }
+        self.check_numbers()?;
+        self.check_steps()?;
         self.sensor_fault(file.sensor.fault())?;
-        if file.goals.count == 0 || file.goals.count > 1000 {
-            return Err(self.fault("goals.count", file.goals.count, "1 to 1000 goals"));
-        }
-        if file.goals.retries > 100 {
-            return Err(self.fault("goals.retries", file.goals.retries, "up to 100"));
-        }
-        if let Some(patience_s) = file.goals.patience_s
-            && !(0.1..=1000.0).contains(&patience_s)
-        {
-            return Err(self.fault("goals.patience_s", patience_s, "0.1 to 1000"));
-        }
-        let anywhere = (-5.0, 5.0);
+        let anywhere = (limits::PLACE_M.least, limits::PLACE_M.most);
         for (name, quantity) in [
             ("x_m", &file.goals.x_m),
             ("y_m", &file.goals.y_m),
@@ -134,10 +113,71 @@ impl Scene {
                 },
             )?;
         }
-        for (kind, number, group) in file.objects.groups() {
+        self.check_objects(anywhere)
+    }
+
+    /// The numbers that stand by themselves.
+    fn check_numbers(&self) -> Result<(), InputError> {
+        let file = &self.file;
+        let (goals, physics, robot) = (&file.goals, &file.physics, &file.robot);
+        let numbers = [
+            (
+                "workspace.table_height_m",
+                file.workspace.table_height_m,
+                limits::PLACE_M,
+            ),
+            ("robot.stiffness_scale", robot.stiffness_scale, limits::STIFFNESS_SCALE),
+            (
+                "robot.hand_speed_scale",
+                robot.hand_speed_scale,
+                limits::HAND_SPEED_SCALE,
+            ),
+            ("goals.count", f64::from(goals.count), limits::GOALS),
+            ("goals.retries", f64::from(goals.retries), limits::RETRIES),
+            (
+                "goals.patience_s",
+                goals.patience_s.unwrap_or(limits::PATIENCE_S.least),
+                limits::PATIENCE_S,
+            ),
+            ("physics.step_s", physics.step_s, limits::STEP_S),
+            ("physics.substeps", f64::from(physics.substeps), limits::SUBSTEPS),
+            (
+                "physics.gravity_m_per_s2",
+                physics.gravity_m_per_s2,
+                limits::GRAVITY_M_PER_S2,
+            ),
+        ];
+        match numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
+            Some((key, value, limits)) => Err(self.fault(key, short(value), limits.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    /// Whole steps make a frame, and substeps are not too short.
+    fn check_steps(&self) -> Result<(), InputError> {
+        let physics = &self.file.physics;
+        let steps = crate::world::FRAME_PERIOD_S / physics.step_s;
+        if (steps - steps.round()).abs() > 1e-6 {
+            let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 … 0.0001)";
+            return Err(self.fault("physics.step_s", short(physics.step_s), allowed));
+        }
+        // A step of 0.1 ms may have ten substeps, whatever the rounding.
+        let most = (physics.step_s / limits::SHORTEST_SUBSTEP_S * (1.0 + 1e-9)).floor();
+        if f64::from(physics.substeps) > most {
+            let allowed = format!("1 to {most} with this step_s: substeps of 10 µs at least");
+            return Err(self.fault("physics.substeps", physics.substeps, allowed));
+        }
+        Ok(())
+    }
+
+    fn check_objects(&self, anywhere: (f64, f64)) -> Result<(), InputError> {
+        let mut objects = 0.0;
+        for (kind, number, group) in self.file.objects.groups() {
             let place = format!("objects.{kind}[{number}]");
-            if group.count() > LARGEST_COUNT {
-                return Err(self.fault(&format!("{place}.count"), group.count(), "up to 10000 objects"));
+            objects += f64::from(group.count());
+            if !limits::OBJECTS.hold(objects) {
+                let allowed = format!("{} in all groups together", limits::OBJECTS);
+                return Err(self.fault(&format!("{place}.count"), group.count(), allowed));
             }
             for limited in group.quantities() {
                 self.check_quantity(&place, &limited)?;
@@ -146,7 +186,11 @@ impl Scene {
                 for (name, quantity, limits) in [
                     ("place.x_m", &placement.x_m, anywhere),
                     ("place.y_m", &placement.y_m, anywhere),
-                    ("place.yaw_deg", &placement.yaw_deg, (-360.0, 360.0)),
+                    (
+                        "place.yaw_deg",
+                        &placement.yaw_deg,
+                        (limits::YAW_DEG.least, limits::YAW_DEG.most),
+                    ),
                 ] {
                     if let Some(quantity) = quantity {
                         self.check_quantity(&place, &Limited { name, quantity, limits })?;
@@ -165,25 +209,6 @@ impl Scene {
         fault.map_or(Ok(()), |(key, found, allowed)| {
             Err(self.fault(&format!("sensor.{key}"), found, allowed))
         })
-    }
-
-    fn check_physics(&self) -> Result<(), InputError> {
-        let physics = &self.file.physics;
-        let steps = crate::world::FRAME_PERIOD_S / physics.step_s;
-        if !(physics.step_s > 0.0 && steps >= 1.0 - 1e-9 && (steps - steps.round()).abs() < 1e-6) {
-            return Err(self.fault(
-                "physics.step_s",
-                physics.step_s,
-                "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 …)",
-            ));
-        }
-        if !(1..=64).contains(&physics.substeps) {
-            return Err(self.fault("physics.substeps", physics.substeps, "1 to 64"));
-        }
-        if !physics.gravity_m_per_s2.is_finite() {
-            return Err(self.fault("physics.gravity_m_per_s2", physics.gravity_m_per_s2, "a finite number"));
-        }
-        Ok(())
     }
 
     fn check_quantity(&self, place: &str, limited: &Limited<'_>) -> Result<(), InputError> {

@@ -8,6 +8,7 @@ use rand_distr::{Distribution, Normal, Uniform};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use underbrush_recording::limits::short;
 
 /// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
 ///
@@ -47,9 +48,11 @@ pub struct DrawError {
 impl fmt::Display for Draw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Draw::Fixed(value) => write!(f, "{value}"),
-            Draw::Uniform(low, high) => write!(f, "{{ uniform = [{low}, {high}] }}"),
-            Draw::Normal(mean, deviation) => write!(f, "{{ normal = [{mean}, {deviation}] }}"),
+            Draw::Fixed(value) => write!(f, "{}", short(*value)),
+            Draw::Uniform(low, high) => write!(f, "{{ uniform = [{}, {}] }}", short(*low), short(*high)),
+            Draw::Normal(mean, deviation) => {
+                write!(f, "{{ normal = [{}, {}] }}", short(*mean), short(*deviation))
+            }
         }
     }
 }
@@ -101,16 +104,17 @@ impl Quantity {
     /// What is wrong with the range for a field of these limits, if anything: `(found, allowed)`.
     pub fn fault(&self, limits: (f64, f64)) -> Option<(String, String)> {
         let within = |value: f64| value.is_finite() && (limits.0..=limits.1).contains(&value);
-        let allowed = format!("values from {} to {}", limits.0, limits.1);
+        let allowed = format!("values from {} to {}", short(limits.0), short(limits.1));
         let ok = match self.draw {
             Draw::Fixed(value) => within(value),
             Draw::Uniform(low, high) if low > high => {
                 return Some((self.draw.to_string(), "the lower bound first".into()));
             }
             Draw::Uniform(low, high) => within(low) && within(high),
-            Draw::Normal(mean, deviation) if !(deviation.is_finite() && deviation >= 0.0) => {
-                let _ = mean;
-                return Some((self.draw.to_string(), "a standard deviation of zero or more".into()));
+            // A wider one is a uniform range in all but name, and its draws would nearly all be thrown away.
+            Draw::Normal(_, deviation) if !(0.0..=limits.1 - limits.0).contains(&deviation) => {
+                let allowed = format!("a standard deviation from 0 to {}", short(limits.1 - limits.0));
+                return Some((self.draw.to_string(), allowed));
             }
             Draw::Normal(mean, _) => within(mean),
         };

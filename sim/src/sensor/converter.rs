@@ -1,24 +1,24 @@
 //! What every taxel's electronics have: noise, and steps of a converter.
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
+use rand_distr::{Distribution, StandardNormal};
 
 /// White Gaussian noise of one standard deviation for all taxels.
-pub struct Noise(Option<Normal<f64>>);
+pub struct Noise {
+    standard_deviation_n: f64,
+}
 
 impl Noise {
     /// Noise of this standard deviation, N; none at 0.
     pub fn new(standard_deviation_n: f64) -> Self {
-        Noise(
-            Normal::new(0.0, standard_deviation_n)
-                .ok()
-                .filter(|_| standard_deviation_n > 0.0),
-        )
+        Noise { standard_deviation_n }
     }
 
-    /// The noise of one reading, N.
+    /// The noise of one reading, N. It is drawn even where it is 0, so that the noise of one technology does not depend on
+    /// whether the other has any.
     pub fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
-        self.0.map_or(0.0, |normal| normal.sample(random))
+        let deviations: f64 = StandardNormal.sample(random);
+        deviations * self.standard_deviation_n
     }
 }
 

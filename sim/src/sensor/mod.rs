@@ -15,6 +15,7 @@ use underbrush_recording::SkinLayout;
 mod capacitive;
 mod converter;
 mod fabric;
+mod limits;
 mod options;
 mod stray;
 #[cfg(test)]
@@ -118,7 +119,8 @@ impl Sensor {
     }
 }
 
-/// The dead taxels of all patches: those listed, and those that `drawn` picks.
+/// The dead taxels of all patches: those listed, and those that `drawn` picks. A listed taxel is drawn as well, so that
+/// listing it does not change the draws of those after it.
 fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8Rng) -> Vec<bool> {
     let of_patch = layout.patches.iter().flat_map(|patch| {
         let listed = options.dead_taxels.get(&patch.name);
@@ -126,6 +128,6 @@ fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8
             .map(move |taxel| listed.is_some_and(|listed| listed.iter().any(|dead| usize::from(*dead) == taxel)))
     });
     of_patch
-        .map(|listed| (listed || drawn.random_bool(options.dead_share)) && !options.perfect)
+        .map(|listed| (drawn.random_bool(options.dead_share) || listed) && !options.perfect)
         .collect()
 }

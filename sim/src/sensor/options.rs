@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::SkinLayout;
+use underbrush_recording::limits::short;
+
+use super::limits;
 
 /// What the skin's electronics do to the true force.
 ///
@@ -17,29 +20,40 @@ pub struct SensorOptions {
     /// The sensed force is the true force.
     pub perfect: bool,
     /// Standard deviation of a taxel's noise, N.
+    #[schemars(range(min = 0.0, max = limits::NOISE_N.most))]
     pub noise_n: f64,
     /// Deviations under this many standard deviations of the noise read 0 (the authors' driver: 6).
+    #[schemars(range(min = limits::GATE_SIGMAS.least, max = limits::GATE_SIGMAS.most))]
     pub gate_sigmas: f64,
     /// Smallest step of a reading, N (the authors' driver: counts / 1000).
+    #[schemars(range(min = 0.0, max = limits::QUANTUM_N.most))]
     pub quantum_n: f64,
     /// Largest force that a taxel can tell, N (17 on the robot); larger ones read as this.
+    #[schemars(range(min = limits::SATURATION_N.least))]
     pub saturation_n: f64,
     /// Readings under this many newtons read 0; off at 0 (the authors' optional floor: 1.0).
+    #[schemars(range(min = 0.0, max = limits::FLOOR_N.most))]
     pub floor_n: f64,
     /// Share of a taxel's force that its cover hands to the neighbours in the patch's grid, in equal parts to the four.
+    #[schemars(range(min = limits::SHARE.least, max = limits::SHARE.most))]
     pub crosstalk_share: f64,
     /// What a held force adds to its own reading by creep in every decade of time from 0.1 to 100 s, as a share of the
     /// force; after release it is taken back as slowly.
+    #[schemars(range(min = limits::CREEP_SHARE.least, max = limits::CREEP_SHARE.most))]
     pub creep_share_per_decade: f64,
     /// Share of the taxels that stray in the long run: they read a force though nothing touches them.
+    #[schemars(range(min = limits::STRAY_SHARE.least, max = limits::STRAY_SHARE.most))]
     pub stray_share: f64,
     /// Mean time for which a taxel strays, s.
+    #[schemars(range(min = limits::STRAY_TIME_S.least, max = limits::STRAY_TIME_S.most))]
     pub stray_time_s: f64,
     /// Least and largest reading of a stray, N; anything between is equally likely.
     pub stray_force_n: [f64; 2],
     /// Frames of 10 ms that readings are late.
+    #[schemars(range(min = limits::DELAY_FRAMES.least, max = limits::DELAY_FRAMES.most))]
     pub delay_frames: u32,
     /// Share of all taxels that are dead in a reach, drawn anew for each; a dead taxel reads 0.
+    #[schemars(range(min = limits::SHARE.least, max = limits::SHARE.most))]
     pub dead_share: f64,
     /// Taxels that are dead in every reach: lists of indices by patch name.
     pub dead_taxels: BTreeMap<String, Vec<u16>>,
@@ -91,14 +105,19 @@ impl Default for SensorOptions {
 #[serde(deny_unknown_fields, default)]
 pub struct FabricOptions {
     /// Steps of a reading per newton (about 30 on the robot); no steps at 0.
+    #[schemars(range(min = 0.0, max = limits::COUNTS_PER_N.most))]
     pub counts_per_n: f64,
     /// The reading S that an infinite force tends to, N: a force F reads F S / (F + S).
+    #[schemars(range(min = limits::SATURATION_N.least))]
     pub full_scale_n: f64,
     /// Share of the largest force that must be taken away before the reading begins to fall.
+    #[schemars(range(min = limits::HYSTERESIS_SHARE.least, max = limits::HYSTERESIS_SHARE.most))]
     pub hysteresis_share: f64,
     /// Standard deviation of a taxel's noise, N.
+    #[schemars(range(min = 0.0, max = limits::NOISE_N.most))]
     pub noise_n: f64,
     /// Deviations under this many standard deviations of the noise read 0.
+    #[schemars(range(min = limits::GATE_SIGMAS.least, max = limits::GATE_SIGMAS.most))]
     pub gate_sigmas: f64,
 }
 
@@ -119,9 +138,6 @@ impl Default for FabricOptions {
 
 /// What is wrong with an option: `(key, found, allowed)`.
 pub type Fault = (String, String, String);
-
-/// A delay of more frames than this, two seconds, is a slip of the keyboard.
-const LONGEST_DELAY_FRAMES: u32 = 200;
 
 impl SensorOptions {
     /// Every effect off, each by its own key: what a single effect is judged against.
@@ -154,56 +170,51 @@ impl SensorOptions {
     /// What is wrong with the options, if anything.
     pub fn fault(&self) -> Option<Fault> {
         let fabric = &self.fabric;
-        let not_negative = |key, value: f64| {
-            let holds = value.is_finite() && value >= 0.0;
-            (key, value.to_string(), holds, "a finite number of zero or more")
-        };
-        let positive = |key, value: f64| (key, value.to_string(), value > 0.0, "a positive number");
-        let time = |key, value: f64| {
-            let holds = value.is_finite() && value > 0.0;
-            (key, value.to_string(), holds, "a finite positive number")
-        };
-        let share = |key, value: f64| (key, value.to_string(), (0.0..=1.0).contains(&value), "0 to 1");
-        let late = self.delay_frames <= LONGEST_DELAY_FRAMES;
-        let [least, most] = self.stray_force_n;
-        let ordered = least > 0.0 && least <= most && most.is_finite();
-        let loops = (0.0..1.0).contains(&fabric.hysteresis_share);
-        let checks = [
-            not_negative("noise_n", self.noise_n),
-            not_negative("gate_sigmas", self.gate_sigmas),
-            not_negative("quantum_n", self.quantum_n),
-            positive("saturation_n", self.saturation_n),
-            not_negative("floor_n", self.floor_n),
-            share("crosstalk_share", self.crosstalk_share),
-            not_negative("creep_share_per_decade", self.creep_share_per_decade),
+        let [least_stray_n, most_stray_n] = self.stray_force_n;
+        let numbers = [
+            ("noise_n", self.noise_n, limits::NOISE_N),
+            ("gate_sigmas", self.gate_sigmas, limits::GATE_SIGMAS),
+            ("quantum_n", self.quantum_n, limits::QUANTUM_N),
+            ("saturation_n", self.saturation_n, limits::SATURATION_N),
+            ("floor_n", self.floor_n, limits::FLOOR_N),
+            ("crosstalk_share", self.crosstalk_share, limits::SHARE),
             (
-                "stray_share",
-                self.stray_share.to_string(),
-                (0.0..=0.5).contains(&self.stray_share),
-                "0 to 0.5",
+                "creep_share_per_decade",
+                self.creep_share_per_decade,
+                limits::CREEP_SHARE,
             ),
-            time("stray_time_s", self.stray_time_s),
-            (
-                "stray_force_n",
-                format!("{:?}", self.stray_force_n),
-                ordered,
-                "[least, largest]: finite positive numbers, the smaller first",
-            ),
-            ("delay_frames", self.delay_frames.to_string(), late, "0 to 200"),
-            share("dead_share", self.dead_share),
-            not_negative("fabric.counts_per_n", fabric.counts_per_n),
-            positive("fabric.full_scale_n", fabric.full_scale_n),
+            ("stray_share", self.stray_share, limits::STRAY_SHARE),
+            ("stray_time_s", self.stray_time_s, limits::STRAY_TIME_S),
+            ("stray_force_n", least_stray_n, limits::STRAY_FORCE_N),
+            ("stray_force_n", most_stray_n, limits::STRAY_FORCE_N),
+            ("delay_frames", f64::from(self.delay_frames), limits::DELAY_FRAMES),
+            ("dead_share", self.dead_share, limits::SHARE),
+            ("fabric.counts_per_n", fabric.counts_per_n, limits::COUNTS_PER_N),
+            ("fabric.full_scale_n", fabric.full_scale_n, limits::SATURATION_N),
             (
                 "fabric.hysteresis_share",
-                fabric.hysteresis_share.to_string(),
-                loops,
-                "0 to less than 1",
+                fabric.hysteresis_share,
+                limits::HYSTERESIS_SHARE,
             ),
-            not_negative("fabric.noise_n", fabric.noise_n),
-            not_negative("fabric.gate_sigmas", fabric.gate_sigmas),
+            ("fabric.noise_n", fabric.noise_n, limits::NOISE_N),
+            ("fabric.gate_sigmas", fabric.gate_sigmas, limits::GATE_SIGMAS),
         ];
-        let broken = checks.into_iter().find(|(_, _, holds, _)| !holds);
-        broken.map(|(key, value, _, allowed)| (key.into(), value, allowed.into()))
+        let broken = numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value));
+        if let Some((key, value, limits)) = broken {
+            return Some((key.into(), short(value), limits.to_string()));
+        }
+        if least_stray_n > most_stray_n {
+            let found = format!("{:?}", self.stray_force_n);
+            return Some((
+                "stray_force_n".into(),
+                found,
+                "[least, largest]: the smaller first".into(),
+            ));
+        }
+        (self.floor_n >= self.saturation_n).then(|| {
+            let allowed = format!("less than saturation_n, {}", short(self.saturation_n));
+            ("floor_n".into(), short(self.floor_n), allowed)
+        })
     }
 
     /// What is wrong with the list of dead taxels on this skin, if anything.

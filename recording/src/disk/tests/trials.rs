@@ -12,17 +12,35 @@ use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 use proptest::prelude::*;
 
-use super::{Change, number};
+use super::Change;
 use crate::disk::{DiskError, read_trials, write_trials};
+use crate::limits::{self, Limits};
 use crate::{InputError, Region, Sample, Trial};
 
-fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
-    let region = (any::<u32>(), number(), number()).prop_map(|(taxels, largest_force_n, force_sum_n)| Region {
+/// Any number within these limits, the awkward ones included.
+fn within(limits: Limits) -> impl Strategy<Value = f64> {
+    let awkward = [0.0, -0.0, f64::MIN_POSITIVE / 8.0, 0.1, limits.least, limits.most];
+    let awkward: Vec<f64> = awkward.into_iter().filter(|value| limits.hold(*value)).collect();
+    prop_oneof![
+        3 => limits.least..limits.most,
+        1 => prop::sample::select(awkward),
+    ]
+}
+
+fn any_region() -> impl Strategy<Value = Region> {
+    (1..=65_536u32, within(limits::REGION_LARGEST_FORCE_N), 0.0..1.0f64).prop_map(|(taxels, largest, share)| Region {
         taxels,
-        largest_force_n,
-        force_sum_n,
-    });
-    let felt = (number(), prop::option::of(number()), prop::option::of(region));
+        largest_force_n: largest,
+        force_sum_n: (largest * (1.0 + share * f64::from(taxels - 1))).min(limits::REGION_FORCE_SUM_N.most),
+    })
+}
+
+fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
+    let felt = (
+        within(limits::FORCE_N),
+        prop::option::of(within(limits::MOTION_M)),
+        prop::option::of(any_region()),
+    );
     let samples = prop::collection::btree_map(-1_000_000..1_000_000i32, felt, 1..9);
     let sample = |(time, (force_n, motion_m, region)): (i32, (f64, Option<f64>, Option<Region>))| Sample {
         time_s: f64::from(time) * 0.01,
@@ -177,6 +195,73 @@ fn every_fault_of_a_csv_table_is_named_with_its_line() {
     }
 }
 
+/// Pins that blank lines, line breaks in quotes and Windows line ends do not shift the line of a fault, at any place, in
+/// what the parser refuses as well as in cells.
+#[test]
+fn blank_lines_do_not_shift_the_line_of_a_fault() {
+    let head = "trial,category,time_s,force_n\n";
+    for (rest, line) in [
+        ("\n\n1,leaf,0.0,NaN\n", 4),
+        ("1,leaf,0.0,0.1\n\n\n1,leaf,0.01,NaN\n", 5),
+        ("1,leaf,0.0,0.1\n\n\n\n1,leaf,0.01\n", 6),
+        ("1,\"le\naf\",0.0,0.1\n\n1,\"le\naf\",0.01,NaN\n", 5),
+        ("1,leaf,0.0,0.1\n\n1,leaf,0.0,0.2\n", 4),
+        ("1,leaf,0.0,0.1\n1,leaf,0.01,NaN", 3),
+    ] {
+        for text in [format!("{head}{rest}"), format!("\n{head}{rest}").replace('\n', "\r\n")] {
+            let line = line + usize::from(text.starts_with('\r'));
+            let error = refused(read_text(&text));
+            assert_eq!(error.line, Some(line), "{text:?}: {error}");
+        }
+    }
+}
+
+/// Pins that numbers which no sensor can tell are refused with line and column, and the ends of each range are read.
+#[test]
+fn numbers_out_of_range_are_refused() {
+    let columns = "trial,time_s,force_n,motion_m,region_taxels,region_largest_force_n,region_force_sum_n";
+    let sound = ["1", "0.0", "0.5", "0.001", "3", "1.5", "2.25"];
+    let names: Vec<&str> = columns.split(',').collect();
+    let read = |column: usize, cell: &str| {
+        let mut row = sound;
+        row[column] = cell;
+        read_text(&format!("{columns}\n{}\n", row.join(",")))
+    };
+    for (column, name) in names.iter().enumerate() {
+        for cell in [
+            "NaN", "inf", "-inf", "1e300", "-1e300", "-1e30", "1e308", "1e30", "-5", "much",
+        ] {
+            if (*name, cell) == ("time_s", "-5") {
+                continue;
+            }
+            let error = refused(read(column, cell));
+            assert_eq!((error.line, error.field.as_str()), (Some(2), *name), "{cell}: {error}");
+            assert!(error.to_string().len() < 300, "{error}");
+        }
+    }
+    for (column, cell, field) in [
+        (4, "0", "region_taxels"),
+        (4, "100000", "region_taxels"),
+        (6, "1.4", "region_force_sum_n"),
+        (6, "4.6", "region_force_sum_n"),
+    ] {
+        assert_eq!(refused(read(column, cell)).field, field, "{cell}");
+    }
+    for (column, cell) in [
+        (1, "-1e10"),
+        (1, "1e10"),
+        (1, "1e-300"),
+        (2, "-1"),
+        (2, "10000"),
+        (3, "-0.01"),
+        (3, "1000"),
+        (6, "1.5"),
+        (6, "4.5"),
+    ] {
+        assert!(read(column, cell).is_ok(), "{cell} in {}", names[column]);
+    }
+}
+
 #[test]
 fn other_extensions_and_absent_files_are_refused() {
     // Pins: the kind of file is decided by its name alone, and a file that is not there is bad input.
@@ -326,12 +411,21 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         taxel: None,
         samples: vec![sample],
     };
-    let changes: [Change<Trial>; 5] = [
+    let changes: [Change<Trial>; 8] = [
         ("trial 1, trial", |trial| trial.trial = 1),
         ("trial 2, category", |trial| trial.category = Some(String::new())),
         ("trial 2, samples", |trial| trial.samples.clear()),
-        ("trial 2, samples", |trial| {
+        ("trial 2, motion_m", |trial| {
             trial.samples[0].motion_m = Some(f64::INFINITY)
+        }),
+        ("trial 2, force_n", |trial| trial.samples[0].force_n = -5.0),
+        ("trial 2, time_s", |trial| trial.samples[0].time_s = 1e300),
+        ("trial 2, region_force_sum_n", |trial| {
+            trial.samples[0].region = Some(Region {
+                taxels: 2,
+                largest_force_n: 1.0,
+                force_sum_n: 0.5,
+            });
         }),
         ("trial 2, time_s", |trial| trial.samples.push(trial.samples[0])),
     ];

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::COLUMNS;
 use super::collect::Row;
-use crate::{InputError, Region};
+use crate::limits::{self, Limits, short};
+use crate::{InputError, Region, Sample};
 
 /// The largest whole number below which a double holds every whole number.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
@@ -33,23 +34,24 @@ impl<'a> Cells<'a> {
         let found = match self.cells[column] {
             Cell::Missing => "nothing".to_string(),
             Cell::Whole(number) => number.to_string(),
-            Cell::Number(number) => number.to_string(),
+            Cell::Number(number) => short(number),
             Cell::Text(text) => format!("{text:?}"),
         };
         let remedy = "correct the cell, or delete the row";
         InputError::new(self.path, COLUMNS[column], found, allowed, remedy).at_line(self.line)
     }
 
-    fn number(&self, column: usize) -> Result<Option<f64>, InputError> {
+    /// A number within these limits.
+    fn number(&self, column: usize, limits: Limits) -> Result<Option<f64>, InputError> {
         let number = match self.cells[column] {
             Cell::Missing => return Ok(None),
             Cell::Whole(number) => Some(number as f64),
             Cell::Number(number) => Some(number),
             Cell::Text(text) => text.trim().parse().ok(),
         };
-        match number.filter(|number| number.is_finite()) {
+        match number.filter(|number| limits.hold(*number)) {
             Some(number) => Ok(Some(number)),
-            None => Err(self.error(column, "a finite number")),
+            None => Err(self.error(column, &format!("a number from {limits}"))),
         }
     }
 
@@ -82,6 +84,14 @@ impl<'a> Cells<'a> {
 
     /// The row with its types.
     pub(super) fn row(&self) -> Result<Row, InputError> {
+        let time_s = self.number(5, limits::TIME_S)?;
+        let force_n = self.number(6, limits::FORCE_N)?;
+        let sample = Sample {
+            time_s: time_s.ok_or_else(|| self.error(5, "a time in seconds"))?,
+            force_n: force_n.ok_or_else(|| self.error(6, "a force in newtons"))?,
+            motion_m: self.number(7, limits::MOTION_M)?,
+            region: self.region()?,
+        };
         Ok(Row {
             line: self.line,
             trial: self.whole(0)?.ok_or_else(|| self.error(0, "the number of the trial"))?,
@@ -89,24 +99,30 @@ impl<'a> Cells<'a> {
             reach: self.whole(2)?,
             patch: self.text(3)?,
             taxel: self.whole(4)?,
-            time_s: self.number(5)?.ok_or_else(|| self.error(5, "a time in seconds"))?,
-            force_n: self.number(6)?.ok_or_else(|| self.error(6, "a force in newtons"))?,
-            motion_m: self.number(7)?,
-            region: self.region()?,
+            sample,
         })
     }
 
     /// The region, where the row has one.
     fn region(&self) -> Result<Option<Region>, InputError> {
-        let (taxels, largest, sum) = (self.whole(8)?, self.number(9)?, self.number(10)?);
+        let taxels = self.whole::<u32>(8)?;
+        let largest = self.number(9, limits::REGION_LARGEST_FORCE_N)?;
+        let sum = self.number(10, limits::REGION_FORCE_SUM_N)?;
         if taxels.is_none() && largest.is_none() && sum.is_none() {
             return Ok(None);
         }
         let missing = |column: usize| self.error(column, "a number, as the other columns of the region have one");
-        Ok(Some(Region {
+        let region = Region {
             taxels: taxels.ok_or_else(|| missing(8))?,
             largest_force_n: largest.ok_or_else(|| missing(9))?,
             force_sum_n: sum.ok_or_else(|| missing(10))?,
-        }))
+        };
+        match region.fault() {
+            Some((column, allowed)) => {
+                let column = COLUMNS.iter().position(|name| *name == column).unwrap_or(10);
+                Err(self.error(column, &allowed))
+            }
+            None => Ok(Some(region)),
+        }
     }
 }

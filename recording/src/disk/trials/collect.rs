@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::{InputError, Region, Sample, Trial};
+use crate::{InputError, Sample, Trial};
 
 /// One sample with everything that its row says.
 pub(super) struct Row {
@@ -14,10 +14,7 @@ pub(super) struct Row {
     pub(super) reach: Option<u64>,
     pub(super) patch: Option<String>,
     pub(super) taxel: Option<u32>,
-    pub(super) time_s: f64,
-    pub(super) force_n: f64,
-    pub(super) motion_m: Option<f64>,
-    pub(super) region: Option<Region>,
+    pub(super) sample: Sample,
 }
 
 /// Trials in the order of their first rows.
@@ -30,12 +27,7 @@ pub(super) struct Collector {
 impl Collector {
     /// Adds a row to its trial.
     pub(super) fn push(&mut self, path: &Path, row: Row) -> Result<(), InputError> {
-        let sample = Sample {
-            time_s: row.time_s,
-            force_n: row.force_n,
-            motion_m: row.motion_m,
-            region: row.region,
-        };
+        let sample = row.sample;
         let Some(&place) = self.places.get(&row.trial) else {
             self.places.insert(row.trial, self.trials.len());
             self.trials.push(Trial {
@@ -70,10 +62,10 @@ impl Collector {
             return differs("taxel", shown(&row.taxel), shown(&trial.taxel));
         }
         let before = trial.samples.last().map_or(f64::NEG_INFINITY, |sample| sample.time_s);
-        if row.time_s <= before {
+        if sample.time_s <= before {
             let allowed = format!("more than {before}, the time before in trial {}", row.trial);
             let remedy = "sort the rows of each trial by time and delete repeated ones";
-            return Err(InputError::new(path, "time_s", row.time_s.to_string(), allowed, remedy).at_line(row.line));
+            return Err(InputError::new(path, "time_s", sample.time_s.to_string(), allowed, remedy).at_line(row.line));
         }
         trial.samples.push(sample);
         Ok(())

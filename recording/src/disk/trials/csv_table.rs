@@ -1,5 +1,6 @@
 //! Trials as CSV (RFC 4180, UTF-8, a header line).
 
+use std::io::Read;
 use std::path::Path;
 
 use super::cell::{Cell, Cells};
@@ -9,9 +10,17 @@ use crate::disk::parquet_file::open_input;
 use crate::disk::{DiskError, whole_file};
 use crate::{InputError, Trial};
 
+/// The line, from 1, of the row that the parser found at `position`. The parser counts from where it began to look for the
+/// row, so blank lines before it (and the second half of a line break) are still to be counted.
+fn line_of(text: &[u8], position: &csv::Position) -> usize {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    position.line() as usize + blank.filter(|byte| **byte == b'\n').count()
+}
+
 /// The error for what the CSV parser refuses.
-fn refused(path: &Path, error: csv::Error) -> DiskError {
-    let line = error.position().map(|position| position.line() as usize);
+fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
+    let line = error.position().map(|position| line_of(text, position));
     match error.into_kind() {
         csv::ErrorKind::Io(source) => DiskError::Io {
             path: path.to_path_buf(),
@@ -36,19 +45,25 @@ fn refused(path: &Path, error: csv::Error) -> DiskError {
 
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
-    let file = open_input(path)?;
-    let mut reader = csv::Reader::from_reader(file);
-    let header = reader.headers().map_err(|error| refused(path, error))?;
+    let mut text = Vec::new();
+    open_input(path)?
+        .read_to_end(&mut text)
+        .map_err(DiskError::io(path, "read"))?;
+    let mut reader = csv::Reader::from_reader(text.as_slice());
+    let header = reader.headers().map_err(|error| refused(path, &text, error))?;
     let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
     let places = place_columns(path, &names)?;
     let mut collector = Collector::default();
     let mut record = csv::StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| refused(path, error))? {
+    while reader
+        .read_record(&mut record)
+        .map_err(|error| refused(path, &text, error))?
+    {
         let cell = |place: Option<usize>| match place.and_then(|place| record.get(place)) {
             None | Some("") => Cell::Missing,
             Some(text) => Cell::Text(text),
         };
-        let line = record.position().map_or(0, |position| position.line() as usize);
+        let line = record.position().map_or(0, |position| line_of(&text, position));
         collector.push(
             path,
             Cells {

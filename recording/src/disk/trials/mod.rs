@@ -75,7 +75,7 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
 
 /// Reads a trials table, `.csv` or `.parquet` by its extension.
 ///
-/// Numbers must be finite and times strictly increasing within a trial; `category`, `reach`, `patch` and `taxel` must
+/// Numbers must lie within [`crate::limits`] and times strictly increase within a trial; `category`, `reach`, `patch` and `taxel` must
 /// be the same in all rows of a trial, empty where unknown. An absent `motion_m` gives [`crate::Sample::motion_m`]
 /// `None`; the three columns of a region are all given or all empty.
 ///
@@ -99,7 +99,7 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a trial that [`read_trials`] would refuse or could not tell apart (no samples, times
-/// not increasing, numbers not finite, an empty name, a trial number used twice); [`DiskError::Io`] and
+/// not increasing, numbers outside [`crate::limits`], an empty name, a trial number used twice); [`DiskError::Io`] and
 /// [`DiskError::Encode`] when the disk refuses.
 pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
     let path = path.as_ref();
@@ -138,17 +138,15 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
         "at least one sample",
     )?;
     for sample in &trial.samples {
-        let region = sample.region.map(|region| [region.largest_force_n, region.force_sum_n]);
-        let [largest, sum] = region.unwrap_or_default();
-        let numbers = [
-            sample.time_s,
-            sample.force_n,
-            sample.motion_m.unwrap_or_default(),
-            largest,
-            sum,
-        ];
-        let finite = numbers.iter().all(|number| number.is_finite());
-        require(finite, || field("samples"), || format!("{sample:?}"), "finite numbers")?;
+        if let Some((column, found, allowed)) = sample.fault() {
+            let found = || format!("{found} (allowed: {allowed})");
+            require(
+                false,
+                || field(column),
+                found,
+                "numbers within `underbrush_recording::limits`",
+            )?;
+        }
     }
     let increasing = trial.samples.is_sorted_by(|a, b| a.time_s < b.time_s);
     require(

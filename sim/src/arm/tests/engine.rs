@@ -153,3 +153,17 @@ fn shapes_sit_where_the_files_put_them() {
         "{low} {high}"
     );
 }
+
+/// Pins that an engine that has lost its numbers does not make the springs panic: NaN comes back as NaN.
+#[test]
+fn an_engine_without_numbers_does_not_panic() {
+    let arm = Arm::cody().unwrap();
+    let (mut physics, handles) = inserted(&arm, &arm.start_posture_rad());
+    let nothing = vec![f64::NAN; arm.joints.len()];
+    let multibody = physics.joints.get_mut(handles.joints[0]).unwrap().0;
+    multibody.apply_displacements(&nothing);
+    assert!(handles.joint_angle_rad(&physics).iter().all(|angle| angle.is_nan()));
+    handles.set_equilibrium(&arm, &arm.start_posture_rad(), &mut physics);
+    handles.set_equilibrium(&arm, &nothing, &mut physics);
+    assert!(handles.joint_torque_nm(&physics).iter().all(|torque| torque.is_nan()));
+}

@@ -52,16 +52,22 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"nan\"", "link shoulder, inertial.inertia", "NaN"),
         ("cody.urdf", "<axis xyz=\"0 -1 0\"/>", "<axis xyz=\"0 0 0\"/>", "joint shoulder_flexion, axis", "not all zero"),
         ("cody.urdf", "lower=\"-0.8310\"", "lower=\"3\"", "joint shoulder_flexion, limit", "lower below upper"),
-        ("cody.urdf", "effort=\"40\"", "effort=\"0\"", "joint shoulder_flexion, limit.effort", "positive"),
+        ("cody.urdf", "effort=\"40\"", "effort=\"0\"", "joint shoulder_flexion, limit.effort", "0.001 to 100000 Nm"),
         ("cody.urdf", "velocity=\"0.87266\"", "velocity=\"nan\"", "joint shoulder_flexion, limit.velocity", "NaN"),
         ("cody.urdf", "xyz=\"0 -0.18493 0\"", "xyz=\"0 inf 0\"", "joint shoulder_abduction, origin", "inf"),
+        ("cody.urdf", "xyz=\"0 -0.18493 0\"", "xyz=\"0 one 0 0\"", "joint shoulder_abduction, origin.xyz", "3 numbers"),
+        ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass value=\"heavy\"/>", "link shoulder, inertial.mass.value", "heavy"),
+        ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass/>", "link shoulder, inertial.mass.value", "no attribute"),
+        ("cody.urdf", "<mass value=\"2.0036\"/>", "", "link shoulder, inertial", "no <mass>"),
+        ("cody.urdf", "<sphere radius=\"0.06\"/>", "<ball radius=\"0.06\"/>", "link shoulder, collision.geometry", "no <box>"),
+        ("cody.urdf", "<parent link=\"wrist\"/>", "", "joint wrist_yaw", "no <parent>"),
         ("cody.urdf", "type=\"revolute\"", "type=\"prismatic\"", "joint shoulder_flexion, type", "Prismatic"),
-        ("cody.urdf", "type=\"revolute\"", "type=\"rotary\"", "robot", "rotary"),
+        ("cody.urdf", "type=\"revolute\"", "type=\"rotary\"", "joint shoulder_flexion, type", "rotary"),
         ("cody.urdf", "<child link=\"elbow\"/>", "<child link=\"knee\"/>", "joint elbow_flexion, child", "knee"),
         ("cody.urdf", "<child link=\"elbow\"/>", "<child link=\"wrist\"/>", "child", "another joint"),
         ("cody.urdf", "<child link=\"flipper_tip\"/>", "<child link=\"torso\"/>", "link torso", "loop"),
         ("cody.urdf", "<parent link=\"wrist\"/>", "<parent link=\"forearm\"/>", "joint wrist_yaw, parent", "wrist_pitch and wrist_yaw"),
-        ("cody.urdf", "<sphere radius=\"0.06\"/>", "<sphere radius=\"0\"/>", "link shoulder, collision", "positive sizes"),
+        ("cody.urdf", "<sphere radius=\"0.06\"/>", "<sphere radius=\"0\"/>", "link shoulder, collision", "sizes of"),
         ("cody.urdf", "<sphere radius=\"0.06\"/>", "<mesh filename=\"a.stl\"/>", "link shoulder, collision", "hull"),
         ("cody.urdf", "<link name=\"flipper_tip\"/>", "<link name=\"wrist\"/>", "link wrist, name", "second"),
         ("cody.urdf", "</robot>", "", "robot", ""),
@@ -124,6 +130,43 @@ fn errors_name_the_line() {
         let error = altered_cody(name, from, to).unwrap_err();
         assert_eq!(error.line, Some(line), "{error}");
         assert_eq!(error.file, Path::new(name));
+    }
+}
+
+/// Pins that a fault in a URDF names the line of the very element, in tags over many lines and in a second shape, too.
+#[test]
+fn urdf_faults_name_the_line_of_the_element() {
+    let second = "<collision>\n<geometry><sphere radius=\"0.035\"/></geometry>\n</collision>\n";
+    let bad = "<collision>\n<geometry>\n<sphere\nradius=\"1e9\"/></geometry>\n</collision>\n";
+    for (from, to, below) in [
+        ("<mass value=\"2.0036\"/>", "<mass value=\"1e30\"/>", 0),
+        ("<mass value=\"2.0036\"/>", "\n\n<mass\nvalue=\"heavy\"/>", 2),
+        ("effort=\"40\"", "effort=\"1e300\"", 0),
+        ("<axis xyz=\"-1 0 0\"/>", "<axis xyz=\"-1e-300 0 0\"/>", 0),
+        ("<collision>", &format!("{second}{bad}<collision>"), 4),
+    ] {
+        let text = cody_file(Path::new("cody.urdf")).unwrap();
+        let line = text[..text.find(from).unwrap()].matches('\n').count() + 1;
+        let error = altered_cody("cody.urdf", from, to).unwrap_err();
+        assert_eq!(error.line, Some(line + below), "{error}");
+    }
+}
+
+/// Pins that a URDF of many nested elements is refused with its line, not by a full stack.
+#[test]
+fn deeply_nested_elements_are_refused() {
+    let nested = format!("{}{}</robot>", "<a>".repeat(40_000), "</a>".repeat(40_000));
+    let error = altered_cody("cody.urdf", "</robot>", &nested).unwrap_err();
+    assert!(error.found.contains("elements within each other"), "{error}");
+    assert!(error.line.is_some());
+}
+
+/// Pins that a skin of more taxels than frames can number is refused when it is read, whatever its rows and columns.
+#[test]
+fn skins_of_too_many_taxels_are_refused() {
+    for rows in ["rows = 2800", "rows = 18446744073709551"] {
+        let error = altered_cody("cody.skin.toml", "rows = 16", rows).unwrap_err();
+        assert!(error.allowed.contains("65536 taxels"), "{error}");
     }
 }
 

@@ -147,6 +147,25 @@ fn dead_taxels_read_nothing() {
     assert_eq!(press(&mut broken, (FOREARM, 9), 1.0), 0.0);
 }
 
+/// Pins that listing a dead taxel kills this one and changes nothing about which others die.
+#[test]
+fn a_listed_taxel_does_not_redraw_the_others() {
+    let skin = Arm::cody().unwrap().skin;
+    let dead_with = |listed: &[u16]| {
+        let options = SensorOptions {
+            dead_share: 0.3,
+            dead_taxels: BTreeMap::from([("forearm".to_string(), listed.to_vec())]),
+            ..SensorOptions::off()
+        };
+        Sensor::new(&options, &skin, 1, "test", 0).dead
+    };
+    let none = dead_with(&[]);
+    let living = none.iter().position(|dead| !dead).unwrap();
+    let mut expected = none.clone();
+    expected[living] = true;
+    assert_eq!(dead_with(&[living as u16]), expected);
+}
+
 /// Pins that options outside their limits and dead taxels that the skin does not have are found, by key.
 #[test]
 fn faults_are_found() {

@@ -65,3 +65,24 @@ fn noise_does_not_depend_on_other_taxels() {
     };
     assert_eq!(readings(false), readings(true));
 }
+
+/// Pins that switching off the noise of one technology leaves the other's as it is.
+#[test]
+fn noise_does_not_depend_on_the_noise_of_the_other_technology() {
+    let readings = |fabric_noise_n: f64| {
+        let options = SensorOptions {
+            noise_n: 0.01,
+            fabric: FabricOptions {
+                noise_n: fabric_noise_n,
+                ..SensorOptions::off().fabric
+            },
+            ..SensorOptions::off()
+        };
+        let mut sensor = sensor(&options);
+        // In a later frame the generator has served the fabric, too.
+        (0..5)
+            .map(|_| press(&mut sensor, (FOREARM, 7), 1.0))
+            .collect::<Vec<f64>>()
+    };
+    assert_eq!(readings(0.0), readings(0.02));
+}
