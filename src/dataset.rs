@@ -5,10 +5,11 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::json;
-use underbrush_recording::Recording;
+use underbrush_recording::{InputError, Recording};
 use underbrush_recording::disk::{
-    Dataset, DatasetPlan, DatasetWriter, DiskError, PlannedEpisode, Provenance, SceneText, Shard,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
+use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -24,6 +25,8 @@ pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("
 pub struct Campaign {
     /// The scenes, each with its number of reaches.
     pub scenes: Vec<(Scene, u64)>,
+    /// Arms by the name of their scene, instead of those that the scenes name.
+    pub arms: BTreeMap<String, Arm>,
     /// The seed.
     pub seed: u64,
     /// The controller; each scene's own if not given.
@@ -32,16 +35,68 @@ pub struct Campaign {
     pub shard: Option<Shard>,
 }
 
+/// A data set that was asked for.
+pub enum Written {
+    /// It was made, or finished, now.
+    New(Dataset),
+    /// It had been finished before.
+    Before(Dataset),
+}
+
 impl Campaign {
+    /// The campaign that made a data set, from what the set holds alone.
+    pub fn of(dataset: &Dataset) -> Result<Self, Failure> {
+        let provenance = dataset.provenance();
+        let fault = |field: &str, found: String, allowed: &str| -> Failure {
+            let path = dataset.dir().join("meta/provenance.json");
+            let remedy = "give a data set that `underbrush generate` made";
+            InputError::new(path, field, found, allowed, remedy).into()
+        };
+        if provenance.program != env!("CARGO_PKG_NAME") || provenance.scenes.is_empty() {
+            let allowed = "a program whose data sets hold scenes: underbrush";
+            return Err(fault("program", provenance.program.clone(), allowed));
+        }
+        let mut campaign = Campaign {
+            scenes: Vec::new(),
+            arms: BTreeMap::new(),
+            seed: provenance.seed,
+            controller: Some(provenance.controller.clone()),
+            shard: provenance.shard,
+        };
+        for (index, stored) in provenance.scenes.iter().enumerate() {
+            let field = |name: &str| format!("scenes[{index}].{name}");
+            let scene = Scene::parse(&stored.file.name, stored.file.text.clone())?;
+            if scene.name != stored.name {
+                let allowed = "the name of the scene's file without its ending";
+                return Err(fault(&field("name"), stored.name.clone(), allowed));
+            }
+            let Some(arm) = provenance.arms.get(stored.arm) else {
+                return Err(fault(&field("arm"), stored.arm.to_string(), "the index of an arm"));
+            };
+            let file = |file: &FileText| ArmSource {
+                name: file.name.clone(),
+                text: file.text.clone(),
+            };
+            let files: Vec<ArmSource> = arm.files.iter().map(file).collect();
+            campaign.arms.insert(scene.name.clone(), Arm::from_files(&files)?);
+            campaign.scenes.push((scene, stored.reaches));
+        }
+        Ok(campaign)
+    }
+
     /// Runs the campaign into the folder `out`; with `resume`, only what is missing there.
-    pub fn write(&self, out: &Path, resume: bool) -> Result<Dataset, Failure> {
+    pub fn write(&self, out: &Path, resume: bool) -> Result<Written, Failure> {
         let plans = self.plans()?;
         let jobs = self.jobs();
         // Refused before anything is written: what an impossible draw would leave behind could not be resumed, since
         // a mended scene makes another plan. A draw costs a thousandth of its reach.
         jobs.par_iter()
             .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
-        let writer = DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume)?;
+        let writer = match DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume) {
+            // With `resume` this says that the set was made to the same plan.
+            Err(DiskError::Finished { .. }) if resume => return Ok(Written::Before(Dataset::open(out)?)),
+            writer => writer?,
+        };
         let missing = writer.missing()?;
         let bar = CampaignBar::new(jobs.len() as u64, (jobs.len() - missing.len()) as u64);
         let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
@@ -52,7 +107,7 @@ impl Campaign {
         });
         bar.finish();
         result?;
-        Ok(writer.finish()?)
+        Ok(Written::New(writer.finish()?))
     }
 
     /// Runs the campaign and hands over each recording with its place among all, in any order; nothing is written.
@@ -81,7 +136,11 @@ impl Campaign {
     }
 
     fn plans(&self) -> Result<Vec<ReachPlan>, Failure> {
-        let plan = |(scene, _): &(Scene, u64)| ReachPlan::new(scene.clone(), self.controller.as_deref(), self.seed);
+        let controller = self.controller.as_deref();
+        let plan = |(scene, _): &(Scene, u64)| match self.arms.get(&scene.name) {
+            Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed),
+            None => ReachPlan::new(scene.clone(), controller, self.seed),
+        };
         Ok(self.scenes.iter().map(plan).collect::<Result<_, _>>()?)
     }
 
@@ -124,29 +183,8 @@ impl Campaign {
                 first.scene.name, other.scene.name, first.controller, other.controller
             )));
         }
-        let mut options = BTreeMap::new();
-        for plan in plans {
-            let file = &plan.scene.file;
-            let own = json!({ "physics": file.physics, "sensor": file.sensor, "controller": plan.preset() });
-            options.insert(plan.scene.name.clone(), own);
-        }
         Ok(DatasetPlan {
-            provenance: Provenance {
-                program: env!("CARGO_PKG_NAME").into(),
-                program_version: PROGRAM_VERSION.into(),
-                engine: underbrush_sim::physics::ENGINE.into(),
-                options,
-                scenes: self
-                    .scenes
-                    .iter()
-                    .map(|(scene, _)| SceneText::new(&scene.name, &scene.text))
-                    .collect(),
-                seed: self.seed,
-                controller: first.controller.clone(),
-                controller_parameters: BTreeMap::new(),
-                reaches: self.scenes.iter().map(|(_, reaches)| reaches).sum(),
-                shard: self.shard,
-            },
+            provenance: self.provenance(plans, &first.controller),
             robot: first.arm.name.clone(),
             rate_hz: 1.0 / underbrush_sim::world::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
@@ -160,5 +198,44 @@ impl Campaign {
                 })
                 .collect(),
         })
+    }
+
+    fn provenance(&self, plans: &[ReachPlan], controller: &str) -> Provenance {
+        let (mut options, mut controller_parameters) = (BTreeMap::new(), BTreeMap::new());
+        let (mut arms, mut scenes): (Vec<ArmText>, _) = (Vec::new(), Vec::new());
+        for (plan, (scene, reaches)) in plans.iter().zip(&self.scenes) {
+            let file = &scene.file;
+            let own = json!({ "physics": file.physics, "sensor": file.sensor });
+            options.insert(scene.name.clone(), own);
+            controller_parameters.insert(scene.name.clone(), json!(plan.preset()));
+            let files = plan.arm.files.iter();
+            let arm = ArmText {
+                name: plan.arm.name.clone(),
+                files: files.map(|file| FileText::new(&file.name, &file.text)).collect(),
+            };
+            let place = arms.iter().position(|other| *other == arm).unwrap_or_else(|| {
+                arms.push(arm);
+                arms.len() - 1
+            });
+            let file_name = scene.path.file_name().unwrap_or(scene.path.as_os_str());
+            scenes.push(SceneText {
+                name: scene.name.clone(),
+                reaches: *reaches,
+                arm: place,
+                file: FileText::new(file_name.to_string_lossy(), &scene.text),
+            });
+        }
+        Provenance {
+            program: env!("CARGO_PKG_NAME").into(),
+            program_version: PROGRAM_VERSION.into(),
+            engine: underbrush_sim::physics::ENGINE.into(),
+            options,
+            scenes,
+            arms,
+            seed: self.seed,
+            controller: controller.to_owned(),
+            controller_parameters,
+            shard: self.shard,
+        }
     }
 }

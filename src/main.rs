@@ -15,6 +15,7 @@ mod output;
 mod picture;
 mod portrait;
 mod progress;
+mod sealed;
 
 use failure::Failure;
 

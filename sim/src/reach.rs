@@ -36,10 +36,23 @@ impl ReachPlan {
     /// # Errors
     /// When the arm's files are bad or no controller has that name.
     pub fn new(scene: Scene, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
-        let mut arm = match scene.file.arm.as_str() {
+        let arm = match scene.file.arm.as_str() {
             "cody" => Arm::cody()?,
             path => Arm::load(scene.path.parent().unwrap_or(std::path::Path::new(".")).join(path))?,
         };
+        ReachPlan::with_arm(scene, arm, controller, seed)
+    }
+
+    /// As [`ReachPlan::new`], with an arm that has already been read instead of the one that the scene names.
+    ///
+    /// # Errors
+    /// When no controller has that name or the scene's sensor does not fit the arm's skin.
+    pub fn with_arm(
+        scene: Scene,
+        mut arm: Arm,
+        controller: Option<&str>,
+        seed: u64,
+    ) -> Result<ReachPlan, InputError> {
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
         let name = controller.unwrap_or(&scene.file.controller).to_string();
         if !controller::NAMES.contains(&name.as_str()) {

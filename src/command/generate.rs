@@ -1,7 +1,7 @@
 //! `underbrush generate`: a data set of many reaches.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -12,7 +12,7 @@ use underbrush_sim::controller;
 use underbrush_sim::scene::Scene;
 
 use crate::audit::{self, Worst};
-use crate::dataset::Campaign;
+use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
 use crate::ends::Ends;
 use crate::failure::Failure;
 use crate::output;
@@ -21,17 +21,21 @@ use crate::output;
 #[derive(Args)]
 pub struct Options {
     /// Scene files, such as scenes/leaf.toml scenes/trunk.toml
-    #[arg(required = true, value_name = "SCENE")]
+    #[arg(required_unless_present = "from", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Reaches of each scene
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    reaches: u64,
+    #[arg(long, required_unless_present = "from", value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    reaches: Option<u64>,
     /// Seed; scenes, seed and version decide every byte
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
     /// Folder of the data set
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Make this data set again, from nothing but what it holds: scenes, arms, seed, controller, reaches and shard
+    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard"])]
+    from: Option<PathBuf>,
     /// Controller, instead of each scene's own
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(controller::NAMES))]
     controller: Option<String>,
@@ -57,12 +61,13 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 /// How a data set came out.
 #[derive(Serialize)]
-pub struct Summary {
+struct Summary {
     dataset: PathBuf,
     reaches: usize,
     frames: usize,
     simulated_s: f64,
-    wall_s: f64,
+    /// How long it took to make; nothing for a set that was finished before.
+    wall_s: Option<f64>,
     #[serde(flatten)]
     ends: Ends,
     /// The worst figures of the audit, with the reach that they are from.
@@ -71,7 +76,7 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up a data set that took `wall_s` to make.
-    pub fn of(dataset: &Dataset, wall_s: f64) -> Self {
+    fn of(dataset: &Dataset, wall_s: Option<f64>) -> Self {
         let episodes = dataset.episodes();
         let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
         Summary {
@@ -86,16 +91,17 @@ impl Summary {
     }
 
     /// For a person.
-    pub fn text(&self) -> String {
+    fn text(&self) -> String {
+        let pace = self.wall_s.map_or(String::new(), |wall_s| {
+            format!(" in {wall_s:.0} s ({:.0} times real time)", self.simulated_s / wall_s.max(1e-9))
+        });
         format!(
-            "{} reaches, {:.0} s of simulated time in {:.0} s ({:.0} times real time)\n\
+            "{} reaches, {:.0} s of simulated time{pace}\n\
              {}\n\
              {}\n\
              data set in {}",
             self.reaches,
             self.simulated_s,
-            self.wall_s,
-            self.simulated_s / self.wall_s.max(1e-9),
             self.ends.text(),
             audit::text(&self.audit),
             self.dataset.display()
@@ -103,29 +109,57 @@ impl Summary {
     }
 }
 
-/// Runs the campaign.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let start = Instant::now();
-    let scenes = options
-        .scenes
-        .iter()
-        .map(|path| Ok((Scene::load(path)?, options.reaches)));
+/// The campaign that the options describe.
+fn described(options: &Options) -> Result<Campaign, Failure> {
+    let reaches = options.reaches.unwrap_or_default();
+    let scenes = options.scenes.iter().map(|path| Ok((Scene::load(path)?, reaches)));
     let campaign = Campaign {
         scenes: scenes.collect::<Result<Vec<_>, Failure>>()?,
+        arms: BTreeMap::new(),
         seed: options.seed,
-        controller: options.controller,
+        controller: options.controller.clone(),
         shard: options.shard,
     };
     let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
     names.sort_unstable();
-    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Failure::usage(format!(
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(Failure::usage(format!(
             "two scenes are called {}; rename one file",
             pair[0]
-        )));
+        ))),
+        None => Ok(campaign),
     }
-    let dataset = campaign.write(&options.out, options.resume)?;
-    let summary = Summary::of(&dataset, start.elapsed().as_secs_f64());
+}
+
+/// The campaign that made a data set.
+fn stored(path: &Path) -> Result<Campaign, Failure> {
+    let dataset = Dataset::open(path)?;
+    let made_by = &dataset.provenance().program_version;
+    if made_by != PROGRAM_VERSION {
+        output::remark(format!(
+            "{}: made by version {made_by}, this is {PROGRAM_VERSION}; the new data set may differ from it",
+            path.display()
+        ));
+    }
+    Campaign::of(&dataset)
+}
+
+/// Runs the campaign.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let start = Instant::now();
+    let campaign = match &options.from {
+        Some(path) => stored(path)?,
+        None => described(&options)?,
+    };
+    let (dataset, wall_s) = match campaign.write(&options.out, options.resume)? {
+        Written::New(dataset) => (dataset, Some(start.elapsed().as_secs_f64())),
+        Written::Before(dataset) => {
+            let out = options.out.display();
+            output::remark(format!("{out}: the data set is finished; there is nothing to do"));
+            (dataset, None)
+        }
+    };
     audit::warn(dataset.episodes());
+    let summary = Summary::of(&dataset, wall_s);
     output::result(json, &summary, || summary.text())
 }

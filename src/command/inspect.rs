@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 use underbrush_classifier::ModelSet;
-use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
+use underbrush_recording::disk::{Dataset, FileText, is_recording, read_recording, read_trials};
 use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
@@ -104,6 +104,15 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
         .iter()
         .map(|patch| (patch.name.as_str(), patch.taxels.len()))
         .collect();
+    // Twelve digits tell files apart; the whole hashes stand in meta/provenance.json.
+    let named = |file: &FileText| format!("{} (BLAKE3 {:.12})", file.name, file.blake3);
+    let arms = provenance.arms.iter().map(|arm| {
+        let files: Vec<String> = arm.files.iter().map(named).collect();
+        format!("{}: {}", arm.name, files.join(", "))
+    });
+    let arms = arms.collect::<Vec<String>>().join("; ");
+    let scene_files: Vec<String> = provenance.scenes.iter().map(|scene| named(&scene.file)).collect();
+    let scene_files = scene_files.join(", ");
     Ok(json!({
         "data set": path,
         "reaches": episodes.len(),
@@ -117,6 +126,8 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
         "audit, worst of all reaches": audit::worst(episodes),
         "seed": provenance.seed,
         "controller": provenance.controller,
+        "arms": arms,
+        "scene files": scene_files,
         "program": format!("{} {}", provenance.program, provenance.program_version),
         "engine": provenance.engine,
         "check": "sound; every file matches its checksum",

@@ -5,6 +5,7 @@ mod evaluate;
 mod generate;
 mod inspect;
 mod oracle;
+mod provenance;
 mod reach;
 mod resume;
 mod thresholds;

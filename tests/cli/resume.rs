@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::support::{assert_same_trees, scenes, underbrush};
 
 /// Begins a campaign on one thread and kills it once the first reach is staged.
-fn interrupted(scene: &Path, out: &Path) {
+pub(super) fn interrupted(scene: &Path, out: &Path) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_underbrush"))
         .args(["generate", "--reaches", "8", "--seed", "3", "--jobs", "1", "--out"])
         .args([out, scene])
@@ -93,26 +93,20 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     assert!(!broken.join("incomplete").exists());
 }
 
+/// Pins that no run changes a finished data set, that `--resume` with the same plan says there is nothing to do, and
+/// that with another plan it says what differs.
 #[test]
 fn a_finished_set_is_not_written_again() {
-    // Pins: neither a plain run nor --resume changes a finished data set.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let out = folder.path().join("set");
     underbrush!["generate", scene, "--reaches", "1", "--out", out].success();
     let before = crate::support::tree(&out);
-    for resume in [&["--seed", "5"][..], &["--resume"]] {
-        let mut arguments = vec![
-            "generate",
-            scene.to_str().unwrap(),
-            "--reaches",
-            "1",
-            "--out",
-            out.to_str().unwrap(),
-        ];
-        arguments.extend(resume);
-        let answer = crate::support::call(arguments.into_iter().map(Into::into).collect(), "");
-        answer.refused(&["finished data set", "choose another folder"]);
-    }
+    underbrush!["generate", scene, "--reaches", "1", "--out", out].refused(&["finished data set", "choose another folder"]);
+    let other = underbrush!["generate", scene, "--reaches", "1", "--out", out, "--seed", "5", "--resume"];
+    other.refused(&["provenance.seed was 0, now 5"]);
+    let same = underbrush!["generate", scene, "--reaches", "1", "--out", out, "--resume", "--json"];
+    assert!(same.stderr.contains("nothing to do"), "{}", same.stderr);
+    assert_eq!(same.json()["reaches"], 1);
     assert!(before == crate::support::tree(&out));
 }

@@ -63,13 +63,13 @@ pub enum DiskError {
     },
     /// The unfinished data set in the folder was begun with another plan.
     #[error(
-        "{}: was begun with another plan: {field} was {stored}, now {given}; resume with the same scenes, seed and \
-         options, or choose another folder", .dir.display()
+        "{}: was begun with another plan: {field} was {stored}, now {given}; resume with the same scenes, arms, \
+         seed and options, or choose another folder", .dir.display()
     )]
     PlanDiffers {
         /// The folder.
         dir: PathBuf,
-        /// Path of the first field that differs, for instance `provenance.seed`.
+        /// Path of the first field that differs, for instance `provenance.seed`; list entries are called by their names.
         field: String,
         /// Its value in the stored plan.
         stored: String,

@@ -39,7 +39,8 @@ mod trials;
 mod whole_file;
 
 pub use dataset::{
-    Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, Info, PlannedEpisode, Provenance, SceneText, Shard,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode, Provenance,
+    SceneText, Shard,
 };
 pub use error::DiskError;
 pub use recording_file::{is_recording, read_recording, write_recording};

@@ -11,7 +11,7 @@ use underbrush_recording::limits::short;
 use super::limits;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, read_chain};
-use super::{Arm, Joint, LinkCollider, LinkShape, skin_file};
+use super::{Arm, ArmSource, Joint, LinkCollider, LinkShape, skin_file};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -61,7 +61,8 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     let source = open(path)?;
     let file: ArmFile = source.toml("compare with the arm file of `cody`, which ships with underbrush")?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut chain = read_chain(&open(&folder.join(&file.urdf))?, &file.base_link)?;
+    let urdf = open(&folder.join(&file.urdf))?;
+    let mut chain = read_chain(&urdf, &file.base_link)?;
     source.check(0, "friction", file.friction, limits::FRICTION)?;
     for hull in &file.hull {
         add_hull(&source, hull, &mut chain)?;
@@ -71,9 +72,21 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         .get(&file.tip_link)
         .copied()
         .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, known_links(&chain)))?;
-    let skin = skin_file::read_skin(&open(&folder.join(&file.skin))?, &chain)?;
+    let skin_source = open(&folder.join(&file.skin))?;
+    let skin = skin_file::read_skin(&skin_source, &chain)?;
+    let own_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let files = [
+        (own_name.into_owned(), &source.text),
+        (file.urdf, &urdf.text),
+        (file.skin, &skin_source.text),
+    ];
+    let files = files.map(|(name, text)| ArmSource {
+        name,
+        text: text.clone(),
+    });
     Ok(Arm {
         name: file.name,
+        files: files.into(),
         joints: join_tables(&source, chain.joints, &file.joint)?,
         links: chain.links,
         tip_link,

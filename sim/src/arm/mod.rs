@@ -41,6 +41,17 @@ pub struct Arm {
     pub friction: f64,
     /// The skin.
     pub skin: Skin,
+    /// The files that it was read from, for the provenance of data sets: the arm's TOML file, its URDF, its skin file.
+    pub files: Vec<ArmSource>,
+}
+
+/// A file of an arm as it was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ArmSource {
+    /// Its name, relative to the folder of the arm's TOML file.
+    pub name: String,
+    /// Its whole text.
+    pub text: String,
 }
 
 /// One rigid link. Its frame stands at the joint that carries it.
@@ -138,6 +149,25 @@ impl Arm {
     /// that the other files do not know, or the URDF is no serial chain of revolute joints with inertia.
     pub fn load(path: impl AsRef<Path>) -> Result<Arm, InputError> {
         file::assemble(path.as_ref(), &source::read_from_disk)
+    }
+
+    /// Puts an arm together from the texts of its files as [`Arm::files`] holds them, the TOML file first.
+    ///
+    /// # Errors
+    /// As [`Arm::load`].
+    pub fn from_files(files: &[ArmSource]) -> Result<Arm, InputError> {
+        let first = files.first().map_or("arm.toml", |file| file.name.as_str());
+        let read = |path: &Path| match files.iter().find(|file| Path::new(&file.name) == path) {
+            Some(file) => Ok(file.text.clone()),
+            None => Err(InputError::new(
+                path,
+                "file",
+                "no such file among the arm's files",
+                "the text of every file that the arm file names",
+                "give this file, too",
+            )),
+        };
+        file::assemble(Path::new(first), &read)
     }
 
     /// The right arm of the robot Cody, from the files of this crate.

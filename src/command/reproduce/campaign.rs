@@ -1,5 +1,6 @@
 //! Campaigns of the paper's size: reaches, trials, Table I.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -17,7 +18,7 @@ use super::classifiers::{self, Compared};
 use super::data::{self, TRAINING};
 use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::failure::Failure;
-use crate::{output, progress};
+use crate::{progress, sealed};
 
 /// Trials of a whole campaign, reach by reach.
 #[derive(Default)]
@@ -105,6 +106,7 @@ pub fn changed_campaign(seed: u64, reaches: [u64; 2], change: impl Fn(&mut Scene
     let scenes = TRAINING.iter().zip(reaches).map(scene);
     Ok(Campaign {
         scenes: scenes.collect::<Result<_, Failure>>()?,
+        arms: BTreeMap::new(),
         seed,
         controller: data::CONTROLLER.map(str::to_owned),
         shard: None,
@@ -256,9 +258,7 @@ pub fn kept<T: Serialize + DeserializeOwned>(
     make: impl FnOnce() -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let path = out.join("campaigns").join(format!("{name}-{seed}.json"));
-    let kept = std::fs::read(&path)
-        .ok()
-        .and_then(|bytes| serde_json::from_slice::<Kept<T>>(&bytes).ok())
+    let kept = sealed::read::<Kept<T>>(&path)
         .filter(|kept| {
             kept.program == PROGRAM_VERSION
                 && kept.analysis == env!("UNDERBRUSH_ANALYSIS_SOURCES")
@@ -274,8 +274,7 @@ pub fn kept<T: Serialize + DeserializeOwned>(
         quick,
         result: make()?,
     };
-    let bytes = serde_json::to_vec_pretty(&kept).map_err(|error| Failure::run(error.to_string()))?;
-    output::write_file(&path, &bytes)?;
+    sealed::write(&path, &kept)?;
     Ok(kept.result)
 }
 

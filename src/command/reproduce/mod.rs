@@ -40,7 +40,7 @@ use self::online::{Classified, Online, Shares};
 use self::reaches::TestReaches;
 use self::results::{Campaigns, Outliers, Results, Roc, SamplesUsed, Timing};
 use self::thresholds::Thresholds;
-use crate::dataset::PROGRAM_VERSION;
+use crate::dataset::{PROGRAM_VERSION, Written};
 use crate::failure::Failure;
 use crate::{audit, output, progress};
 
@@ -184,7 +184,9 @@ fn make_or_reuse(out: &Path, seed: u64, quick: bool) -> Result<Dataset, Failure>
             output::remark(format!("  taken from {}", folder.display()));
             Ok(dataset)
         }
-        _ => campaign.write(&folder, true),
+        _ => match campaign.write(&folder, true)? {
+            Written::New(dataset) | Written::Before(dataset) => Ok(dataset),
+        },
     }
 }
 

@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::disk::SceneText;
+use underbrush_recording::disk::FileText;
 
 use super::data;
 use crate::dataset::PROGRAM_VERSION;
 use crate::failure::Failure;
 use crate::output;
 
-/// Everything that decides the reaches of a run.
+/// Everything that decides the reaches of a run. The arm is Cody in every scene, and its files are among the sources
+/// that the version has a hash of.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Version, with a hash of the sources that decide data.
@@ -43,7 +44,7 @@ impl Plan {
             seed,
             quick,
             scenes: scenes
-                .map(|(path, text)| (path.to_owned(), SceneText::new(path, text).blake3))
+                .map(|(path, text)| (path.to_owned(), FileText::new(path, text).blake3))
                 .collect(),
         }
     }

@@ -12,7 +12,7 @@ use underbrush_sim::scene::Scene;
 
 use super::data::{self, SceneSource};
 use crate::failure::Failure;
-use crate::{output, progress};
+use crate::{progress, sealed};
 
 /// What is asked of a reach.
 #[derive(Clone, Copy)]
@@ -89,10 +89,7 @@ impl Search {
         let scene = plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
         let index_file = folder.join(format!("{scene}.json"));
-        let kept = std::fs::read(&index_file)
-            .ok()
-            .and_then(|bytes| serde_json::from_slice::<Index>(&bytes).ok());
-        if let Some(Index { drawn, found }) = kept {
+        if let Some(Index { drawn, found }) = sealed::read(&index_file) {
             let reaches = found.iter().map(|index| read_recording(file(*index)));
             let reaches = reaches.collect::<Result<_, _>>()?;
             return Ok(Found { scene, drawn, reaches });
@@ -110,8 +107,7 @@ impl Search {
             drawn,
             found: reaches.iter().map(|recording| recording.reach_index).collect(),
         };
-        let bytes = serde_json::to_vec(&index).map_err(|error| Failure::run(error.to_string()))?;
-        output::write_file(&index_file, &bytes)?;
+        sealed::write(&index_file, &index)?;
         Ok(Found { scene, drawn, reaches })
     }
 }

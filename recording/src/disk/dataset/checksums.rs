@@ -1,4 +1,4 @@
-//! `meta/checksums.json`: size and BLAKE3 hash of every other file of a data set.
+//! `meta/checksums.json`: size and BLAKE3 hash of every other file of a data set, and a hash of the list itself.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -6,21 +6,37 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::info::read_json;
+use super::names;
 use crate::InputError;
 use crate::disk::DiskError;
+use crate::disk::whole_file::{json_bytes, write_bytes};
 
-/// Sizes and hashes by path, relative to the folder, with `/` between names.
-#[derive(Debug, Default, Serialize, Deserialize)]
+/// What to do about a damaged data set.
+const REMEDY: &str = "copy the data set again, or make it again from its scenes";
+
+/// The files with their sums by path, relative to the folder, with `/` between names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
 pub(super) struct Checksums {
-    /// The files.
-    pub(super) files: BTreeMap<String, FileSum>,
+    files: BTreeMap<String, FileSum>,
 }
 
 /// Size and hash of one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct FileSum {
     bytes: u64,
     blake3: String,
+}
+
+/// What the file holds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChecksumFile {
+    /// BLAKE3 of the lines `path bytes blake3`, one a file in the order of the paths, each ended by a newline.
+    blake3: String,
+    files: Checksums,
 }
 
 impl FileSum {
@@ -45,52 +61,121 @@ impl FileSum {
 }
 
 impl Checksums {
+    /// Adds a file.
+    pub(super) fn add(&mut self, name: impl Into<String>, sum: FileSum) {
+        self.files.insert(name.into(), sum);
+    }
+
     /// Adds every file in a folder of the data set and below.
     pub(super) fn add_folder(&mut self, dir: &Path, folder: &str) -> Result<(), DiskError> {
-        let path = dir.join(folder);
-        for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {
-            let entry = entry.map_err(DiskError::io(&path, "read"))?;
-            let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
-            if entry.file_type().map_err(DiskError::io(&path, "read"))?.is_dir() {
-                self.add_folder(dir, &name)?;
-            } else {
-                self.files.insert(name, FileSum::of_file(&entry.path())?);
+        for name in files_below(dir, folder)? {
+            let sum = FileSum::of_file(&dir.join(&name))?;
+            self.add(name, sum);
+        }
+        Ok(())
+    }
+
+    /// Reads the list and checks it against its own hash.
+    pub(super) fn read(dir: &Path) -> Result<Self, DiskError> {
+        let path = dir.join(names::CHECKSUMS);
+        let ChecksumFile { blake3, files } = read_json(&path)?;
+        let found = files.hash();
+        if found != blake3 {
+            return Err(InputError::new(path, "blake3", format!("{found} of the list"), blake3, REMEDY).into());
+        }
+        Ok(files)
+    }
+
+    /// Writes the list with its own hash.
+    pub(super) fn write(&self, dir: &Path) -> Result<(), DiskError> {
+        let path = dir.join(names::CHECKSUMS);
+        let file = ChecksumFile {
+            blake3: self.hash(),
+            files: self.clone(),
+        };
+        write_bytes(&path, &json_bytes(&path, &file)?)
+    }
+
+    fn hash(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for (name, FileSum { bytes, blake3 }) in &self.files {
+            hasher.update(format!("{name} {bytes} {blake3}\n").as_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// Names of the files, sorted.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.keys().map(String::as_str)
+    }
+
+    /// Checks that every listed file is there with its size, and that no other file lies in the set's folders.
+    pub(super) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
+        for name in self.names() {
+            self.check_size(dir, name)?;
+        }
+        for folder in names::FOLDERS {
+            if !dir.join(folder).exists() {
+                continue;
+            }
+            for name in files_below(dir, folder)? {
+                // Readers of data sets pass over hidden files, and file managers leave some behind.
+                let hidden = name.split('/').any(|part| part.starts_with('.'));
+                if !(hidden || name == names::CHECKSUMS || self.files.contains_key(&name)) {
+                    let remedy = "remove the file if it is yours, or copy the data set again";
+                    let found = "a file that meta/checksums.json does not list";
+                    let allowed = "only the files of the data set";
+                    return Err(InputError::new(dir.join(name), "file", found, allowed, remedy).into());
+                }
             }
         }
         Ok(())
     }
 
-    /// Checks that a file is there and has its size, and its hash where `whole`.
-    pub(super) fn check(&self, dir: &Path, name: &str, whole: bool) -> Result<(), DiskError> {
-        let path = dir.join(name);
-        let remedy = "copy the data set again, or generate it again from the scenes in meta/provenance.json";
-        let error = |found: String, allowed: String| -> DiskError {
-            InputError::new(&path, "checksum", found, allowed, remedy).into()
+    fn expected(&self, dir: &Path, name: &str) -> Result<&FileSum, DiskError> {
+        self.files.get(name).ok_or_else(|| {
+            let found = "no entry in meta/checksums.json";
+            InputError::new(dir.join(name), "checksum", found, "an entry for every file", REMEDY).into()
+        })
+    }
+
+    fn check_size(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
+        let (path, expected) = (dir.join(name), self.expected(dir, name)?);
+        let (found, allowed) = match fs::metadata(&path) {
+            Ok(metadata) if metadata.len() == expected.bytes => return Ok(()),
+            Ok(metadata) => (
+                format!("{} bytes", metadata.len()),
+                format!("{} bytes", expected.bytes),
+            ),
+            Err(cause) => (cause.to_string(), "the file that meta/checksums.json lists".into()),
         };
-        let Some(expected) = self.files.get(name) else {
-            return Err(error(
-                "no entry in meta/checksums.json".into(),
-                "an entry for every file".into(),
-            ));
-        };
-        let bytes = match fs::metadata(&path) {
-            Ok(metadata) => metadata.len(),
-            Err(cause) => {
-                return Err(error(
-                    cause.to_string(),
-                    "the file that meta/checksums.json lists".into(),
-                ));
-            }
-        };
-        if bytes != expected.bytes {
-            return Err(error(format!("{bytes} bytes"), format!("{} bytes", expected.bytes)));
-        }
-        if whole {
-            let found = FileSum::of_file(&path)?;
-            if found != *expected {
-                return Err(error(found.blake3, expected.blake3.clone()));
-            }
+        Err(InputError::new(path, "checksum", found, allowed, REMEDY).into())
+    }
+
+    /// Checks the hash of a file.
+    pub(super) fn check(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
+        self.check_size(dir, name)?;
+        let (path, expected) = (dir.join(name), self.expected(dir, name)?);
+        let found = FileSum::of_file(&path)?;
+        if found != *expected {
+            return Err(InputError::new(path, "checksum", found.blake3, expected.blake3.clone(), REMEDY).into());
         }
         Ok(())
     }
+}
+
+/// Paths of the files in a folder of the data set and below, relative to the set.
+fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
+    let path = dir.join(folder);
+    let mut names = Vec::new();
+    for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {
+        let entry = entry.map_err(DiskError::io(&path, "read"))?;
+        let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
+        if entry.file_type().map_err(DiskError::io(&path, "read"))?.is_dir() {
+            names.extend(files_below(dir, &name)?);
+        } else {
+            names.push(name);
+        }
+    }
+    Ok(names)
 }

@@ -193,10 +193,8 @@ fn finish_with_info(dir: &Path, info: &Info) -> Result<(), DiskError> {
     let mut checksums = Checksums::default();
     checksums.add_folder(dir, "data")?;
     checksums.add_folder(dir, "meta")?;
-    checksums
-        .files
-        .insert(names::INFO.to_string(), FileSum::of_bytes(&bytes));
-    write_json(&dir.join(names::CHECKSUMS), &checksums)?;
+    checksums.add(names::INFO, FileSum::of_bytes(&bytes));
+    checksums.write(dir)?;
     write_bytes(&path, &bytes)
 }
 

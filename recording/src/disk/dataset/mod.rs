@@ -7,7 +7,7 @@
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics
 //! meta/taxels.parquet                           where every taxel is
 //! meta/objects.parquet  goals  contacts         ground truth, one row each
-//! meta/provenance.json  meta/checksums.json     where it comes from; BLAKE3 of every file
+//! meta/provenance.json  meta/checksums.json     where it comes from, with the text of scenes and arms; BLAKE3 of every file
 //! incomplete/                                   only while reaches are missing: plan.json and the finished reaches
 //! ```
 
@@ -24,12 +24,14 @@ mod writer;
 
 pub use episode_table::Episode;
 pub use info::{FeatureInfo, Info};
-pub use plan::{DatasetPlan, PlannedEpisode, Provenance, SceneText, Shard};
+pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use reader::Dataset;
 pub use writer::DatasetWriter;
 
 /// Paths in the folder of a data set.
 mod names {
+    /// Folders that hold nothing but files of the set.
+    pub(super) const FOLDERS: [&str; 3] = ["data", "truth", "meta"];
     pub(super) const INFO: &str = "meta/info.json";
     pub(super) const STATS: &str = "meta/stats.json";
     pub(super) const TASKS: &str = "meta/tasks.parquet";

@@ -1,6 +1,6 @@
 //! What a data set will hold and where it comes from: fixed before the first reach runs, compared on resume.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -44,38 +44,60 @@ pub struct Provenance {
     pub program_version: String,
     /// Name and version of the physics engine (or of the robot's software).
     pub engine: String,
-    /// Options of the engine and everything else that a scene does not say, by name.
+    /// Options of the engine and of the sensor, by scene.
     pub options: BTreeMap<String, Value>,
-    /// The scenes, as text.
+    /// The scenes, in the order of the campaign.
     pub scenes: Vec<SceneText>,
+    /// The arms of the scenes, each once.
+    pub arms: Vec<ArmText>,
     /// The campaign's seed.
     pub seed: u64,
     /// Name of the controller.
     pub controller: String,
-    /// Parameters of the controller, by name.
+    /// Parameters of the controller, by scene.
     pub controller_parameters: BTreeMap<String, Value>,
-    /// Reaches of the whole campaign, all shards together.
-    pub reaches: u64,
     /// Which part of the campaign this set holds; `None` for all of it.
     pub shard: Option<Shard>,
 }
 
-/// A scene file as it was read.
+/// A scene of a campaign.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneText {
     /// Name of the scene.
     pub name: String,
-    /// The whole text of the file.
-    pub text: String,
-    /// BLAKE3 hash of the text, hexadecimal.
-    pub blake3: String,
+    /// Reaches of this scene in the whole campaign, all shards together.
+    pub reaches: u64,
+    /// Its arm: index in [`Provenance::arms`].
+    pub arm: usize,
+    /// The scene file.
+    pub file: FileText,
 }
 
-impl SceneText {
-    /// A scene's text with its hash.
+/// The files that describe an arm.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ArmText {
+    /// Name of the arm.
+    pub name: String,
+    /// Its files, the one that names the others first; names are relative to its folder.
+    pub files: Vec<FileText>,
+}
+
+/// A text file as it was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileText {
+    /// Name of the file.
+    pub name: String,
+    /// BLAKE3 hash of the text, hexadecimal.
+    pub blake3: String,
+    /// The whole text.
+    pub text: String,
+}
+
+impl FileText {
+    /// A file's text with its hash.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         let text = text.into();
-        SceneText {
+        FileText {
             name: name.into(),
             blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
             text,
@@ -92,34 +114,45 @@ pub struct Shard {
     pub count: u64,
 }
 
-/// Path and both values of the first place where two JSON values differ.
+/// The first place where two plans differ, as its path and both values. The provenance is compared first, because all
+/// else follows from it: a changed skin file is named as that file and not as the first taxel that moved.
 pub(super) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
-    fn brief(value: Option<&Value>) -> String {
-        let text = value.map_or("absent".to_string(), Value::to_string);
-        match text.char_indices().nth(60) {
-            Some((end, _)) => format!("{}…", &text[..end]),
-            None => text,
-        }
+    const FIRST: &str = "provenance";
+    search(FIRST, stored.get(FIRST), given.get(FIRST)).or_else(|| search("", Some(stored), Some(given)))
+}
+
+fn brief(value: Option<&Value>) -> String {
+    let text = value.map_or("absent".to_string(), Value::to_string);
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
     }
-    fn search(path: &str, stored: Option<&Value>, given: Option<&Value>) -> Option<(String, String, String)> {
-        let below = |key: &str| {
-            if path.is_empty() {
-                key.to_string()
-            } else {
-                format!("{path}.{key}")
-            }
-        };
-        match (stored, given) {
-            (Some(Value::Object(a)), Some(Value::Object(b))) => {
-                let keys: std::collections::BTreeSet<_> = a.keys().chain(b.keys()).collect();
-                keys.into_iter()
-                    .find_map(|key| search(&below(key), a.get(key), b.get(key)))
-            }
-            (Some(Value::Array(a)), Some(Value::Array(b))) => (0..a.len().max(b.len()))
-                .find_map(|index| search(&format!("{path}[{index}]"), a.get(index), b.get(index))),
-            (a, b) if a == b => None,
-            (a, b) => Some((path.to_string(), brief(a), brief(b))),
+}
+
+fn search(path: &str, stored: Option<&Value>, given: Option<&Value>) -> Option<(String, String, String)> {
+    match (stored, given) {
+        (Some(Value::Object(a)), Some(Value::Object(b))) => {
+            let keys: BTreeSet<_> = a.keys().chain(b.keys()).collect();
+            keys.into_iter().find_map(|key| {
+                let path = if path.is_empty() {
+                    key.to_string()
+                } else {
+                    format!("{path}.{key}")
+                };
+                search(&path, a.get(key), b.get(key))
+            })
         }
+        (Some(Value::Array(a)), Some(Value::Array(b))) => (0..a.len().max(b.len())).find_map(|index| {
+            let (stored, given) = (a.get(index), b.get(index));
+            // Entries that have a name, such as files, are called by it.
+            let name = |entry: Option<&Value>| entry.and_then(|entry| entry.get("name")).cloned();
+            let path = match name(stored) {
+                Some(own) if Some(&own) == name(given).as_ref() => format!("{path}[{own}]"),
+                _ => format!("{path}[{index}]"),
+            };
+            search(&path, stored, given)
+        }),
+        (a, b) if a == b => None,
+        (a, b) => Some((path.to_string(), brief(a), brief(b))),
     }
-    search("", Some(stored), Some(given))
 }

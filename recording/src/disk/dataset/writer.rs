@@ -76,13 +76,16 @@ fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
 /// Stores the plan, or compares it with the one stored when the set was begun.
 fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
-    let bytes = json_bytes(&path, plan)?;
     if !path.exists() {
-        return write_bytes(&path, &bytes);
+        return write_bytes(&path, &json_bytes(&path, plan)?);
     }
-    let stored: Value = read_json(&path)?;
-    let given = serde_json::from_slice(&bytes).map_err(|error| DiskError::io(&path, "compare")(error.into()))?;
-    match first_difference(&stored, &given) {
+    require_same(dir, &read_json(&path)?, plan)
+}
+
+/// Demands that a folder's plan, as it is stored, is the given one.
+fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), DiskError> {
+    let given = serde_json::to_value(plan).map_err(|error| DiskError::io(dir, "compare")(error.into()))?;
+    match first_difference(stored, &given) {
         None => Ok(()),
         Some((field, stored, given)) => Err(DiskError::PlanDiffers {
             dir: dir.to_path_buf(),
@@ -96,6 +99,9 @@ fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
 impl DatasetWriter {
     /// Begins a data set in an empty or new folder or, with `resume`, takes up one that was begun with the same plan.
     ///
+    /// A finished set is never written again. With `resume`, [`DiskError::Finished`] also says that it was made to this
+    /// plan, so that there is nothing to do; a set of another plan is [`DiskError::PlanDiffers`].
+    ///
     /// # Errors
     /// [`DiskError::Unwritable`] for a plan without reaches, joints or rate, or with a broken layout;
     /// [`DiskError::FolderNotEmpty`], [`DiskError::Finished`] and [`DiskError::Unfinished`] (without `resume`) for what
@@ -106,6 +112,12 @@ impl DatasetWriter {
         check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
         match look(&dir)? {
             Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
+            Folder::Finished if resume => {
+                let stored = serde_json::to_value(Dataset::open(&dir)?.plan());
+                let stored = stored.map_err(|error| DiskError::io(&dir, "compare")(error.into()))?;
+                require_same(&dir, &stored, &plan)?;
+                return Err(DiskError::Finished { dir });
+            }
             Folder::Finished => return Err(DiskError::Finished { dir }),
             Folder::Begun if !resume => return Err(DiskError::Unfinished { dir }),
             Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::reach;
 use crate::disk::{
-    Dataset, DatasetPlan, DatasetWriter, DiskError, PlannedEpisode, Provenance, SceneText, write_recording,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText,
+    write_recording,
 };
 use crate::{InputError, NamedStop, Outcome, Recording, SafetyStop};
 
@@ -42,6 +43,15 @@ pub(super) fn recordings() -> Vec<Recording> {
     recordings
 }
 
+pub(super) fn scene_text(name: &str, text: &str) -> SceneText {
+    SceneText {
+        name: name.into(),
+        reaches: 25,
+        arm: 0,
+        file: FileText::new(format!("{name}.toml"), text),
+    }
+}
+
 pub(super) fn plan() -> DatasetPlan {
     let recordings = recordings();
     let first = &recordings[0];
@@ -56,14 +66,14 @@ pub(super) fn plan() -> DatasetPlan {
             program_version: "0.1.0".into(),
             engine: "an engine 1.0".into(),
             options: BTreeMap::from([("step_s".to_string(), 0.004.into())]),
-            scenes: vec![
-                SceneText::new("foliage", "[leaf]\n"),
-                SceneText::new("trunks", "[trunk]\n"),
-            ],
+            scenes: vec![scene_text("foliage", "[leaf]\n"), scene_text("trunks", "[trunk]\n")],
+            arms: vec![ArmText {
+                name: "cody".into(),
+                files: vec![FileText::new("cody.toml", "stiff\n"), FileText::new("cody.urdf", "<robot/>\n")],
+            }],
             seed: 7,
             controller: "cody-2013".into(),
             controller_parameters: BTreeMap::new(),
-            reaches: 25,
             shard: None,
         },
         robot: "cody".into(),
@@ -265,8 +275,19 @@ fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     fs::rename(&provenance, folder.path().join("aside")).unwrap();
     assert_eq!(
         input_error(Dataset::open(&dir)).found,
+        "a data set without meta/provenance.json"
+    );
+    let others = ["checksums.json", "taxels.parquet"].map(|name| dir.join("meta").join(name));
+    for name in &others {
+        fs::rename(name, name.with_extension("aside")).unwrap();
+    }
+    assert_eq!(
+        input_error(Dataset::open(&dir)).found,
         "a LeRobot data set of another program"
     );
+    for name in &others {
+        fs::rename(name.with_extension("aside"), name).unwrap();
+    }
     fs::rename(folder.path().join("aside"), &provenance).unwrap();
     fs::remove_file(&info).unwrap();
     assert_eq!(
@@ -283,10 +304,6 @@ fn every_missing_torn_or_changed_file_is_named() {
     let files = contents(folder.path());
     assert!(files.len() > 11, "{:?}", files.keys());
     for (name, bytes) in &files {
-        // Without it nothing can be checked; its own absence is an Io error.
-        if name.ends_with("checksums.json") {
-            continue;
-        }
         let path = folder.path().join(name);
         let check = || Dataset::open(folder.path()).and_then(|set| set.verify());
         let mut changed = bytes.clone();
@@ -296,9 +313,75 @@ fn every_missing_torn_or_changed_file_is_named() {
             assert_eq!(input_error(check()).file, path);
         }
         fs::remove_file(&path).unwrap();
-        let decisive = name.ends_with("info.json") || name.ends_with("provenance.json");
+        // Without these the folder is not known to be a finished set.
+        let decisive = ["info.json", "provenance.json", "checksums.json"]
+            .iter()
+            .any(|decisive| name.ends_with(decisive));
         assert_eq!(input_error(check()).file, if decisive { folder.path() } else { &path });
         fs::write(&path, bytes).unwrap();
         check().unwrap();
     }
+}
+
+/// Pins that no file can be read before its hash was checked: a bit that flips in a large table after the set was opened
+/// is named by the first reach that needs the table, without a call of `verify`.
+#[test]
+fn a_changed_table_is_named_when_it_is_first_read() {
+    let folder = tempfile::tempdir().unwrap();
+    make(folder.path());
+    let set = Dataset::open(folder.path()).unwrap();
+    let path = folder.path().join("data/chunk-000/file-000.parquet");
+    let mut bytes = fs::read(&path).unwrap();
+    let place = bytes.len() / 3;
+    bytes[place] ^= 4;
+    fs::write(&path, &bytes).unwrap();
+    let error = input_error(set.read_reach(0));
+    assert_eq!((error.file.as_path(), error.field.as_str()), (path.as_path(), "checksum"));
+    bytes[place] ^= 4;
+    fs::write(&path, &bytes).unwrap();
+    assert_eq!(set.read_reach(0).unwrap(), recordings()[0]);
+}
+
+/// Pins that "every file matches its checksum" is said of all files: an emptied list, an entry taken out, an entry changed
+/// together with its file, and files that the list does not know are found when the set is opened.
+#[test]
+fn the_list_of_checksums_cannot_be_changed_unnoticed() {
+    let folder = tempfile::tempdir().unwrap();
+    make(folder.path());
+    let list = folder.path().join("meta/checksums.json");
+    let whole = fs::read_to_string(&list).unwrap();
+    let stored: serde_json::Value = serde_json::from_str(&whole).unwrap();
+    let statistics = folder.path().join("meta/stats.json");
+    type Edit = fn(&mut serde_json::Map<String, serde_json::Value>);
+    let edits: [(&str, Edit); 3] = [
+        ("emptied", |files| files.clear()),
+        ("an entry removed", |files| drop(files.remove("meta/stats.json"))),
+        ("a size changed", |files| files["meta/stats.json"]["bytes"] = 2.into()),
+    ];
+    for (what, edit) in edits {
+        let mut edited = stored.clone();
+        edit(edited["files"].as_object_mut().unwrap());
+        fs::write(&list, edited.to_string()).unwrap();
+        assert_eq!(input_error(Dataset::open(folder.path())).file, list, "{what}");
+    }
+    // With a list that fits its own hash, a file that it does not know is still found.
+    let hash = blake3::hash(b"").to_hex().to_string();
+    fs::write(&list, serde_json::json!({"blake3": hash, "files": {}}).to_string()).unwrap();
+    let error = input_error(Dataset::open(folder.path()));
+    assert_eq!(error.found, "a file that meta/checksums.json does not list");
+    fs::write(&list, &whole).unwrap();
+    for extra in ["data/chunk-000/file-001.parquet.bak", "meta/notes.txt", "data/extra.parquet", "truth/x.parquet"] {
+        let path = folder.path().join(extra);
+        let made_folder = !path.parent().unwrap().exists();
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::copy(&statistics, &path).unwrap();
+        assert_eq!(input_error(Dataset::open(folder.path())).file, path);
+        fs::remove_file(&path).unwrap();
+        if made_folder {
+            fs::remove_dir(path.parent().unwrap()).unwrap();
+        }
+    }
+    // Hidden files are those of a file manager; no reader of data sets looks at them.
+    fs::write(folder.path().join("data/.directory"), "").unwrap();
+    Dataset::open(folder.path()).unwrap().verify().unwrap();
 }

@@ -3,9 +3,9 @@ use std::path::Path;
 use std::thread;
 
 use super::Change;
-use super::dataset::{begin, contents, make, plan, recordings};
+use super::dataset::{begin, contents, make, plan, recordings, scene_text};
 use crate::Recording;
-use crate::disk::{DatasetPlan, DatasetWriter, DiskError};
+use crate::disk::{DatasetPlan, DatasetWriter, DiskError, FileText};
 
 /// Copies a folder with everything below it, as a crash at this moment would leave it.
 fn copy(from: &Path, to: &Path) {
@@ -138,7 +138,8 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
 
 #[test]
 fn a_folder_that_holds_something_else_is_left_alone() {
-    // Pins: neither a finished set nor a stranger's files can be overwritten, with or without resume.
+    // Pins: neither a finished set nor a stranger's files can be overwritten, with or without resume; resuming a
+    // finished set with another plan says what differs.
     let folder = tempfile::tempdir().unwrap();
     let [finished, foreign, crashed] = ["a", "b", "c"].map(|name| folder.path().join(name));
     make(&finished);
@@ -149,6 +150,12 @@ fn a_folder_that_holds_something_else_is_left_alone() {
         assert!(matches!(again, Err(DiskError::Finished { .. })));
         let over = DatasetWriter::create(&foreign, plan(), resume);
         assert!(matches!(over, Err(DiskError::FolderNotEmpty { .. })));
+    }
+    let mut other = plan();
+    other.episodes[1].reach_index = 8;
+    match DatasetWriter::create(&finished, other, true) {
+        Err(DiskError::PlanDiffers { field, .. }) => assert_eq!(field, "episodes[1].reach_index"),
+        other => panic!("{other:?}"),
     }
     // A crash before the plan was stored leaves nothing to resume and nothing to lose.
     fs::create_dir_all(crashed.join("incomplete")).unwrap();
@@ -161,14 +168,19 @@ fn a_folder_that_holds_something_else_is_left_alone() {
 #[test]
 fn another_plan_is_refused_by_its_first_differing_field() {
     // Pins: resuming with other options cannot mix two campaigns, and the error says what differs.
-    let changes: [Change<DatasetPlan>; 6] = [
+    let changes: [Change<DatasetPlan>; 7] = [
         ("provenance.seed", |plan| plan.provenance.seed = 8),
         ("provenance.options.step_s", |plan| plan.provenance.options.clear()),
-        ("provenance.scenes[1].blake3", |plan| {
-            plan.provenance.scenes[1] = crate::disk::SceneText::new("trunks", "[trunk] # changed\n");
+        ("provenance.scenes[\"trunks\"].file.blake3", |plan| {
+            plan.provenance.scenes[1] = scene_text("trunks", "[trunk] # changed\n");
+        }),
+        // The skin follows from the arm's files: the file is named, not what came of it.
+        ("provenance.arms[\"cody\"].files[\"cody.toml\"].blake3", |plan| {
+            plan.provenance.arms[0].files[0] = FileText::new("cody.toml", "soft\n");
+            plan.layout.patches[0].link = "elsewhere".into();
         }),
         ("episodes[4]", |plan| plan.episodes.truncate(4)),
-        ("layout.patches[0].grid.wraps", |plan| {
+        ("layout.patches[\"forearm\"].grid.wraps", |plan| {
             plan.layout.patches[0].grid.as_mut().unwrap().wraps = false;
         }),
         ("rate_hz", |plan| plan.rate_hz = 50.0),

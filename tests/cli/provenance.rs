@@ -1,0 +1,131 @@
+//! A data set holds what it was made from: the arm too is compared on `--resume`, and `generate --from` makes the set
+//! again from nothing else.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter};
+
+use super::resume::interrupted;
+use crate::support::fixture::fixture;
+use crate::support::{assert_same_trees, scenes, underbrush};
+
+/// Writes a user's arm into a folder of its own, Cody with every spring `scale` times as stiff, and a scene of it.
+fn scene_with_own_arm(folder: &Path, scale: f64) -> PathBuf {
+    let arm = folder.join("my-arm");
+    fs::create_dir_all(&arm).unwrap();
+    let cody = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody");
+    for name in ["cody.urdf", "cody.skin.toml"] {
+        fs::copy(cody.join(name), arm.join(name)).unwrap();
+    }
+    let scaled = |line: &str| match line.strip_prefix("stiffness_nm_per_rad = ") {
+        Some(stiffness) => {
+            let stiffness: f64 = stiffness.split('#').next().unwrap().trim().parse().unwrap();
+            format!("stiffness_nm_per_rad = {:?}\n", scale * stiffness)
+        }
+        None => format!("{line}\n"),
+    };
+    let text = fs::read_to_string(cody.join("cody.toml")).unwrap();
+    let text: String = text.lines().map(scaled).collect();
+    fs::write(arm.join("my-arm.toml"), text).unwrap();
+    let scene = format!("arm = \"my-arm/my-arm.toml\"\n{}", scenes::FEW_TRUNKS);
+    scenes::write(folder, "trunk.toml", &scene)
+}
+
+/// Pins that a set begun with a user's arm is not gone on with when that arm's springs were changed, that the file which
+/// differs is named, and that `inspect` names the arm's files.
+#[test]
+fn a_changed_arm_is_refused_on_resume() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("set");
+    let scene = scene_with_own_arm(folder.path(), 1.0);
+    interrupted(&scene, &out);
+    scene_with_own_arm(folder.path(), 0.5);
+    let resumed =
+        || underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", out, "--resume"];
+    resumed().refused(&["another plan", "provenance.arms", "my-arm.toml"]);
+    scene_with_own_arm(folder.path(), 1.0);
+    let skin = folder.path().join("my-arm/cody.skin.toml");
+    let text = fs::read_to_string(&skin).unwrap();
+    fs::write(&skin, format!("{text}\n# another remark\n")).unwrap();
+    resumed().refused(&["another plan", "provenance.arms", "cody.skin.toml"]);
+    fs::write(&skin, text).unwrap();
+    resumed().success();
+    let found = underbrush!["inspect", out].success();
+    for name in ["my-arm.toml", "cody.urdf", "cody.skin.toml", "trunk.toml"] {
+        assert!(found.contains(name), "{name} is not in\n{found}");
+    }
+}
+
+/// Pins that a set is made again byte for byte from what it holds alone: of a user's arm whose files are gone, of two
+/// scenes, and of one shard.
+#[test]
+fn a_set_is_made_again_from_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let [sources, shard, again, whole, whole_again] =
+        ["sources", "shard", "again", "whole", "whole-again"].map(|name| folder.path().join(name));
+    fs::create_dir(&sources).unwrap();
+    let trunk = scene_with_own_arm(&sources, 0.8);
+    let leaf = scenes::write(&sources, "leaf.toml", scenes::FEW_LEAVES);
+    #[rustfmt::skip]
+    underbrush!["generate", leaf, trunk, "--reaches", "3", "--seed", "6", "--shard", "2/4", "--out", shard].success();
+    #[rustfmt::skip]
+    underbrush!["generate", trunk, "--reaches", "2", "--controller", "ijrr-foliage", "--out", whole].success();
+    fs::remove_dir_all(&sources).unwrap();
+    for (set, again) in [(&shard, &again), (&whole, &whole_again)] {
+        let call = underbrush!["generate", "--from", set, "--out", again];
+        assert_eq!((call.status, call.stderr.as_str()), (0, ""));
+        assert_same_trees(set, again);
+    }
+    let set = Dataset::open(&shard).unwrap();
+    assert_eq!((set.episodes().len(), set.provenance().arms.len()), (2, 2));
+}
+
+/// Pins that options which say something else than the set are refused, not ignored.
+#[test]
+fn options_beside_from_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("set");
+    let set = fixture().dataset();
+    for contradiction in [
+        &["--seed", "2"][..],
+        &["--reaches", "1"],
+        &["--shard", "1/2"],
+        &["--controller", "blind"],
+        &["scenes/leaf.toml"],
+    ] {
+        let mut arguments = vec!["generate".into(), "--from".into(), set.clone(), "--out".into(), out.clone()];
+        arguments.extend(contradiction.iter().map(PathBuf::from));
+        let arguments = arguments.into_iter().map(Into::into).collect();
+        crate::support::call(arguments, "").refused(&["cannot be used with", "--from"]);
+    }
+    assert!(!out.exists());
+}
+
+/// A copy of a data set with another plan and the same reaches.
+fn with_plan(from: &Path, to: &Path, change: impl Fn(&mut DatasetPlan)) {
+    let set = Dataset::open(from).unwrap();
+    let mut plan = set.plan();
+    change(&mut plan);
+    let writer = DatasetWriter::create(to, plan, false).unwrap();
+    for index in 0..set.episodes().len() {
+        writer.stage(index, &set.read_reach(index).unwrap()).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+/// Pins that a set of another version is made again with a warning, and one of another program not at all.
+#[test]
+fn another_version_or_program_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let [set, older, foreign, out] = ["set", "older", "foreign", "out"].map(|name| folder.path().join(name));
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    underbrush!["generate", scene, "--reaches", "1", "--out", set].success();
+    with_plan(&set, &older, |plan| plan.provenance.program_version = "0.0.9".into());
+    let call = underbrush!["generate", "--from", older, "--out", out];
+    assert_eq!(call.status, 0, "{}", call.stderr);
+    assert!(call.stderr.contains("0.0.9") && call.stderr.contains("may differ"), "{}", call.stderr);
+    with_plan(&set, &foreign, |plan| plan.provenance.program = "robot-driver".into());
+    let call = underbrush!["generate", "--from", foreign, "--out", folder.path().join("none")];
+    call.refused(&["robot-driver", "underbrush generate"]);
+}
