@@ -5,10 +5,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::json;
-use underbrush_recording::{InputError, Recording};
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
+use underbrush_recording::{InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::reach::ReachPlan;

@@ -68,7 +68,10 @@ mod tests {
                 flipped[place] ^= 1 << bit;
                 std::fs::write(&path, flipped).unwrap();
                 let taken = read::<Vec<f64>>(&path);
-                assert!(taken.is_none() || taken.as_ref() == Some(&content), "byte {place}, bit {bit}: {taken:?}");
+                assert!(
+                    taken.is_none() || taken.as_ref() == Some(&content),
+                    "byte {place}, bit {bit}: {taken:?}"
+                );
             }
         }
         assert_eq!(read::<Vec<f64>>(&folder.path().join("none.json")), None);

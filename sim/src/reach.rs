@@ -47,12 +47,7 @@ impl ReachPlan {
     ///
     /// # Errors
     /// When no controller has that name or the scene's sensor does not fit the arm's skin.
-    pub fn with_arm(
-        scene: Scene,
-        mut arm: Arm,
-        controller: Option<&str>,
-        seed: u64,
-    ) -> Result<ReachPlan, InputError> {
+    pub fn with_arm(scene: Scene, mut arm: Arm, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
         let name = controller.unwrap_or(&scene.file.controller).to_string();
         if !controller::NAMES.contains(&name.as_str()) {

@@ -41,8 +41,19 @@ fn a_changed_arm_is_refused_on_resume() {
     let scene = scene_with_own_arm(folder.path(), 1.0);
     interrupted(&scene, &out);
     scene_with_own_arm(folder.path(), 0.5);
-    let resumed =
-        || underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", out, "--resume"];
+    let resumed = || {
+        underbrush![
+            "generate",
+            scene,
+            "--reaches",
+            "8",
+            "--seed",
+            "3",
+            "--out",
+            out,
+            "--resume"
+        ]
+    };
     resumed().refused(&["another plan", "provenance.arms", "my-arm.toml"]);
     scene_with_own_arm(folder.path(), 1.0);
     let skin = folder.path().join("my-arm/cody.skin.toml");
@@ -94,7 +105,13 @@ fn options_beside_from_are_refused() {
         &["--controller", "blind"],
         &["scenes/leaf.toml"],
     ] {
-        let mut arguments = vec!["generate".into(), "--from".into(), set.clone(), "--out".into(), out.clone()];
+        let mut arguments = vec![
+            "generate".into(),
+            "--from".into(),
+            set.clone(),
+            "--out".into(),
+            out.clone(),
+        ];
         arguments.extend(contradiction.iter().map(PathBuf::from));
         let arguments = arguments.into_iter().map(Into::into).collect();
         crate::support::call(arguments, "").refused(&["cannot be used with", "--from"]);
@@ -124,7 +141,11 @@ fn another_version_or_program_is_named() {
     with_plan(&set, &older, |plan| plan.provenance.program_version = "0.0.9".into());
     let call = underbrush!["generate", "--from", older, "--out", out];
     assert_eq!(call.status, 0, "{}", call.stderr);
-    assert!(call.stderr.contains("0.0.9") && call.stderr.contains("may differ"), "{}", call.stderr);
+    assert!(
+        call.stderr.contains("0.0.9") && call.stderr.contains("may differ"),
+        "{}",
+        call.stderr
+    );
     with_plan(&set, &foreign, |plan| plan.provenance.program = "robot-driver".into());
     let call = underbrush!["generate", "--from", foreign, "--out", folder.path().join("none")];
     call.refused(&["robot-driver", "underbrush generate"]);

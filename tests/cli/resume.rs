@@ -102,8 +102,19 @@ fn a_finished_set_is_not_written_again() {
     let out = folder.path().join("set");
     underbrush!["generate", scene, "--reaches", "1", "--out", out].success();
     let before = crate::support::tree(&out);
-    underbrush!["generate", scene, "--reaches", "1", "--out", out].refused(&["finished data set", "choose another folder"]);
-    let other = underbrush!["generate", scene, "--reaches", "1", "--out", out, "--seed", "5", "--resume"];
+    underbrush!["generate", scene, "--reaches", "1", "--out", out]
+        .refused(&["finished data set", "choose another folder"]);
+    let other = underbrush![
+        "generate",
+        scene,
+        "--reaches",
+        "1",
+        "--out",
+        out,
+        "--seed",
+        "5",
+        "--resume"
+    ];
     other.refused(&["provenance.seed was 0, now 5"]);
     let same = underbrush!["generate", scene, "--reaches", "1", "--out", out, "--resume", "--json"];
     assert!(same.stderr.contains("nothing to do"), "{}", same.stderr);

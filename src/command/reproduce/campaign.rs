@@ -258,12 +258,11 @@ pub fn kept<T: Serialize + DeserializeOwned>(
     make: impl FnOnce() -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let path = out.join("campaigns").join(format!("{name}-{seed}.json"));
-    let kept = sealed::read::<Kept<T>>(&path)
-        .filter(|kept| {
-            kept.program == PROGRAM_VERSION
-                && kept.analysis == env!("UNDERBRUSH_ANALYSIS_SOURCES")
-                && (kept.seed, kept.quick) == (seed, quick)
-        });
+    let kept = sealed::read::<Kept<T>>(&path).filter(|kept| {
+        kept.program == PROGRAM_VERSION
+            && kept.analysis == env!("UNDERBRUSH_ANALYSIS_SOURCES")
+            && (kept.seed, kept.quick) == (seed, quick)
+    });
     if let Some(kept) = kept {
         return Ok(kept.result);
     }

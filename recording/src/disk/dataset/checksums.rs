@@ -143,10 +143,7 @@ impl Checksums {
         let (path, expected) = (dir.join(name), self.expected(dir, name)?);
         let (found, allowed) = match fs::metadata(&path) {
             Ok(metadata) if metadata.len() == expected.bytes => return Ok(()),
-            Ok(metadata) => (
-                format!("{} bytes", metadata.len()),
-                format!("{} bytes", expected.bytes),
-            ),
+            Ok(metadata) => (format!("{} bytes", metadata.len()), format!("{} bytes", expected.bytes)),
             Err(cause) => (cause.to_string(), "the file that meta/checksums.json lists".into()),
         };
         Err(InputError::new(path, "checksum", found, allowed, REMEDY).into())

@@ -217,7 +217,12 @@ impl Dataset {
             joint_names: self.joint_names.clone(),
             layout: self.layout.clone(),
             objects: read_objects(&self.file(names::OBJECTS)?, first(|e| e.objects), episode.objects)?,
-            goals: read_goals(&self.file(names::GOALS)?, &self.layout, first(|e| e.goals()), episode.goals())?,
+            goals: read_goals(
+                &self.file(names::GOALS)?,
+                &self.layout,
+                first(|e| e.goals()),
+                episode.goals(),
+            )?,
             contacts: read_contacts(
                 &self.file(names::CONTACTS)?,
                 &self.layout,

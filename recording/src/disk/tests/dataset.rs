@@ -69,7 +69,10 @@ pub(super) fn plan() -> DatasetPlan {
             scenes: vec![scene_text("foliage", "[leaf]\n"), scene_text("trunks", "[trunk]\n")],
             arms: vec![ArmText {
                 name: "cody".into(),
-                files: vec![FileText::new("cody.toml", "stiff\n"), FileText::new("cody.urdf", "<robot/>\n")],
+                files: vec![
+                    FileText::new("cody.toml", "stiff\n"),
+                    FileText::new("cody.urdf", "<robot/>\n"),
+                ],
             }],
             seed: 7,
             controller: "cody-2013".into(),
@@ -336,7 +339,10 @@ fn a_changed_table_is_named_when_it_is_first_read() {
     bytes[place] ^= 4;
     fs::write(&path, &bytes).unwrap();
     let error = input_error(set.read_reach(0));
-    assert_eq!((error.file.as_path(), error.field.as_str()), (path.as_path(), "checksum"));
+    assert_eq!(
+        (error.file.as_path(), error.field.as_str()),
+        (path.as_path(), "checksum")
+    );
     bytes[place] ^= 4;
     fs::write(&path, &bytes).unwrap();
     assert_eq!(set.read_reach(0).unwrap(), recordings()[0]);
@@ -370,7 +376,12 @@ fn the_list_of_checksums_cannot_be_changed_unnoticed() {
     let error = input_error(Dataset::open(folder.path()));
     assert_eq!(error.found, "a file that meta/checksums.json does not list");
     fs::write(&list, &whole).unwrap();
-    for extra in ["data/chunk-000/file-001.parquet.bak", "meta/notes.txt", "data/extra.parquet", "truth/x.parquet"] {
+    for extra in [
+        "data/chunk-000/file-001.parquet.bak",
+        "meta/notes.txt",
+        "data/extra.parquet",
+        "truth/x.parquet",
+    ] {
         let path = folder.path().join(extra);
         let made_folder = !path.parent().unwrap().exists();
         fs::create_dir_all(path.parent().unwrap()).unwrap();
