@@ -180,11 +180,11 @@ fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failu
     for category in evaluation.known_categories() {
         add(category, category_roc(evaluation, category));
     }
-    if let Rule::OutlierBand { category_above, .. } = decision.rule {
+    if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
         let judge = decision.prepare(evaluation.known_categories())?;
         add(
             Category::Outlier.name(),
-            outlier_roc(evaluation, &judge, category_above),
+            outlier_roc(evaluation, &judge, uncertain_below),
         );
     }
     Ok(csv)

@@ -6,10 +6,11 @@ use super::Evaluation;
 use crate::decision::Judge;
 use crate::model_set::is_trained;
 
-/// What taking for positive all that scores `threshold` or more comes to.
+/// The error rates at one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RocPoint {
-    /// The least score of a positive; `None`: nothing is taken for positive.
+    /// The least score that is taken for positive, or the greatest lead (see [`outlier_roc`]); `None`: nothing is taken
+    /// for positive.
     pub threshold: Option<f64>,
     /// Negatives taken for positive, as a fraction of the negatives.
     pub false_positive_rate: f64,
@@ -20,7 +21,7 @@ pub struct RocPoint {
 /// The curve from (0, 0) to (1, 1), one point a distinct score.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RocCurve {
-    /// By falling threshold.
+    /// From the strictest threshold, which takes nothing for positive, to the one that takes everything.
     pub points: Vec<RocPoint>,
     /// The area under the curve: the probability that a positive scores higher than a negative, draws counted half.
     pub area: f64,
@@ -81,27 +82,33 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
     RocCurve::of(&positives, &negatives)
 }
 
-/// Outliers and blocks (what is never trained, [`is_trained`]) against the known categories, where an outlier is what
-/// leads by little, but not by less than a threshold that is lowered along the curve from `category_above`, nats (paper,
-/// section V-D): the curve ends where everything that leads by at most `category_above` is called an outlier, and goes
-/// on straight to (1, 1).
+/// Outliers and blocks (what is never trained, [`is_trained`]) against the known categories. A trial is called an outlier
+/// where its lead is at most a threshold and at least `uncertain_below`, nats (paper, section V-D). The threshold rises
+/// along the curve, so the smallest leads are called outliers first. A lead below `uncertain_below` is uncertain and never
+/// an outlier: the curve ends where all others are called outliers and goes on straight to (1, 1).
 ///
-/// `judge` gives the priors; its rule has no part. For evaluation only: no threshold is ever chosen on outliers. `None`
+/// [`RocPoint::threshold`] is the greatest lead that is called an outlier, nats: the curve passes through every
+/// [`crate::decision::Rule::OutlierBand`] with this `uncertain_below`. A trial that no category admits counts as a lead
+/// of 0.
+///
+/// `judge` gives the priors; its rule is not used. For evaluation only: no threshold is ever chosen on outliers. `None`
 /// where the evaluation holds no outliers, or nothing else.
-pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, category_above: f64) -> Option<RocCurve> {
+pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
     let scores = |known: bool| -> Vec<f64> {
         let pool = evaluation.predictions.iter();
         let leads = pool
             .filter(|prediction| is_trained(&prediction.category) == known)
-            .map(|prediction| judge.lead(&prediction.scores));
+            .map(|prediction| judge.lead(&prediction.scores).map_or(0.0, |(_, lead)| lead));
         leads
-            .map(|lead| match lead {
-                Some((_, lead)) if lead <= category_above => lead,
-                _ => f64::NEG_INFINITY,
-            })
+            .map(|lead| if lead < uncertain_below { f64::NEG_INFINITY } else { -lead })
             .collect()
     };
-    RocCurve::of(&scores(false), &scores(true))
+    let mut curve = RocCurve::of(&scores(false), &scores(true))?;
+    for point in &mut curve.points {
+        // From the score back to the lead, without a negative zero.
+        point.threshold = point.threshold.map(|score| 0.0 - score);
+    }
+    Some(curve)
 }
 
 #[cfg(test)]

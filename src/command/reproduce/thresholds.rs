@@ -47,8 +47,8 @@ pub fn choose(taxel_trials: &[Trial], models: &ModelSet, outlier: &Found) -> Res
         false => None,
         true => {
             let judge = argmax.prepare(&models.categories())?;
-            // All leads count: the curve goes through every rule that calls small leads outliers.
-            outlier_roc(&evaluate(models, &trials.taxel, &argmax)?, &judge, f64::INFINITY)
+            // No trial is left uncertain: the smallest leads are called outliers, up to every threshold.
+            outlier_roc(&evaluate(models, &trials.taxel, &argmax)?, &judge, 0.0)
         }
     };
     Ok(Thresholds {

@@ -67,10 +67,19 @@ fn a_category_is_set_against_all_others() {
     assert_eq!(category_roc(&evaluation, "foam"), None);
 }
 
+/// The false and true positive rates of a curve's points.
+fn rates(curve: &RocCurve) -> Vec<(f64, f64)> {
+    let points = curve.points.iter();
+    points
+        .map(|point| (point.false_positive_rate, point.true_positive_rate))
+        .collect()
+}
+
+/// Pins that the smallest leads are called outliers first, on scores whose answer is worked out by hand.
 #[test]
-fn outliers_lead_by_little_but_not_by_least() {
-    // Pins which leads the curve sweeps: from the category threshold down, whichever category leads; above it none.
+fn the_smallest_leads_are_called_outliers_first() {
     let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()]).unwrap();
+    // Leads: outliers 60 and 85, known 90, 30 and 200. Of the 2 · 3 pairs the outlier leads by less in 4.
     let evaluation = scored(&[
         ("leaf", [90.0, 0.0]),
         ("trunk", [0.0, 30.0]),
@@ -78,7 +87,67 @@ fn outliers_lead_by_little_but_not_by_least() {
         ("outlier", [60.0, 0.0]),
         ("outlier", [0.0, 85.0]),
     ]);
-    let curve = outlier_roc(&evaluation, &judge, 80.0).unwrap();
+    let curve = outlier_roc(&evaluation, &judge, 0.0).unwrap();
+    assert!((curve.area - 4.0 / 6.0).abs() < 1e-15, "{}", curve.area);
+    let third = 1.0 / 3.0;
+    let by_hand = [
+        (0.0, 0.0),
+        (third, 0.0),
+        (third, 0.5),
+        (third, 1.0),
+        (2.0 * third, 1.0),
+        (1.0, 1.0),
+    ];
+    assert_eq!(rates(&curve), by_hand);
+    let thresholds: Vec<Option<f64>> = curve.points.iter().map(|point| point.threshold).collect();
+    assert_eq!(
+        thresholds,
+        [None, Some(30.0), Some(60.0), Some(85.0), Some(90.0), Some(200.0)]
+    );
+    // Outliers whose leads are all smaller than any other are found without a false alarm; all larger, never.
+    let apart = |outlier: f64, known: f64| scored(&[("outlier", [outlier, 0.0]), ("leaf", [known, 0.0])]);
+    let area = |evaluation| outlier_roc(&evaluation, &judge, 0.0).unwrap().area;
+    assert_eq!(area(apart(2.0, 50.0)), 1.0);
+    assert_eq!(area(apart(50.0, 2.0)), 0.0);
+    // No category admits the outlier, so nothing leads.
     let never = f64::NEG_INFINITY;
-    assert_eq!(curve, RocCurve::of(&[60.0, never], &[never, 30.0, never]).unwrap());
+    let excluded = scored(&[("outlier", [never, never]), ("leaf", [1e-9, 0.0])]);
+    assert_eq!(area(excluded), 1.0);
+}
+
+/// Pins that the curve passes through the verdicts of the paper's rule, and that uncertain trials are never found.
+#[test]
+fn the_curve_passes_through_the_rule() {
+    let evaluation = scored(&[
+        ("leaf", [90.0, 0.0]),
+        ("trunk", [0.0, 30.0]),
+        ("trunk", [0.0, 5.0]),
+        ("outlier", [60.0, 0.0]),
+        ("outlier", [0.0, 14.0]),
+    ]);
+    let judge = Decision::paper().prepare(&["leaf".into(), "trunk".into()]).unwrap();
+    let curve = outlier_roc(&evaluation, &judge, 15.0).unwrap();
+    let verdicts = |outlier: bool| {
+        let own: Vec<_> = evaluation
+            .predictions
+            .iter()
+            .filter(|prediction| (prediction.category == "outlier") == outlier)
+            .collect();
+        let called = own
+            .iter()
+            .filter(|prediction| judge.choose(&prediction.scores) == crate::decision::Choice::Outlier);
+        called.count() as f64 / own.len() as f64
+    };
+    // The last point with a lead of at most 80 nats, the paper's upper threshold.
+    let at_80 = curve
+        .points
+        .iter()
+        .rfind(|point| point.threshold.is_some_and(|lead| lead <= 80.0))
+        .unwrap();
+    assert_eq!(
+        (at_80.false_positive_rate, at_80.true_positive_rate),
+        (verdicts(false), verdicts(true))
+    );
+    // From the last certain trial straight to the end.
+    assert_eq!(rates(&curve)[3..], [(2.0 / 3.0, 0.5), (1.0, 1.0)]);
 }
