@@ -140,7 +140,11 @@ impl Evaluation {
         &verdicts[..verdicts.len() - 2]
     }
 
-    fn of(
+    /// What predictions by a classifier of these categories amount to, whatever folds or trials they come from.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NoTruth`] without any prediction.
+    pub fn of(
         predictions: Vec<Prediction>,
         models: &[String],
         training: Vec<BTreeMap<String, TrainingHistory>>,

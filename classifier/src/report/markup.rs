@@ -18,8 +18,8 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// Letters, digits and hyphens of a text, in lower case: a name for an element or a file.
-pub(super) fn slug(text: &str) -> String {
+/// Letters, digits and hyphens of a text, in lower case: a name for an element or a file that needs no escaping.
+pub fn slug(text: &str) -> String {
     let lower = text.to_lowercase();
     let words = lower.split(|character: char| !character.is_ascii_alphanumeric());
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")

@@ -5,9 +5,11 @@ use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::disk::Dataset;
 
-use super::campaign::{self, AUTHORS, Cell, Measurement, Trials, TrialsPerReach};
+use super::accuracy::Accuracy;
+use super::campaign::{self, AUTHORS, Trials};
 use super::comparison;
 use super::data::{CHANGES, Change};
+use super::measurement::{Cell, Measurement, TrialsPerReach};
 use crate::failure::Failure;
 
 /// The campaign with one thing changed, in the authors' recipe.
@@ -22,11 +24,19 @@ pub struct Ablated {
     /// Pairs of cells in the paper's order, and how many there are.
     pub pairs_holding: usize,
     pub pairs: usize,
-    /// Means over the six cells, per cent.
-    pub component_accuracy: f64,
-    pub taxel_accuracy: f64,
+    /// Means over six cells each, per cent.
+    pub component: MeanAccuracy,
+    pub taxel: MeanAccuracy,
     pub trials_per_reach: Vec<TrialsPerReach>,
     pub table_1: Vec<Cell>,
+}
+
+/// Means over the cells of one unit, per cent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeanAccuracy {
+    pub accuracy: f64,
+    pub balanced_accuracy: f64,
+    pub majority_baseline: f64,
 }
 
 /// The name of the row in which nothing is changed.
@@ -34,14 +44,21 @@ pub const AS_IS: &str = "as is";
 
 impl Ablated {
     pub fn new(change: &str, cells: impl IntoIterator<Item = Cell>, trials_per_reach: Vec<TrialsPerReach>) -> Self {
-        let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.recipe == AUTHORS).collect();
-        let difference = |cell: &Cell| (cell.accuracy - cell.paper).abs();
+        let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == AUTHORS).collect();
+        let difference = |cell: &Cell| (cell.accuracy.accuracy - cell.paper).abs();
         let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
         let of = |unit: TableOneUnit| {
-            let own = table_1.iter().filter(|cell| cell.by == unit);
-            mean(own.map(|cell| cell.accuracy).collect())
+            let over = |value: fn(&Accuracy) -> f64| {
+                let own = table_1.iter().filter(|cell| cell.key.by == unit);
+                mean(own.map(|cell| value(&cell.accuracy)).collect())
+            };
+            MeanAccuracy {
+                accuracy: over(|own| own.accuracy),
+                balanced_accuracy: over(|own| own.balanced_accuracy),
+                majority_baseline: over(|own| own.majority_baseline),
+            }
         };
-        let orderings = comparison::orderings_of(&table_1);
+        let orderings = comparison::orderings_of(table_1.iter().map(|cell| (&cell.key, cell.accuracy.accuracy)));
         Ablated {
             change: change.into(),
             mean_absolute_difference_points: mean(table_1.iter().map(difference).collect()),
@@ -49,8 +66,8 @@ impl Ablated {
             orderings: orderings.len(),
             pairs_holding: orderings.iter().map(|ordering| ordering.pairs_holding).sum(),
             pairs: orderings.iter().map(|ordering| ordering.pairs).sum(),
-            component_accuracy: of(TableOneUnit::Component),
-            taxel_accuracy: of(TableOneUnit::Taxel),
+            component: of(TableOneUnit::Component),
+            taxel: of(TableOneUnit::Taxel),
             trials_per_reach,
             table_1,
         }

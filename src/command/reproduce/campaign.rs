@@ -1,24 +1,22 @@
 //! Campaigns of the paper's size: reaches, trials, Table I.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::{Folds, Interval, TableOneCell, TableOneUnit, table_one};
-use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::evaluate::{Folds, TableOneCell, TableOneUnit, table_one};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::trial::{ContactTrial, TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
 use underbrush_sim::scene::{Scene, SceneFile};
 
-use super::classifiers::{self, Compared};
 use super::data::{self, TRAINING};
-use crate::dataset::{Campaign, PROGRAM_VERSION};
+use super::measurement::{Cell, Measurement, OneOfMany, TrialsPerReach};
+use super::{classifiers, kept};
+use crate::dataset::Campaign;
 use crate::failure::Failure;
-use crate::{progress, sealed};
+use crate::progress;
 
 /// Trials of a whole campaign, reach by reach.
 #[derive(Default)]
@@ -31,45 +29,6 @@ pub struct Trials {
 
 /// A cell of Table I with the name of its recipe.
 pub type RecipeCell = (&'static str, TableOneCell);
-
-/// What a campaign comes to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Measurement {
-    pub trials_per_reach: Vec<TrialsPerReach>,
-    /// Twelve cells a recipe.
-    pub table_1: Vec<Cell>,
-}
-
-/// What of a campaign enters the mean of many.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct OneOfMany {
-    pub measurement: Measurement,
-    /// Classifiers, and their accuracy on whole taxel trials, two folds by whole reaches, per cent.
-    pub classifiers: Vec<(String, f64)>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrialsPerReach {
-    pub by: TableOneUnit,
-    pub category: String,
-    pub trials: usize,
-    pub per_reach: f64,
-    pub paper: f64,
-}
-
-/// A cell of Table I, all figures in per cent.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
-    pub by: TableOneUnit,
-    pub features: FeatureSet,
-    pub states: usize,
-    pub recipe: String,
-    pub accuracy: f64,
-    /// Ends of the 95 % interval that resamples whole reaches.
-    pub low: f64,
-    pub high: f64,
-    pub paper: f64,
-}
 
 pub const AUTHORS: &str = "authors";
 pub const MODERN: &str = "modern";
@@ -169,6 +128,28 @@ impl Trials {
         Ok(trials)
     }
 
+    /// Those of at least so many samples, numbered anew: the same as cut with [`TrialOptions::min_samples`].
+    pub fn lasting(&self, min_samples: usize) -> Self {
+        let long = |trial: &&Trial| trial.samples.len() >= min_samples;
+        let pairs = self.taxel.iter().zip(&self.touched);
+        let renumbered = |trials: &[Trial]| {
+            let own = trials.iter().filter(long).zip(0..);
+            own.map(|(trial, number)| Trial {
+                trial: number,
+                ..trial.clone()
+            })
+            .collect()
+        };
+        Trials {
+            component: renumbered(&self.component),
+            touched: pairs
+                .filter(|(trial, _)| long(trial))
+                .map(|(_, touched)| *touched)
+                .collect(),
+            taxel: renumbered(&self.taxel),
+        }
+    }
+
     fn of(&self, by: TableOneUnit) -> &[Trial] {
         match by {
             TableOneUnit::Component => &self.component,
@@ -220,80 +201,16 @@ impl Trials {
     }
 }
 
-impl Cell {
-    fn new(recipe: &str, cell: &TableOneCell) -> Self {
-        let evaluation = &cell.evaluation;
-        let Interval { low, high } = evaluation
-            .accuracy_interval_by_reach
-            .unwrap_or(evaluation.accuracy_interval_by_trial);
-        Cell {
-            by: cell.unit,
-            features: cell.features,
-            states: cell.states,
-            recipe: recipe.into(),
-            accuracy: 100.0 * evaluation.accuracy,
-            low: 100.0 * low,
-            high: 100.0 * high,
-            paper: cell.paper_accuracy_percent,
-        }
-    }
-}
-
-/// A result as it is kept, with what it was made by.
-#[derive(Serialize, Deserialize)]
-struct Kept<T> {
-    program: String,
-    /// Hash of the sources that decide trials, models and figures.
-    analysis: String,
-    seed: u64,
-    quick: bool,
-    result: T,
-}
-
-/// The result called `name` for a seed: as kept by this build, or made now and kept.
-pub fn kept<T: Serialize + DeserializeOwned>(
-    out: &Path,
-    name: &str,
-    (seed, quick): (u64, bool),
-    make: impl FnOnce() -> Result<T, Failure>,
-) -> Result<T, Failure> {
-    let path = out.join("campaigns").join(format!("{name}-{seed}.json"));
-    let kept = sealed::read::<Kept<T>>(&path).filter(|kept| {
-        kept.program == PROGRAM_VERSION
-            && kept.analysis == env!("UNDERBRUSH_ANALYSIS_SOURCES")
-            && (kept.seed, kept.quick) == (seed, quick)
-    });
-    if let Some(kept) = kept {
-        return Ok(kept.result);
-    }
-    let kept = Kept {
-        program: PROGRAM_VERSION.into(),
-        analysis: env!("UNDERBRUSH_ANALYSIS_SOURCES").into(),
-        seed,
-        quick,
-        result: make()?,
-    };
-    sealed::write(&path, &kept)?;
-    Ok(kept.result)
-}
-
-impl OneOfMany {
-    pub fn new(measurement: Measurement, compared: &[Compared]) -> Self {
-        let accuracy = |own: &Compared| (own.classifier.to_owned(), own.accuracy);
-        OneOfMany {
-            measurement,
-            classifiers: compared.iter().map(accuracy).collect(),
-        }
-    }
-}
-
-/// The campaign of a seed.
+/// The campaign of a seed, as kept or made now.
 pub fn measured(out: &Path, seed: u64, quick: bool) -> Result<OneOfMany, Failure> {
-    kept(out, "seed", (seed, quick), || {
+    kept::result(&kept_file(out, "seed", seed), (seed, quick), || {
         let trials = Trials::of_campaign(&campaign(seed, quick)?)?;
-        Ok(OneOfMany::new(
-            trials.measure(quick)?.0,
-            &classifiers::run(&trials.taxel)?,
-        ))
+        let classifiers = classifiers::run(&trials.taxel)?;
+        Ok(OneOfMany::new(trials.measure(quick)?.0, &classifiers))
     })
+}
+
+/// Where a result of a seed is kept.
+pub fn kept_file(out: &Path, name: &str, seed: u64) -> PathBuf {
+    out.join("campaigns").join(format!("{name}-{seed}.json"))
 }

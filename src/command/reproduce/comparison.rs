@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 
-use super::campaign::{Cell, OneOfMany};
-use super::results::{CampaignCell, CampaignClassifier, CampaignTrials, Campaigns, Ordering, features_name, unit_name};
+use super::accuracy::{Accuracy, Spread};
+use super::measurement::{Cell, CellKey, ClassifierAccuracy, OneOfMany, TrialsPerReach, features_name, unit_name};
+use super::results::{CampaignCell, CampaignClassifier, CampaignFigures, CampaignTrials, Campaigns, Ordering};
+use crate::failure::Failure;
 
 /// Mean absolute difference from the paper by recipe, of (recipe, accuracy, paper).
 pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, f64)>) -> BTreeMap<String, f64> {
@@ -83,84 +85,98 @@ pub fn orderings(cells: &[(String, TableOneUnit, FeatureSet, usize, f64)]) -> Ve
     found
 }
 
-pub fn orderings_of(cells: &[Cell]) -> Vec<Ordering> {
-    let plain = |cell: &Cell| (cell.recipe.clone(), cell.by, cell.features, cell.states, cell.accuracy);
-    orderings(&cells.iter().map(plain).collect::<Vec<_>>())
+/// The orderings on cells with their accuracies.
+pub fn orderings_of<'a>(cells: impl Iterator<Item = (&'a CellKey, f64)>) -> Vec<Ordering> {
+    let plain = |(key, accuracy): (&CellKey, f64)| (key.recipe.clone(), key.by, key.features, key.states, accuracy);
+    orderings(&cells.map(plain).collect::<Vec<_>>())
 }
 
 impl Campaigns {
-    /// Means and spreads over campaigns; `None` of none.
-    pub fn of(seeds: Vec<u64>, campaigns: &[OneOfMany]) -> Option<Self> {
-        let first = campaigns.first()?;
-        let over = |value: &dyn Fn(&OneOfMany) -> Option<f64>| campaigns.iter().filter_map(value).collect::<Vec<f64>>();
+    /// Means and spreads over campaigns, each with its seed; `None` of none. What belongs together is found by name.
+    pub fn of(campaigns: &[(u64, OneOfMany)]) -> Result<Option<Self>, Failure> {
+        let Some((_, first)) = campaigns.first() else {
+            return Ok(None);
+        };
         let mut table_1 = Vec::new();
-        for (place, cell) in first.measurement.table_1.iter().enumerate() {
-            let values = over(&|own| Some(own.measurement.table_1.get(place)?.accuracy));
-            let (accuracy, standard_deviation) = mean_and_deviation(&values);
+        for Cell { key, paper, .. } in &first.measurement.table_1 {
+            let name = format!("Table I, {}, {} recipe", key.name(), key.recipe);
+            let own = matched(campaigns, &name, |campaign| {
+                let cells = campaign.measurement.table_1.iter();
+                cells.filter(|cell| cell.key == *key).map(|cell| &cell.accuracy)
+            })?;
             table_1.push(CampaignCell {
-                by: cell.by,
-                features: cell.features,
-                states: cell.states,
-                recipe: cell.recipe.clone(),
-                accuracy,
-                standard_deviation,
-                least: least(&values),
-                most: most(&values),
-                paper: cell.paper,
+                key: key.clone(),
+                figures: CampaignFigures::of(&own),
+                paper: *paper,
             });
         }
         let mut trials_per_reach = Vec::new();
-        for (place, row) in first.measurement.trials_per_reach.iter().enumerate() {
-            let values = over(&|own| Some(own.measurement.trials_per_reach.get(place)?.per_reach));
-            let (per_reach, standard_deviation) = mean_and_deviation(&values);
+        for row in &first.measurement.trials_per_reach {
+            let name = format!("trials per reach, {}, {}", unit_name(row.by), row.category);
+            let same = |other: &&TrialsPerReach| (other.by, &other.category) == (row.by, &row.category);
+            let own = matched(campaigns, &name, |campaign| {
+                campaign.measurement.trials_per_reach.iter().filter(same)
+            })?;
             trials_per_reach.push(CampaignTrials {
                 by: row.by,
                 category: row.category.clone(),
-                per_reach,
-                standard_deviation,
+                per_reach: Spread::of(&own.iter().map(|row| row.per_reach).collect::<Vec<_>>()),
                 paper: row.paper,
             });
         }
         let mut classifiers = Vec::new();
-        for (place, (classifier, _)) in first.classifiers.iter().enumerate() {
-            let values = over(&|own| Some(own.classifiers.get(place)?.1));
-            let (accuracy, standard_deviation) = mean_and_deviation(&values);
+        for ClassifierAccuracy { classifier, .. } in &first.classifiers {
+            let own = matched(campaigns, classifier, |campaign| {
+                let all = campaign.classifiers.iter();
+                all.filter(|own| own.classifier == *classifier).map(|own| &own.accuracy)
+            })?;
             classifiers.push(CampaignClassifier {
                 classifier: classifier.clone(),
-                accuracy,
-                standard_deviation,
-                least: least(&values),
-                most: most(&values),
+                figures: CampaignFigures::of(&own),
             });
         }
-        let plain = |cell: &CampaignCell| (cell.recipe.clone(), cell.by, cell.features, cell.states, cell.accuracy);
-        Some(Campaigns {
-            seeds,
+        let mean = |cell: &CampaignCell| cell.figures.accuracy.mean;
+        Ok(Some(Campaigns {
+            seeds: campaigns.iter().map(|(seed, _)| *seed).collect(),
             mean_absolute_difference_points: mean_difference(
                 table_1
                     .iter()
-                    .map(|cell| (cell.recipe.as_str(), cell.accuracy, cell.paper)),
+                    .map(|cell| (cell.key.recipe.as_str(), mean(cell), cell.paper)),
             ),
-            orderings: orderings(&table_1.iter().map(plain).collect::<Vec<_>>()),
+            orderings: orderings_of(table_1.iter().map(|cell| (&cell.key, mean(cell)))),
             table_1,
             trials_per_reach,
             classifiers,
-        })
+        }))
     }
 }
 
-fn least(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::INFINITY, f64::min)
+/// The one figure of this name in each campaign.
+fn matched<'a, T, I: Iterator<Item = &'a T>>(
+    campaigns: &'a [(u64, OneOfMany)],
+    name: &str,
+    figures: impl Fn(&'a OneOfMany) -> I,
+) -> Result<Vec<&'a T>, Failure> {
+    let one = |(seed, campaign): &'a (u64, OneOfMany)| {
+        let mut found = figures(campaign);
+        match (found.next(), found.next()) {
+            (Some(figure), None) => Ok(figure),
+            (first, _) => Err(Failure::run(format!(
+                "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --fresh",
+                if first.is_none() { "nothing" } else { "several results" }
+            ))),
+        }
+    };
+    campaigns.iter().map(one).collect()
 }
 
-fn most(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// Mean, and the standard deviation of a sample of more than one.
-fn mean_and_deviation(values: &[f64]) -> (f64, Option<f64>) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (mean, (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt()))
+impl CampaignFigures {
+    fn of(accuracies: &[&Accuracy]) -> Self {
+        let over = |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
+        CampaignFigures {
+            accuracy: over(|own| own.accuracy),
+            balanced_accuracy: over(|own| own.balanced_accuracy),
+            majority_baseline: over(|own| own.majority_baseline),
+        }
+    }
 }

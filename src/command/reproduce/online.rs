@@ -39,8 +39,10 @@ pub struct Engineered {
     /// Which draw of the scene it is, from 0; those before touched something else, or nothing.
     pub reach_index: Option<u64>,
     pub drawn: u64,
-    /// `None` where no draw did what it should, or the skin felt nothing.
+    /// By the environment's category. `None` where no draw did what it should, or the skin felt nothing.
     pub shares: Option<Shares>,
+    /// Taxel frames among these in which nothing presses on the taxel (strays, creep, crosstalk), per cent.
+    pub untouched_percent: Option<f64>,
     pub mean_samples_used: Option<f64>,
 }
 
@@ -100,6 +102,12 @@ impl Shares {
     }
 }
 
+/// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.
+fn untouched_percent(tally: &Tally) -> Option<f64> {
+    let all = tally.judged() + tally.unknown;
+    (all > 0).then(|| 100.0 * tally.unknown as f64 / all as f64)
+}
+
 /// Classifies the reaches of a scene. One after the other: the time per frame is measured.
 fn classify(models: &ModelSet, found: &Found, rule: Rule, truth: StreamTruth) -> Result<Vec<Classified>, Failure> {
     let options = options(models, rule);
@@ -121,12 +129,14 @@ impl Online {
         let engineered = |(category, found): &(Category, Found)| {
             let truth = StreamTruth::Environment(*category);
             let classified = classify(models, found, uncertain_rule(), truth)?.pop();
+            let by_object = classify(models, found, uncertain_rule(), StreamTruth::Object)?.pop();
             Ok(Engineered {
                 scene: found.scene.clone(),
                 category: category.name(),
                 reach_index: classified.as_ref().map(|reach| reach.reach_index),
                 drawn: found.drawn,
                 shares: classified.as_ref().and_then(|reach| Shares::of(&reach.stream.total())),
+                untouched_percent: by_object.and_then(|reach| untouched_percent(&reach.stream.total())),
                 mean_samples_used: classified.as_ref().and_then(|reach| reach.stream.mean_samples_used()),
             })
         };
@@ -136,7 +146,7 @@ impl Online {
         let mut detection = detection(&rule_name("the paper's", &paper), &outlier);
         if let Some(chosen) = chosen {
             let outlier = classify(models, &reaches.outlier, chosen.rule, StreamTruth::Object)?;
-            detection.extend(self::detection(&rule_name("chosen", chosen), &outlier));
+            detection.extend(self::detection(&rule_name(CHOSEN, chosen), &outlier));
         }
         Ok(Online {
             engineered: engineered.into_iter().collect::<Result<_, _>>()?,
@@ -153,6 +163,9 @@ impl Online {
         self.mixed.first()
     }
 }
+
+/// How the names of the chosen thresholds begin.
+pub const CHOSEN: &str = "chosen";
 
 fn rule_name(whose: &str, decision: &Decision) -> String {
     match decision.rule {

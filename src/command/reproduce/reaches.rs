@@ -11,8 +11,9 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use super::data::{self, SceneSource};
+use super::kept;
 use crate::failure::Failure;
-use crate::{progress, sealed};
+use crate::progress;
 
 /// What is asked of a reach.
 #[derive(Clone, Copy)]
@@ -84,12 +85,12 @@ impl Wanted {
 
 impl Search {
     /// Draws, or reads what an earlier run has kept in `folder`.
-    fn run(&self, folder: &Path, seed: u64) -> Result<Found, Failure> {
-        let plan = plan(self.source, seed)?;
+    fn run(&self, folder: &Path, run: (u64, bool)) -> Result<Found, Failure> {
+        let plan = plan(self.source, run.0)?;
         let scene = plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
         let index_file = folder.join(format!("{scene}.json"));
-        if let Some(Index { drawn, found }) = sealed::read(&index_file) {
+        if let Some(Index { drawn, found }) = kept::load(&index_file, run) {
             let reaches = found.iter().map(|index| read_recording(file(*index)));
             let reaches = reaches.collect::<Result<_, _>>()?;
             return Ok(Found { scene, drawn, reaches });
@@ -107,7 +108,7 @@ impl Search {
             drawn,
             found: reaches.iter().map(|recording| recording.reach_index).collect(),
         };
-        sealed::write(&index_file, &index)?;
+        kept::store(&index_file, run, &index)?;
         Ok(Found { scene, drawn, reaches })
     }
 }
@@ -152,7 +153,7 @@ pub fn draw(folder: &Path, seed: u64, quick: bool) -> Result<TestReaches, Failur
         .par_iter()
         .with_max_len(1)
         .map(|search| {
-            let found = search.run(folder, seed);
+            let found = search.run(folder, (seed, quick));
             bar.inc(1);
             found
         })

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::{ChosenThresholds, ConfusionMatrix, TableOneUnit};
-use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::disk::Episode;
-use underbrush_recording::{Category, Trial};
 
 use super::ablation::Ablated;
-use super::campaign::Measurement;
-use super::classifiers::Compared;
+use super::accuracy::{Accuracy, Spread};
+use super::classifiers::{Compared, Speed};
+use super::example::{Example, Typical};
+use super::measurement::{CellKey, Measurement};
 use super::online::{Detection, Engineered, Shares};
 use super::splits::Split;
 use crate::audit::{self, Worst};
@@ -32,6 +32,8 @@ pub struct Results {
     pub orderings: Vec<Ordering>,
     pub campaigns: Option<Campaigns>,
     pub figure_5: Vec<Example>,
+    /// What is typical of the trials that Fig. 5 shows examples of.
+    pub figure_5_medians: Vec<Typical>,
     pub figure_6: ConfusionMatrix,
     pub figure_7: ConfusionMatrix,
     pub figure_9: SamplesUsed,
@@ -40,6 +42,7 @@ pub struct Results {
     pub figure_13: Vec<Truncated>,
     pub figure_15: Outliers,
     pub classifiers: Vec<Compared>,
+    pub speeds: Vec<Speed>,
     /// Trained at one arm stiffness and hand speed, tested at others.
     pub splits: Vec<Split>,
     /// Table I with one thing changed at a time; nothing from a quick run.
@@ -87,32 +90,28 @@ pub struct Campaigns {
     pub classifiers: Vec<CampaignClassifier>,
 }
 
+/// The figures of a table's cell over campaigns, per cent; see [`Accuracy`].
+#[derive(Serialize)]
+pub struct CampaignFigures {
+    pub accuracy: Spread,
+    pub balanced_accuracy: Spread,
+    pub majority_baseline: Spread,
+}
+
 /// A classifier on whole taxel trials, two folds by whole reaches.
 #[derive(Serialize)]
 pub struct CampaignClassifier {
     pub classifier: String,
-    /// Mean over campaigns, per cent.
-    pub accuracy: f64,
-    /// Standard deviation over campaigns, points; `None` of one campaign.
-    pub standard_deviation: Option<f64>,
-    /// Lowest and highest campaign, per cent.
-    pub least: f64,
-    pub most: f64,
+    #[serde(flatten)]
+    pub figures: CampaignFigures,
 }
 
 #[derive(Serialize)]
 pub struct CampaignCell {
-    pub by: TableOneUnit,
-    pub features: FeatureSet,
-    pub states: usize,
-    pub recipe: String,
-    /// Mean over campaigns, per cent.
-    pub accuracy: f64,
-    /// Standard deviation over campaigns, points; `None` of one campaign.
-    pub standard_deviation: Option<f64>,
-    /// Lowest and highest campaign, per cent.
-    pub least: f64,
-    pub most: f64,
+    #[serde(flatten)]
+    pub key: CellKey,
+    #[serde(flatten)]
+    pub figures: CampaignFigures,
     pub paper: f64,
 }
 
@@ -120,22 +119,8 @@ pub struct CampaignCell {
 pub struct CampaignTrials {
     pub by: TableOneUnit,
     pub category: String,
-    pub per_reach: f64,
-    pub standard_deviation: Option<f64>,
+    pub per_reach: Spread,
     pub paper: f64,
-}
-
-/// A trial that Fig. 5 shows.
-#[derive(Serialize)]
-pub struct Example {
-    pub category: &'static str,
-    pub trial: u64,
-    pub taxel: Option<u32>,
-    pub samples: usize,
-    pub peak_force_n: f64,
-    pub farthest_motion_m: f64,
-    #[serde(skip)]
-    pub data: Trial,
 }
 
 #[derive(Serialize)]
@@ -148,15 +133,14 @@ pub struct SamplesUsed {
     pub paper: f64,
 }
 
-/// A point of Fig. 13, per cent.
+/// A point of Fig. 13.
 #[derive(Serialize)]
 pub struct Truncated {
     pub states: usize,
     /// `None`: whole trials.
     pub max_samples: Option<usize>,
-    pub accuracy: f64,
-    pub low: f64,
-    pub high: f64,
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
 }
 
 #[derive(Serialize)]
@@ -189,20 +173,6 @@ pub struct Timing {
     pub figure_8_paper_seconds_per_100_taxels: f64,
 }
 
-pub fn unit_name(unit: TableOneUnit) -> &'static str {
-    match unit {
-        TableOneUnit::Component => "component",
-        TableOneUnit::Taxel => "taxel",
-    }
-}
-
-pub fn features_name(features: FeatureSet) -> &'static str {
-    match features {
-        FeatureSet::Force => "force",
-        FeatureSet::ForceAndMotion => "force+motion",
-    }
-}
-
 impl Results {
     /// The classifiers that were tried at other settings, in their order.
     pub fn split_classifiers(&self) -> Vec<&str> {
@@ -223,43 +193,4 @@ impl Reaches {
             audit: audit::worst(episodes),
         }
     }
-}
-
-/// The trials that Fig. 5 shows: of each category, among those of a touched taxel that last a second or more (or all, if
-/// none lasts so long) the one whose peak force is the median. An ordinary trial, and long enough to be looked at.
-pub fn examples(taxel_trials: &[Trial], touched: &[bool]) -> Vec<Example> {
-    let peak = |trial: &Trial| trial.samples.iter().map(|sample| sample.force_n).fold(0.0, f64::max);
-    let farthest = |trial: &Trial| {
-        trial
-            .samples
-            .iter()
-            .filter_map(|sample| sample.motion_m)
-            .fold(0.0, f64::max)
-    };
-    let example = |category: Category| {
-        let own = |trial: &Trial| trial.category.as_deref() == Some(category.name());
-        let pairs = taxel_trials.iter().zip(touched);
-        let mut trials: Vec<&Trial> = pairs
-            .filter(|(trial, touched)| **touched && own(trial))
-            .map(|(trial, _)| trial)
-            .collect();
-        if trials.iter().any(|trial| trial.samples.len() >= 100) {
-            trials.retain(|trial| trial.samples.len() >= 100);
-        }
-        trials.sort_by(|a, b| peak(a).total_cmp(&peak(b)));
-        let trial = trials.get(trials.len() / 2)?;
-        Some(Example {
-            category: category.name(),
-            trial: trial.trial,
-            taxel: trial.taxel,
-            samples: trial.samples.len(),
-            peak_force_n: peak(trial),
-            farthest_motion_m: farthest(trial),
-            data: (*trial).clone(),
-        })
-    };
-    [Category::Leaf, Category::Trunk]
-        .into_iter()
-        .filter_map(example)
-        .collect()
 }

@@ -1,11 +1,11 @@
 //! One moment of a reach with the verdicts on its taxels (paper, Figs. 12 and 14).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::decision::{Rule, Verdict};
 use underbrush_classifier::online::OnlineClassifier;
-use underbrush_recording::SkinLayout;
+use underbrush_recording::{Frame, SkinLayout};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::snapshot::Snapshot;
 
@@ -21,6 +21,8 @@ pub struct Moment {
     pub patch: usize,
     /// Verdict by taxel of that patch.
     pub verdicts: BTreeMap<usize, Verdict>,
+    /// Taxels of that patch that an object truly presses on; the others in contact are strays, creep or crosstalk.
+    pub pressed: BTreeSet<usize>,
     pub scene: String,
     pub reach_index: u64,
 }
@@ -63,6 +65,7 @@ pub fn take(
     }
     let patch = layout.patch_index(&data::trial_options().patch).unwrap_or_default();
     Ok(taken.map(|(snapshot, verdicts)| Moment {
+        pressed: pressed(&snapshot.frame, patch),
         snapshot,
         layout,
         patch,
@@ -70,4 +73,12 @@ pub fn take(
         scene: shown.scene.clone(),
         reach_index: shown.reach_index,
     }))
+}
+
+/// The taxels of a patch that an object presses on.
+fn pressed(frame: &Frame, patch: usize) -> BTreeSet<usize> {
+    let own = frame.taxels.iter().filter(|own| usize::from(own.patch) == patch);
+    own.filter(|own| own.object.is_some())
+        .map(|own| usize::from(own.taxel))
+        .collect()
 }

@@ -5,29 +5,28 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::baseline::Logistic;
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::evaluate::{bootstrap_by_reach, evaluate, wilson};
+use underbrush_classifier::evaluate::{Evaluation, evaluate};
+use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::learner::Learner;
 use underbrush_classifier::recipe::Recipe;
+use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
 
+use super::accuracy::Accuracy;
 use super::campaign::{self, Trials};
+use super::classifiers::{LOGISTIC_REGION, LOGISTIC_TAXEL};
 use super::data::{NOMINAL, SETTING_REACHES, SETTINGS};
 use crate::failure::Failure;
 
-/// How a classifier of one setting fares at another; accuracy and its 95 % interval by reach in per cent.
+/// How a classifier of one setting fares at another.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Split {
     pub classifier: String,
     pub trained: String,
     pub tested: String,
-    /// Trials tested.
-    pub trials: usize,
-    pub accuracy: f64,
-    pub low: f64,
-    pub high: f64,
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
 }
-
-const RESAMPLES: usize = 2000;
 
 /// Taxel trials of one setting, in two folds of whole reaches.
 pub struct Setting {
@@ -73,41 +72,43 @@ pub fn run(seed: u64, quick: bool, own: &[Trial]) -> Result<Vec<Split>, Failure>
 /// Every classifier, learned at every setting from one half of the reaches and tested at every setting on the other half:
 /// no clutter is met in both, and all learn from equally many reaches.
 pub fn splits(settings: &[Setting]) -> Result<Vec<Split>, Failure> {
-    let learners: [(&str, Box<dyn Learner>); 2] = [
-        ("hidden Markov models, 10 states", Box::new(Recipe::authors())),
-        ("logistic, with region", Box::new(Logistic::default())),
+    let motion = Recipe {
+        features: FeatureSet::ForceAndMotion,
+        ..Recipe::authors()
+    };
+    let taxel_alone = Logistic {
+        features: StreamFeatureSet::Taxel,
+        ..Logistic::default()
+    };
+    let learners: [(&str, Box<dyn Learner>); 4] = [
+        ("hidden Markov models, force, 10 states", Box::new(Recipe::authors())),
+        ("hidden Markov models, force and motion, 10 states", Box::new(motion)),
+        (LOGISTIC_TAXEL, Box::new(taxel_alone)),
+        (LOGISTIC_REGION, Box::new(Logistic::default())),
     ];
     let cases: Vec<_> = learners
         .iter()
         .flat_map(|learner| settings.iter().map(move |trained| (learner, trained)))
         .collect();
     let row = |((classifier, learner), trained): &(&(&str, Box<dyn Learner>), &Setting)| {
-        let mut predictions = vec![Vec::new(); settings.len()];
+        let (mut predictions, mut categories) = (vec![Vec::new(); settings.len()], Vec::new());
         for fold in 0..2 {
             let learned = learner.learn(&trained.folds[1 - fold].iter().collect::<Vec<_>>())?;
+            categories = learned.categories();
             for (tested, predictions) in settings.iter().zip(&mut predictions) {
                 let evaluation = evaluate(learned.as_ref(), &tested.folds[fold], &Decision::argmax())?;
                 predictions.extend(evaluation.predictions);
             }
         }
         let split = |(tested, predictions): (&Setting, Vec<_>)| {
-            let correct = predictions
-                .iter()
-                .filter(|own: &&underbrush_classifier::evaluate::Prediction| own.is_correct());
-            let correct = correct.count();
-            let interval =
-                bootstrap_by_reach(&predictions, RESAMPLES, 0).unwrap_or_else(|| wilson(correct, predictions.len()));
-            Split {
+            Ok(Split {
                 classifier: (*classifier).into(),
                 trained: trained.name.into(),
                 tested: tested.name.into(),
-                trials: predictions.len(),
-                accuracy: 100.0 * correct as f64 / predictions.len() as f64,
-                low: 100.0 * interval.low,
-                high: 100.0 * interval.high,
-            }
+                accuracy: Accuracy::of(&Evaluation::of(predictions, &categories, Vec::new())?),
+            })
         };
-        Ok(settings.iter().zip(predictions).map(split).collect())
+        settings.iter().zip(predictions).map(split).collect()
     };
     let rows: Vec<Result<Vec<Split>, Failure>> = cases.par_iter().map(row).collect();
     Ok(rows

@@ -6,6 +6,7 @@ use underbrush_classifier::evaluate::{Folds, cross_validate};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::Trial;
 
+use super::accuracy::Accuracy;
 use super::data::TRUNCATIONS;
 use super::results::Truncated;
 use crate::failure::Failure;
@@ -23,15 +24,10 @@ pub fn run(taxel_trials: &[Trial]) -> Result<Vec<Truncated>, Failure> {
                 ..Recipe::authors()
             };
             let evaluation = cross_validate(taxel_trials, &recipe, Folds::paper(), &Decision::argmax())?;
-            let interval = evaluation
-                .accuracy_interval_by_reach
-                .unwrap_or(evaluation.accuracy_interval_by_trial);
             Ok(Truncated {
                 states,
                 max_samples,
-                accuracy: 100.0 * evaluation.accuracy,
-                low: 100.0 * interval.low,
-                high: 100.0 * interval.high,
+                accuracy: Accuracy::of(&evaluation),
             })
         })
         .collect();

@@ -2,20 +2,18 @@
 
 use std::path::Path;
 
-use underbrush_classifier::evaluate::TableOneUnit;
-use underbrush_classifier::feature::FeatureSet;
-
-use super::campaign::AUTHORS;
-use super::results::{Ordering, Results, features_name, unit_name};
-use super::tables;
+use super::campaign::{AUTHORS, MODERN};
+use super::results::Results;
+use super::{data, tables};
 use crate::{audit, output};
 
 mod beyond;
+mod online;
+mod trials;
 
-pub use beyond::{ablation, classifiers, splits, thresholds};
-
-/// A difference that counts as agreement with the paper, points: the mark set for the mean over the cells.
-const CLOSE_POINTS: f64 = 3.0;
+pub use beyond::{ALL_CONTACTS, LASTING_CONTACTS, ablation, classifiers, speeds, splits};
+pub use online::{chosen_rule_online, roc, thresholds};
+pub use trials::{baselines, campaigns, figure_5, orderings, table_1, trials, truncation};
 
 /// For a terminal.
 pub fn text(results: &Results, out: &Path) -> String {
@@ -40,14 +38,16 @@ pub fn text(results: &Results, out: &Path) -> String {
         text += &format!("{}\n{}\n", table.caption, output::table(&header, &rows));
     };
     add(&tables::trials_per_reach(results), 4);
-    add(&tables::table_1(results, AUTHORS), 8);
-    add(&tables::table_1(results, super::campaign::MODERN), 8);
+    add(&tables::table_1(results, AUTHORS), 9);
+    add(&tables::table_1(results, MODERN), 9);
     add(
         &tables::orderings("orderings", "The paper's orderings", &results.orderings),
         5,
     );
-    if let Some(table) = tables::campaigns(results) {
-        add(&table, 10);
+    for recipe in [AUTHORS, MODERN] {
+        if let Some(table) = tables::campaigns(results, recipe) {
+            add(&table, 12);
+        }
     }
     if let Some(campaigns) = &results.campaigns {
         add(
@@ -55,17 +55,17 @@ pub fn text(results: &Results, out: &Path) -> String {
             5,
         );
     }
-    add(&tables::classifiers(results), 5);
+    add(&tables::classifiers(results), 7);
     if let Some(table) = tables::campaign_classifiers(results) {
-        add(&table, 6);
+        add(&table, 10);
     }
     for classifier in results.split_classifiers() {
         add(&tables::splits_of(results, classifier), 6);
     }
     if !results.ablation.is_empty() {
-        add(&tables::ablation(results), 6);
+        add(&tables::ablation(results), 10);
     }
-    add(&tables::figure_11(results), 9);
+    add(&tables::figure_11(results), 10);
     add(&tables::detection(results), 7);
     for (recipe, points) in &results.mean_absolute_difference_points {
         text += &format!("mean absolute difference from the paper, {recipe} recipe: {points:.1} points\n");
@@ -77,6 +77,7 @@ pub fn text(results: &Results, out: &Path) -> String {
     {
         text += &format!("the same of the mean campaign, {recipe} recipe: {points:.1} points\n");
     }
+    text += &format!("{}\n", choices(&all_seeds(results)));
     let samples = results
         .figure_9
         .mean_samples_used
@@ -89,72 +90,41 @@ pub fn text(results: &Results, out: &Path) -> String {
     )
 }
 
-/// Name of a cell, accuracy here and in the paper, and the interval of ours.
-type Compared = (String, f64, f64, Option<(f64, f64)>);
+/// The run's seed, or those of all its campaigns.
+pub fn all_seeds(results: &Results) -> Vec<u64> {
+    let campaigns = results.campaigns.as_ref();
+    campaigns.map_or(vec![results.seed], |campaigns| campaigns.seeds.clone())
+}
 
-/// How near cells are to the paper.
-fn agreement(what: &str, cells: &[Compared]) -> String {
-    let differences: Vec<f64> = cells.iter().map(|cell| (cell.1 - cell.2).abs()).collect();
-    let mean = differences.iter().sum::<f64>() / cells.len().max(1) as f64;
-    let close = differences
+/// That the agreement is no prediction, and whether something was chosen on these seeds.
+pub fn choices(seeds: &[u64]) -> String {
+    let chosen: Vec<String> = data::CHOSEN_ON
         .iter()
-        .filter(|difference| **difference <= CLOSE_POINTS)
-        .count();
-    let covered = |cell: &&Compared| cell.3.is_some_and(|(low, high)| (low..=high).contains(&cell.2));
-    let higher = cells.iter().filter(|cell| cell.1 > cell.2).count();
-    let mut text = format!(
-        "{what}, the {} cells differ from the paper's by {mean:.1} points on average; {close} are within {CLOSE_POINTS} \
-         points, {higher} higher than the paper's and {} lower or equal.",
-        cells.len(),
-        cells.len() - higher
-    );
-    if cells.iter().all(|cell| cell.3.is_some()) {
-        text += &format!(
-            " The paper's figure lies within the interval of {} cells.",
-            cells.iter().filter(covered).count()
-        );
-    }
-    let farthest = cells
+        .map(|(on, what)| format!("{what} on seeds {} to {}", on.start(), on.end()))
+        .collect();
+    let seen: Vec<String> = data::CHOSEN_ON
         .iter()
-        .max_by(|a, b| (a.1 - a.2).abs().total_cmp(&(b.1 - b.2).abs()));
-    if let Some((name, here, paper, _)) = farthest {
-        text += &format!(" Farthest off: {name}, {here:.1} % here and {paper:.1} % in the paper.");
+        .filter(|(on, _)| seeds.iter().any(|seed| on.contains(seed)))
+        .map(|(_, what)| format!("{what} were chosen on some of these seeds"))
+        .collect();
+    let here = match seen.is_empty() {
+        true => format!("Nothing was chosen on {}.", self::seeds(seeds)),
+        false => format!("This run has {}: {}.", self::seeds(seeds), seen.join(", and ")),
+    };
+    format!(
+        "Agreement with the paper's figures is not a prediction. Parameters that the paper leaves open were chosen with its \
+         trial counts and Table I in view: {}. {here}",
+        chosen.join(", ")
+    )
+}
+
+/// The seeds of a run.
+pub fn seeds(seeds: &[u64]) -> String {
+    match seeds {
+        [] => "no seed".into(),
+        [one] => format!("seed {one}"),
+        [first, .., last] => format!("seeds {first} to {last}"),
     }
-    text
-}
-
-fn cell_name(by: TableOneUnit, features: FeatureSet, states: usize) -> String {
-    format!("{}, {}, {states} states", unit_name(by), features_name(features))
-}
-
-/// Agreement of Table I in one recipe.
-pub fn table_1(results: &Results, recipe: &str) -> String {
-    let own = results.measurement.table_1.iter().filter(|cell| cell.recipe == recipe);
-    let cells: Vec<_> = own
-        .map(|cell| {
-            let name = cell_name(cell.by, cell.features, cell.states);
-            (name, cell.accuracy, cell.paper, Some((cell.low, cell.high)))
-        })
-        .collect();
-    agreement(&format!("In the {} recipe", possessive(recipe)), &cells)
-}
-
-/// Agreement of the mean of campaigns in one recipe.
-pub fn campaigns(results: &Results, recipe: &str) -> Option<String> {
-    let campaigns = results.campaigns.as_ref()?;
-    let own = campaigns.table_1.iter().filter(|cell| cell.recipe == recipe);
-    let cells: Vec<_> = own
-        .map(|cell| {
-            let name = cell_name(cell.by, cell.features, cell.states);
-            (name, cell.accuracy, cell.paper, None)
-        })
-        .collect();
-    let what = format!(
-        "In the mean of {} campaigns and the {} recipe",
-        campaigns.seeds.len(),
-        possessive(recipe)
-    );
-    Some(agreement(&what, &cells))
 }
 
 /// The authors' recipe, the modern recipe.
@@ -164,59 +134,4 @@ pub fn possessive(recipe: &str) -> String {
     } else {
         recipe.to_owned()
     }
-}
-
-/// Each ordering as a sentence.
-pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
-    let sentence = |ordering: &Ordering| {
-        let verdict = match ordering.pairs_holding {
-            all if all == ordering.pairs => "holds in all".to_owned(),
-            some => format!("does not hold: {some} of"),
-        };
-        format!(
-            "{} recipe: that {} {verdict} {} pairs of cells",
-            possessive(&ordering.recipe),
-            ordering.statement,
-            ordering.pairs
-        )
-    };
-    orderings.iter().map(sentence).collect()
-}
-
-/// Trials per reach against the paper's.
-pub fn trials(results: &Results) -> String {
-    let parts: Vec<String> = results
-        .measurement
-        .trials_per_reach
-        .iter()
-        .map(|row| {
-            let ratio = row.per_reach / row.paper;
-            format!("{} {}: {ratio:.2} times the paper's", unit_name(row.by), row.category)
-        })
-        .collect();
-    format!("Trials per reach, {}.", parts.join("; "))
-}
-
-/// The spread of accuracies over truncations, against the paper's "no significant effect".
-pub fn truncation(results: &Results) -> String {
-    let of = |states: usize, most: Option<usize>| {
-        let own = results
-            .figure_13
-            .iter()
-            .find(|point| (point.states, point.max_samples) == (states, most));
-        own.map(|point| point.accuracy)
-    };
-    let parts: Vec<String> = [10, 20]
-        .iter()
-        .filter_map(|states| {
-            let (full, at_50, at_6) = (of(*states, None)?, of(*states, Some(50))?, of(*states, Some(6))?);
-            Some(format!(
-                "{states} states: {full:.1} % on whole trials, {at_50:.1} % on 50 samples ({:+.1} points), {at_6:.1} % on 6 \
-                 ({:+.1} points)",
-                at_50 - full,
-                at_6 - full
-            ))
-        })
-        .collect();
-    format!("With {}.", parts.join("; "))
 }

@@ -19,6 +19,8 @@ pub const LEAF: &str = "#1b8a4b";
 pub const TRUNK: &str = "#6b4423";
 pub const OUTLIER: &str = "#c8102e";
 pub const UNCERTAIN: &str = "#1f5fbf";
+/// Taxels that read a force though nothing presses on them.
+pub const UNTOUCHED: &str = "#8a939c";
 const CORRECT: &str = "#009e73";
 const WRONG: &str = "#d55e00";
 const INK: &str = "#222222";
@@ -26,6 +28,8 @@ const INK: &str = "#222222";
 const AUTHORS_STYLE: Style = Style::marked("#0072b2", Dash::Solid, Mark::Circle);
 const MODERN_STYLE: Style = Style::marked(WRONG, Dash::Dashed, Mark::Square);
 const PAPER: Style = Style::marked(INK, Dash::Dotted, Mark::Diamond);
+/// The majority baseline: a line without marks.
+const MAJORITY: Style = Style::line("#7a828a", Dash::Dashed);
 /// How far apart marks stand that belong to one place of an axis of names.
 const ASIDE: f64 = 0.07;
 
@@ -82,7 +86,10 @@ pub fn figure_11(results: &Results) -> String {
                 shares.uncertain_percent,
             ]
         });
-        description += &format!(" {name}: {:.0}, {:.0}, {:.0}.", shares[0], shares[1], shares[2]);
+        description += &match reach.shares {
+            Some(_) => format!(" {name}: {:.0}, {:.0}, {:.0}.", shares[0], shares[1], shares[2]),
+            None => format!(" {name}: no such reach was drawn."),
+        };
         heights.iter_mut().zip(shares).for_each(|(own, share)| own.push(share));
         names.push(name);
     }
@@ -124,14 +131,21 @@ pub fn figure_13(results: &Results) -> String {
             .enumerate()
             .map(|(place, point)| Point {
                 x: place as f64 + aside,
-                y: point.accuracy,
-                interval: Some((point.low, point.high)),
+                y: point.accuracy.accuracy,
+                interval: Some((point.accuracy.low, point.accuracy.high)),
             })
             .collect();
         description += &format!(" {states} states: {}.", told(&names, &points));
         Layer::new(format!("{states} states"), style, Shape::Points(points))
     };
-    let layers = vec![layer(10, AUTHORS_STYLE, -ASIDE), layer(20, MODERN_STYLE, ASIDE)];
+    let mut layers = vec![layer(10, AUTHORS_STYLE, -ASIDE), layer(20, MODERN_STYLE, ASIDE)];
+    // The same for all points: truncating changes no category.
+    if let Some(point) = results.figure_13.first() {
+        let majority = point.accuracy.majority_baseline;
+        let ends = [-0.5, names.len() as f64 - 0.5].map(|x| (x, majority));
+        description += &format!(" Majority baseline: {majority:.1}.");
+        layers.push(Layer::new("majority", MAJORITY, Shape::Line(ends.to_vec())));
+    }
     let chart = Chart {
         name: "figure-13".into(),
         title: "Accuracy on truncated trials".into(),

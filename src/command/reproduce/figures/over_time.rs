@@ -7,7 +7,7 @@ use underbrush_sim::world::FRAME_PERIOD_S;
 
 use super::super::online::{Classified, Online};
 use super::super::results::Results;
-use super::{AUTHORS_STYLE, CORRECT, INK, LEAF, OUTLIER, TRUNK, UNCERTAIN, WRONG};
+use super::{AUTHORS_STYLE, CORRECT, INK, LEAF, OUTLIER, TRUNK, UNCERTAIN, UNTOUCHED, WRONG};
 
 /// A level line over the whole time of a reach.
 fn level(name: &str, value: f64, reach: &Classified) -> Layer {
@@ -81,16 +81,19 @@ pub fn figure_9(reach: &Classified, results: &Results) -> String {
     chart.svg()
 }
 
-/// Correct, misclassified and uncertain taxels over time, all three on one scale.
+/// Correct, misclassified and uncertain taxels over time, and those that nothing presses on, all on one scale.
 pub fn figure_10(reach: &Classified) -> Vec<String> {
     type Of = fn(&underbrush_classifier::evaluate::Tally) -> usize;
-    let kinds: [(&str, Style, Of); 3] = [
+    let kinds: [(&str, Style, Of); 4] = [
         ("correct", Style::line(CORRECT, Dash::Solid), |tally| tally.correct),
         ("misclassified", Style::line(WRONG, Dash::Solid), |tally| {
             tally.misclassified
         }),
         ("uncertain", Style::line(UNCERTAIN, Dash::Solid), |tally| {
             tally.uncertain
+        }),
+        ("that nothing presses on", Style::line(UNTOUCHED, Dash::Solid), |tally| {
+            tally.unknown
         }),
     ];
     let frames = &reach.stream.frames;
@@ -107,7 +110,7 @@ pub fn figure_10(reach: &Classified) -> Vec<String> {
         let most = points.iter().map(|point| point.1).fold(0.0, f64::max);
         let mean = points.iter().map(|point| point.1).sum::<f64>() / points.len().max(1) as f64;
         let chart = Chart {
-            name: format!("figure-10-{name}"),
+            name: format!("figure-10-{}", name.replace(' ', "-")),
             title: format!("Taxels {name}"),
             description: format!("Over the reach {mean:.1} taxels on average, at most {most}."),
             x: Axis::from_zero("time / s"),
@@ -160,6 +163,18 @@ fn outlier_reach(reach: &Classified) -> String {
         description += &format!(" {name} {:.2},", mean(frames));
         layers.push(Layer::new(name, style, Shape::Areas(points)));
     }
+    let untouched = |frames: &[StreamFrame]| {
+        let sum: usize = frames.iter().map(|frame| frame.tally.unknown).sum();
+        sum as f64 / frames.len() as f64
+    };
+    let pieces = frames.chunk_by(|a, b| piece(a) == piece(b));
+    let points = pieces.map(|frames| (frames[0].time_s, untouched(frames))).collect();
+    description += &format!(" without truth {:.2}", untouched(frames));
+    layers.push(Layer::new(
+        "nothing presses",
+        Style::line(INK, Dash::Dotted),
+        Shape::Steps(points),
+    ));
     description = format!(
         "{}. Truly touched in a share of the time:",
         description.trim_end_matches(',')

@@ -1,12 +1,15 @@
 //! How fast classifiers decide.
 
+use underbrush_classifier::evaluate::AccuracyBySamples;
 use underbrush_classifier::report::{Axis, Chart, Dash, Layer, Mark, Point, Shape, Style};
 
+use super::super::classifiers::{PAPER_BEST, Speed};
 use super::super::results::Results;
 use super::{AUTHORS_STYLE, CORRECT, INK, OUTLIER, TRUNK, UNCERTAIN, WRONG, told};
 
-const STYLES: [Style; 6] = [
+const STYLES: [Style; 7] = [
     AUTHORS_STYLE,
+    Style::marked("#56b4e9", Dash::Dashed, Mark::Circle),
     Style::marked(TRUNK, Dash::Dashed, Mark::Square),
     Style::marked(OUTLIER, Dash::Dashed, Mark::Cross),
     Style::marked(WRONG, Dash::Solid, Mark::Diamond),
@@ -14,17 +17,31 @@ const STYLES: [Style; 6] = [
     Style::marked(CORRECT, Dash::Solid, Mark::Triangle),
 ];
 
-/// Accuracy after ever more samples since contact.
-pub fn by_samples(results: &Results) -> Option<String> {
-    let names = results.classifiers.first()?.by_samples.iter();
-    let names: Vec<String> = names
+/// Accuracy after ever more samples: of contacts that last, and of all contacts.
+pub fn by_samples(results: &Results) -> Vec<String> {
+    let of_lasting = |own: &Speed| own.lasting_contacts.clone();
+    let of_all = |own: &Speed| own.all_contacts.clone();
+    let charts = [
+        chart(results, "lasting", "Contacts known to last 20 samples", of_lasting),
+        chart(results, "all", "All contacts", of_all),
+    ];
+    charts.into_iter().flatten().collect()
+}
+
+fn chart(
+    results: &Results,
+    name: &str,
+    title: &str,
+    points_of: impl Fn(&Speed) -> Vec<AccuracyBySamples>,
+) -> Option<String> {
+    let names: Vec<String> = points_of(results.speeds.first()?)
+        .iter()
         .map(|point| point.samples.map_or("all".into(), |samples| samples.to_string()))
         .collect();
     let mut description = String::from("Accuracy in per cent by samples since contact.");
     let mut layers = Vec::new();
-    for (compared, style) in results.classifiers.iter().zip(STYLES) {
-        let points: Vec<Point> = compared
-            .by_samples
+    for (speed, style) in results.speeds.iter().zip(STYLES) {
+        let points: Vec<Point> = points_of(speed)
             .iter()
             .enumerate()
             .map(|(place, point)| Point {
@@ -33,10 +50,10 @@ pub fn by_samples(results: &Results) -> Option<String> {
                 interval: None,
             })
             .collect();
-        description += &format!(" {}: {}.", compared.classifier, told(&names, &points));
-        layers.push(Layer::new(compared.classifier, style, Shape::Points(points)));
+        description += &format!(" {}: {}.", speed.classifier, told(&names, &points));
+        layers.push(Layer::new(speed.classifier, style, Shape::Points(points)));
     }
-    let level = |place: usize| (place as f64, super::super::classifiers::PAPER_BEST);
+    let level = |place: usize| (place as f64, PAPER_BEST);
     let ends = vec![level(0), level(names.len() - 1)];
     layers.push(Layer::new(
         "paper's best, whole trials",
@@ -44,8 +61,8 @@ pub fn by_samples(results: &Results) -> Option<String> {
         Shape::Line(ends),
     ));
     let chart = Chart {
-        name: "by-samples".into(),
-        title: "How fast classifiers decide".into(),
+        name: format!("by-samples-{name}"),
+        title: title.into(),
         description,
         x: Axis::names("samples since contact", names),
         y: Axis::spanning("accuracy / %", 40.0, 100.0),

@@ -5,18 +5,21 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::report::{Axis, Chart, Layer, Point, Shape, Style};
 
 use super::super::campaign::{AUTHORS, MODERN};
-use super::super::results::{Results, features_name, unit_name};
-use super::{ASIDE, AUTHORS_STYLE, MODERN_STYLE, PAPER};
+use super::super::measurement::{CellKey, features_name, unit_name};
+use super::super::results::Results;
+use super::{ASIDE, AUTHORS_STYLE, MAJORITY, MODERN_STYLE, PAPER};
 
 /// States, accuracy in per cent, and its interval.
-type Accuracy = (usize, f64, Option<(f64, f64)>);
+type StatesAccuracy = (usize, f64, Option<(f64, f64)>);
 
 /// Accuracy of one unit and feature set over the number of states: a quarter of a table.
 struct Quarter<'a> {
     name: String,
     title: String,
     /// Name, style and accuracies over states.
-    series: Vec<(&'a str, Style, Vec<Accuracy>)>,
+    series: Vec<(&'a str, Style, Vec<StatesAccuracy>)>,
+    /// What the same verdict for every trial would reach, per cent.
+    majority_baseline: f64,
 }
 
 const STATES: [usize; 3] = [5, 10, 20];
@@ -55,6 +58,9 @@ impl Quarter<'_> {
             description += &format!(" {name}: {}.", values.join(", "));
             layers.push(Layer::new(name, style, Shape::Points(points)));
         }
+        description += &format!(" Majority baseline: {:.1}.", self.majority_baseline);
+        let ends = [-0.5, STATES.len() as f64 - 0.5].map(|x| (x, self.majority_baseline));
+        layers.push(Layer::new("majority", MAJORITY, Shape::Line(ends.to_vec())));
         let chart = Chart {
             name: self.name,
             title: self.title,
@@ -68,10 +74,15 @@ impl Quarter<'_> {
 }
 
 /// A cell: what it is of, its recipe, its accuracy here and the paper's.
-type Cell<'a> = ((TableOneUnit, FeatureSet), &'a str, Accuracy, f64);
+type Cell<'a> = ((TableOneUnit, FeatureSet), &'a str, StatesAccuracy, f64);
 
 /// Four charts of the cells of a table; `suffix` follows each title.
-fn quarters(table: &str, suffix: &str, cells: &[Cell]) -> Vec<String> {
+fn quarters(
+    table: &str,
+    suffix: &str,
+    cells: &[Cell],
+    majority_baseline: impl Fn(TableOneUnit) -> f64,
+) -> Vec<String> {
     let quarter = |of: (TableOneUnit, FeatureSet)| {
         let own = |recipe: &'static str| cells.iter().filter(move |cell| cell.0 == of && cell.1 == recipe);
         let here = |recipe| own(recipe).map(|cell| cell.2).collect();
@@ -85,6 +96,7 @@ fn quarters(table: &str, suffix: &str, cells: &[Cell]) -> Vec<String> {
                 ("modern recipe", MODERN_STYLE, here(MODERN)),
                 ("paper", PAPER, paper.collect()),
             ],
+            majority_baseline: majority_baseline(of.0),
         }
         .chart()
     };
@@ -93,11 +105,16 @@ fn quarters(table: &str, suffix: &str, cells: &[Cell]) -> Vec<String> {
 
 /// Table I in four charts.
 pub fn table_1(results: &Results) -> Vec<String> {
-    let cells = results.measurement.table_1.iter().map(|cell| {
-        let accuracy = (cell.states, cell.accuracy, Some((cell.low, cell.high)));
-        ((cell.by, cell.features), cell.recipe.as_str(), accuracy, cell.paper)
+    let table = &results.measurement.table_1;
+    let cells = table.iter().map(|cell| {
+        let own = &cell.accuracy;
+        let accuracy = (cell.key.states, own.accuracy, Some((own.low, own.high)));
+        (of(&cell.key), cell.key.recipe.as_str(), accuracy, cell.paper)
     });
-    quarters("table-1", "", &cells.collect::<Vec<_>>())
+    quarters("table-1", "", &cells.collect::<Vec<_>>(), |unit| {
+        let cell = table.iter().find(|cell| cell.key.by == unit);
+        cell.map_or(f64::NAN, |cell| cell.accuracy.majority_baseline)
+    })
 }
 
 /// The mean of several campaigns in four charts, whiskers of one standard deviation.
@@ -105,11 +122,21 @@ pub fn campaigns(results: &Results) -> Vec<String> {
     let Some(campaigns) = &results.campaigns else {
         return Vec::new();
     };
-    let cells = campaigns.table_1.iter().map(|cell| {
-        let deviation = cell.standard_deviation.unwrap_or(0.0);
-        let interval = (cell.accuracy - deviation, cell.accuracy + deviation);
-        let accuracy = (cell.states, cell.accuracy, Some(interval));
-        ((cell.by, cell.features), cell.recipe.as_str(), accuracy, cell.paper)
+    let table = &campaigns.table_1;
+    let cells = table.iter().map(|cell| {
+        let own = &cell.figures.accuracy;
+        let deviation = own.standard_deviation.unwrap_or(0.0);
+        let interval = (own.mean - deviation, own.mean + deviation);
+        let accuracy = (cell.key.states, own.mean, Some(interval));
+        (of(&cell.key), cell.key.recipe.as_str(), accuracy, cell.paper)
     });
-    quarters("campaigns", ", mean of campaigns", &cells.collect::<Vec<_>>())
+    quarters("campaigns", ", mean of campaigns", &cells.collect::<Vec<_>>(), |unit| {
+        let cell = table.iter().find(|cell| cell.key.by == unit);
+        cell.map_or(f64::NAN, |cell| cell.figures.majority_baseline.mean)
+    })
+}
+
+/// The quarter that a cell belongs to.
+fn of(key: &CellKey) -> (TableOneUnit, FeatureSet) {
+    (key.by, key.features)
 }

@@ -1,6 +1,7 @@
 //! Sections on verdicts while the arm moves.
 
 use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::report::slug;
 
 use super::super::snapshot::Moment;
 use super::super::{data, figures, skin_map, tables, words};
@@ -19,16 +20,18 @@ impl Report<'_> {
                 .paragraph("No general reach was found in which the forearm touches leaf and trunk.");
             return;
         };
+        let total = reach.stream.total();
         self.page.paragraph(&format!(
-            "The first general reach in mixed clutter in which the forearm touches both leaf and trunk (draw {}; {} of {} \
-             drawn did), models with 10 states and force alone, uncertain below a lead of {} nats. The truth of a taxel is the object that \
-             presses most on it; {} of {} taxel frames have none (strays, crosstalk and creep) and are not judged.",
+            "This is the first reach in mixed clutter in which the forearm touches both leaf and trunk: draw {}. {} of {} \
+             drawn did. The models have 10 states and see force alone; a taxel is uncertain below a lead of {} nats. The truth \
+             of a taxel is the object that presses most on it. In {} of {} taxel frames nothing presses (strays, crosstalk \
+             and creep): these have no truth and are counted apart.",
             reach.reach_index,
             self.online.mixed.len(),
             self.online.mixed_drawn,
             data::UNCERTAIN_BELOW_NATS,
-            reach.stream.total().unknown,
-            reach.stream.total().unknown + reach.stream.total().judged()
+            total.unknown,
+            total.unknown + total.judged()
         ));
         if let Some(seconds) = self.results.timing.figure_8_seconds_per_100_taxels {
             let median = self
@@ -37,9 +40,9 @@ impl Report<'_> {
                 .figure_8_median_seconds_per_100_taxels
                 .unwrap_or(f64::NAN);
             self.page.paragraph(&format!(
-                "A new sample for 100 taxels takes {:.1} µs with both models on average over the reach, {:.1} µs in the median \
-                 frame; the paper's mean is {} s on a laptop of 2011. Wall times are the one result here that differs from \
-                 run to run.",
+                "With both models a new sample for 100 taxels takes {:.1} µs on average over the reach and {:.1} µs in the \
+                 median frame. The paper's mean is {} s on a laptop of 2011. Wall times are the only results here that differ \
+                 from run to run.",
                 1e6 * seconds,
                 1e6 * median,
                 self.results.timing.figure_8_paper_seconds_per_100_taxels
@@ -48,16 +51,16 @@ impl Report<'_> {
         let used = &self.results.figure_9;
         if let (Some(mean), Some(all)) = (used.mean_samples_used, used.mean_over_reaches) {
             self.page.paragraph(&format!(
-                "Samples used are counted as the number of samples since contact at which a taxel's present verdict was \
-                 made, 0 while it is uncertain, averaged over the taxels in contact. The mean over this reach is {mean:.1} \
-                 ({:+.1} against the paper), the mean of {} reaches {all:.1}.",
+                "Samples used is the number of samples since contact at which a taxel's present verdict was made, 0 while it is \
+                 uncertain, averaged over the taxels in contact. The mean over this reach is {mean:.1} ({:+.1} against the \
+                 paper); the mean of {} reaches is {all:.1}.",
                 mean - used.paper,
                 used.reaches
             ));
         }
         if let Some(shares) = &self.results.figure_10 {
             self.page.paragraph(&format!(
-                "Over the whole reach {:.1} % of the judged taxels in contact are correct, {:.1} % misclassified, {:.1} % \
+                "Over the whole reach {:.1} % of the judged taxel frames are correct, {:.1} % misclassified and {:.1} % \
                  uncertain.",
                 shares.correct_percent, shares.misclassified_percent, shares.uncertain_percent
             ));
@@ -68,7 +71,11 @@ impl Report<'_> {
         ];
         self.page.figure("Figs. 8 and 9.", &charts);
         self.page
-            .figure("Fig. 10: taxels in contact by verdict.", &figures::figure_10(reach));
+            .figure(
+                "Fig. 10: taxels in contact by verdict. The last chart shows those that nothing presses on (strays, creep, \
+                 crosstalk); they have no truth and are in none of the others.",
+                &figures::figure_10(reach),
+            );
         self.numbers(tables::figure_8_times(self.online));
         self.numbers(tables::figures_9_and_10(self.online));
     }
@@ -83,8 +90,10 @@ impl Report<'_> {
         let found: Vec<_> = reaches.iter().filter_map(|reach| reach.shares.as_ref()).collect();
         let drawn: u64 = reaches.iter().map(|reach| reach.drawn).sum();
         self.page.paragraph(&format!(
-            "Each scene is drawn until the forearm touches its category and nothing else, by ground truth, and feels it: \
-             {} of {} scenes gave such a reach in {drawn} draws. In {} of them more taxels are correct than misclassified.",
+            "Each scene is drawn until, by ground truth, the forearm touches its category and nothing else, and feels it. {} \
+             of {} scenes gave such a reach, in {drawn} draws. In {} of them more taxels are correct than misclassified. As \
+             in the paper the truth of every taxel is the category of the scene, also of those that nothing presses on; \
+             the table gives their share as untouched.",
             found.len(),
             reaches.len(),
             found.iter().filter(|shares| shares.correct_percent > shares.misclassified_percent).count()
@@ -103,17 +112,25 @@ impl Report<'_> {
         self.page.published(published);
         let mark = |(taxel, verdict): (&usize, &Verdict)| TaxelMark {
             place: (moment.patch, *taxel),
-            look: skin_map::mark_of(verdict),
+            look: skin_map::mark_of(verdict, moment.pressed.contains(taxel)),
         };
         let marks: Vec<TaxelMark> = moment.verdicts.iter().map(mark).collect();
         let description = format!("Forearm with {} taxels in contact, marked by verdict.", marks.len());
-        let mut charts = picture::close_ups(&moment.scene, &moment.snapshot, &moment.layout, &marks, &description);
-        charts.push(skin_map::svg(&format!("{}-skin", moment.scene), grid, &moment.verdicts));
+        let name = slug(&moment.scene);
+        let mut charts = picture::close_ups(&name, &moment.snapshot, &moment.layout, &marks, &description);
+        let skin = format!("{name}-skin");
+        charts.push(skin_map::svg(&skin, grid, &moment.verdicts, &moment.pressed));
+        let untouched = moment.verdicts.keys().filter(|taxel| !moment.pressed.contains(taxel));
         let caption = format!(
             "Scene {}, draw {}, {:.2} s after the start: the moment with most taxels in contact. Green triangle leaf, brown \
-             square trunk, red cross outlier, blue ring uncertain; taxels on the far side are seen through the arm. Leaves \
+             square trunk, red cross outlier, blue ring uncertain. Grey marks of the same shapes are taxels that nothing \
+             presses on (strays, creep, crosstalk): {} of {} here. Taxels on the far side are seen through the arm. Leaves \
              are green, trunks brown, foam blocks sand-coloured, a foam roll is red.",
-            moment.scene, moment.reach_index, moment.snapshot.frame.time_s
+            moment.scene,
+            moment.reach_index,
+            moment.snapshot.frame.time_s,
+            untouched.count(),
+            moment.verdicts.len()
         );
         self.page.figure(&caption, &charts);
     }
@@ -131,18 +148,25 @@ impl Report<'_> {
         ));
         let charts = figures::figure_15(self.online);
         if !charts.is_empty() {
-            let caption = "Fig. 15: taxels by verdict over time, means of half a second, one upon the other; the strips under \
-                           them show when the forearm truly touches the roll, a trunk or a leaf.";
+            let caption = "Fig. 15: taxels by verdict over time, means of half a second, stacked. The dotted line shows how \
+                           many of them nothing presses on (strays, creep, crosstalk). The strips below show when the forearm \
+                           truly touches the roll, a trunk or a leaf.";
             self.page.figure(caption, &charts);
         }
         self.numbers(tables::figure_15(self.online));
         self.page.paragraph(&words::thresholds(self.thresholds));
+        if let Some(text) = words::chosen_rule_online(&self.results.figure_15.detection) {
+            self.page.paragraph(&text);
+        }
         self.table(tables::detection(self.results));
-        let caption = "What any threshold on the lead would do: leaves found against trunks mistaken, on training trials held \
-                       out by reach; the roll found by its small lead against leaves and trunks mistaken, on the outlier \
-                       reaches.";
         let charts = figures::roc(self.thresholds);
         if !charts.is_empty() {
+            if let Some(area) = self.results.roc.outlier_area {
+                self.page.paragraph(&words::roc(area));
+            }
+            let caption = "What every threshold would do. Left: leaves found against trunks mistaken for leaves as the least \
+                           lead of a leaf falls, on training trials held out by reach. Right: the roll found against leaves and \
+                           trunks mistaken for it as the greatest lead of an outlier rises, on the outlier reaches.";
             self.page.figure(caption, &charts);
             self.numbers(tables::roc(self.thresholds));
         }

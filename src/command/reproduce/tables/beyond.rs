@@ -8,46 +8,63 @@ use super::super::classifiers::PAPER_BEST;
 use super::super::results::Results;
 use super::super::splits::Split;
 use super::super::thresholds::Thresholds;
+use super::super::words;
+use super::{accuracy, campaign_figures};
 
 pub fn classifiers(results: &Results) -> Table {
-    let columns = ["classifier", "accuracy / %", "from", "to", "against the paper's best"];
-    let caption = "Taxels, two folds by whole reaches, whole trials, with the 95 % interval by reach";
+    let columns = [
+        "classifier",
+        "accuracy / %",
+        "from",
+        "to",
+        "balanced / %",
+        "majority / %",
+        "against the paper's best",
+    ];
+    let caption = "Taxels, two folds by whole reaches, whole trials: accuracy with the 95 % interval by reach, balanced \
+                   accuracy and majority baseline";
     let mut table = Table::new("classifiers", caption, &columns);
     for compared in &results.classifiers {
-        table.rows.push(vec![
-            compared.classifier.into(),
-            Cell::Number(compared.accuracy, 1),
-            Cell::Number(compared.low, 1),
-            Cell::Number(compared.high, 1),
-            Cell::Difference(compared.accuracy - PAPER_BEST, 1),
-        ]);
+        let mut row = vec![compared.classifier.into()];
+        row.extend(accuracy(&compared.accuracy, 1));
+        row.push(Cell::Difference(compared.accuracy.accuracy - PAPER_BEST, 1));
+        table.rows.push(row);
     }
     table
 }
 
 pub fn campaign_classifiers(results: &Results) -> Option<Table> {
     let campaigns = results.campaigns.as_ref()?;
-    let columns = ["classifier", "mean", "SD", "least", "most", "against the paper's best"];
+    let columns = [
+        "classifier",
+        "mean",
+        "SD",
+        "least",
+        "most",
+        "balanced",
+        "SD",
+        "majority",
+        "SD",
+        "against the paper's best",
+    ];
     let caption = format!(
-        "The same, mean of {} campaigns: accuracy, %, by whole reaches",
+        "The same, mean of {} campaigns: accuracy, balanced accuracy and majority baseline, %, by whole reaches",
         campaigns.seeds.len()
     );
     let mut table = Table::new("campaign_classifiers", caption, &columns);
     for own in &campaigns.classifiers {
-        table.rows.push(vec![
-            own.classifier.as_str().into(),
-            Cell::Number(own.accuracy, 1),
-            Cell::optional(own.standard_deviation, 1),
-            Cell::Number(own.least, 1),
-            Cell::Number(own.most, 1),
-            Cell::Difference(own.accuracy - PAPER_BEST, 1),
-        ]);
+        let mut row = vec![own.classifier.as_str().into()];
+        row.extend(campaign_figures(&own.figures));
+        row.push(Cell::Difference(own.figures.accuracy.mean - PAPER_BEST, 1));
+        table.rows.push(row);
     }
     Some(table)
 }
 
+/// Accuracy after ever more samples, of contacts that last and of all.
 pub fn by_samples(results: &Results) -> Table {
     let columns = [
+        "contacts",
         "classifier",
         "samples at most",
         "accuracy / %",
@@ -57,17 +74,24 @@ pub fn by_samples(results: &Results) -> Table {
         "accuracy on these / %",
     ];
     let mut table = Table::new("accuracy_by_samples", "Accuracy by samples since contact", &columns);
-    for compared in &results.classifiers {
-        for point in &compared.by_samples {
-            table.rows.push(vec![
-                compared.classifier.into(),
-                point.samples.map_or("all".into(), Cell::Count),
-                Cell::Number(100.0 * point.accuracy, 1),
-                Cell::optional(point.interval_by_reach.map(|interval| 100.0 * interval.low), 1),
-                Cell::optional(point.interval_by_reach.map(|interval| 100.0 * interval.high), 1),
-                point.lasting.into(),
-                Cell::optional(point.accuracy_of_lasting.map(|accuracy| 100.0 * accuracy), 1),
-            ]);
+    for speed in &results.speeds {
+        for (contacts, points) in [
+            (words::LASTING_CONTACTS, &speed.lasting_contacts),
+            (words::ALL_CONTACTS, &speed.all_contacts),
+        ] {
+            for point in points {
+                let interval = point.interval_by_reach;
+                table.rows.push(vec![
+                    contacts.into(),
+                    speed.classifier.into(),
+                    point.samples.map_or("all".into(), Cell::Count),
+                    Cell::Number(100.0 * point.accuracy, 1),
+                    Cell::optional(interval.map(|interval| 100.0 * interval.low), 1),
+                    Cell::optional(interval.map(|interval| 100.0 * interval.high), 1),
+                    point.lasting.into(),
+                    Cell::optional(point.accuracy_of_lasting.map(|accuracy| 100.0 * accuracy), 1),
+                ]);
+            }
         }
     }
     table
@@ -75,7 +99,7 @@ pub fn by_samples(results: &Results) -> Table {
 
 /// The points of both curves.
 pub fn roc(thresholds: &Thresholds) -> Table {
-    let columns = ["curve", "least_lead_nats", "false_positive_rate", "true_positive_rate"];
+    let columns = ["curve", "lead_nats", "false_positive_rate", "true_positive_rate"];
     let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
     for (name, curve) in [
         ("leaf against trunk", &thresholds.category_roc),
@@ -104,13 +128,16 @@ pub fn splits_of(results: &Results, classifier: &str) -> Table {
     }
     let mut columns = vec!["learned at \\ tested at"];
     columns.extend(&settings);
-    let caption = format!("{classifier}: accuracy, %, with the 95 % interval by reach");
+    let caption = format!(
+        "{classifier}: accuracy, %, with the 95 % interval by reach; after the semicolon the balanced accuracy"
+    );
     let mut table = Table::new("splits", caption, &columns);
     // Where the columns are narrow, lines break before an interval and not within.
     let text = |split: &Split| {
+        let own = &split.accuracy;
         format!(
-            "{:.1} ({:.0}\u{2060}–\u{2060}{:.0})",
-            split.accuracy, split.low, split.high
+            "{:.1} ({:.0}\u{2060}–\u{2060}{:.0}); {:.1}",
+            own.accuracy, own.low, own.high, own.balanced_accuracy
         )
     };
     for trained in &settings {
@@ -118,6 +145,15 @@ pub fn splits_of(results: &Results, classifier: &str) -> Table {
         let row = std::iter::once(Cell::from(*trained)).chain(cells.map(|split| text(split).into()));
         table.rows.push(row.collect());
     }
+    // The baseline depends only on the trials that are tested.
+    let majority = settings.iter().map(|tested| {
+        let tested = own().find(|split| split.tested == *tested);
+        let percent = tested.map(|split| format!("{:.1}", split.accuracy.majority_baseline));
+        percent.map_or(Cell::Missing, Cell::from)
+    });
+    table
+        .rows
+        .push(std::iter::once("majority baseline".into()).chain(majority).collect());
     table
 }
 
@@ -131,18 +167,19 @@ pub fn splits(results: &Results) -> Table {
         "accuracy_percent",
         "low_percent",
         "high_percent",
+        "balanced_accuracy_percent",
+        "majority_baseline_percent",
     ];
     let mut table = Table::new("splits", "Other arms and speeds", &columns);
     for split in &results.splits {
-        table.rows.push(vec![
+        let mut row = vec![
             split.classifier.as_str().into(),
             split.trained.as_str().into(),
             split.tested.as_str().into(),
-            split.trials.into(),
-            Cell::Number(split.accuracy, 2),
-            Cell::Number(split.low, 2),
-            Cell::Number(split.high, 2),
-        ]);
+            split.accuracy.trials.into(),
+        ];
+        row.extend(accuracy(&split.accuracy, 2));
+        table.rows.push(row);
     }
     table
 }
@@ -154,7 +191,11 @@ pub fn ablation(results: &Results) -> Table {
         "orderings that hold",
         "pairs in order",
         "components / %",
+        "balanced / %",
+        "majority / %",
         "taxels / %",
+        "balanced / %",
+        "majority / %",
         "component trials a reach, leaf",
         "component trials a reach, trunk",
         "taxel trials a reach, leaf",
@@ -169,9 +210,11 @@ pub fn ablation(results: &Results) -> Table {
             Cell::Number(row.mean_absolute_difference_points, 1),
             format!("{} of {}", row.orderings_holding, row.orderings).into(),
             format!("{} of {}", row.pairs_holding, row.pairs).into(),
-            Cell::Number(row.component_accuracy, 1),
-            Cell::Number(row.taxel_accuracy, 1),
         ];
+        for own in [&row.component, &row.taxel] {
+            let figures = [own.accuracy, own.balanced_accuracy, own.majority_baseline];
+            cells.extend(figures.map(|value| Cell::Number(value, 1)));
+        }
         cells.extend(per_reach(row, TableOneUnit::Component));
         cells.extend(per_reach(row, TableOneUnit::Taxel));
         table.rows.push(cells);

@@ -60,6 +60,7 @@ pub fn figure_11(results: &Results) -> Table {
         "misclassified / %",
         "uncertain / %",
         "taxel frames",
+        "untouched / %",
         "samples used",
     ];
     let caption = "Fig. 11: verdicts on the taxels in contact, all frames of each engineered reach";
@@ -80,6 +81,7 @@ pub fn figure_11(results: &Results) -> Table {
                 .shares
                 .as_ref()
                 .map_or(Cell::Missing, |shares| shares.taxel_frames.into()),
+            Cell::optional(reach.untouched_percent, 1),
             Cell::optional(reach.mean_samples_used, 1),
         ]);
     }
@@ -95,6 +97,7 @@ pub fn figure_15(online: &Online) -> Table {
         "trunk",
         "uncertain",
         "outlier",
+        "without_truth",
         "touches_leaf",
         "touches_trunk",
         "touches_block",
@@ -105,6 +108,7 @@ pub fn figure_15(online: &Online) -> Table {
         for frame in &reach.stream.frames {
             let mut row = vec![Cell::Count(reach.reach_index as usize), Cell::Number(frame.time_s, 2)];
             row.extend(frame.by_verdict.iter().map(|count| Cell::Count(*count)));
+            row.push(frame.tally.unknown.into());
             row.extend(frame.touched.iter().map(|touched| Cell::Count(usize::from(*touched))));
             table.rows.push(row);
         }

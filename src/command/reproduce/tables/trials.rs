@@ -3,8 +3,10 @@
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::report::{Cell, Table};
 
-use super::super::results::{Ordering, Results, features_name, unit_name};
+use super::super::measurement::{CellKey, features_name, unit_name};
+use super::super::results::{Ordering, Results};
 use super::super::words;
+use super::{accuracy, campaign_figures};
 
 pub fn trials_per_reach(results: &Results) -> Table {
     let columns = ["trials", "count", "per reach", "paper"];
@@ -28,24 +30,24 @@ pub fn table_1(results: &Results, recipe: &str) -> Table {
         "here",
         "from",
         "to",
+        "balanced",
+        "majority",
         "paper",
         "difference",
     ];
     let caption = format!(
-        "Table I, the {} recipe: two-fold accuracy, %, with the 95 % interval by reach",
+        "Table I, the {} recipe: two-fold accuracy, %, with the 95 % interval by reach, balanced accuracy and majority \
+         baseline",
         words::possessive(recipe)
     );
     let mut table = Table::new("table_1", caption, &columns);
-    for cell in results.measurement.table_1.iter().filter(|cell| cell.recipe == recipe) {
-        table.rows.push(vec![
-            format!("{}, {}", unit_name(cell.by), features_name(cell.features)).into(),
-            cell.states.into(),
-            Cell::Number(cell.accuracy, 1),
-            Cell::Number(cell.low, 1),
-            Cell::Number(cell.high, 1),
-            Cell::Number(cell.paper, 1),
-            Cell::Difference(cell.accuracy - cell.paper, 1),
-        ]);
+    let cells = results.measurement.table_1.iter();
+    for cell in cells.filter(|cell| cell.key.recipe == recipe) {
+        let mut row = vec![trials_and_features(&cell.key), cell.key.states.into()];
+        row.extend(accuracy(&cell.accuracy, 1));
+        row.push(Cell::Number(cell.paper, 1));
+        row.push(Cell::Difference(cell.accuracy.accuracy - cell.paper, 1));
+        table.rows.push(row);
     }
     table
 }
@@ -56,25 +58,32 @@ pub fn table_1_all(results: &Results) -> Table {
         "features",
         "states",
         "recipe",
+        "trials",
         "accuracy_percent",
         "low_percent",
         "high_percent",
+        "balanced_accuracy_percent",
+        "majority_baseline_percent",
         "paper_percent",
     ];
     let mut table = Table::new("table_1", "Table I", &columns);
     for cell in &results.measurement.table_1 {
-        table.rows.push(vec![
-            unit_name(cell.by).into(),
-            features_name(cell.features).into(),
-            cell.states.into(),
-            cell.recipe.as_str().into(),
-            Cell::Number(cell.accuracy, 2),
-            Cell::Number(cell.low, 2),
-            Cell::Number(cell.high, 2),
-            Cell::Number(cell.paper, 2),
-        ]);
+        let mut row = vec![
+            unit_name(cell.key.by).into(),
+            features_name(cell.key.features).into(),
+            cell.key.states.into(),
+            cell.key.recipe.as_str().into(),
+            cell.accuracy.trials.into(),
+        ];
+        row.extend(accuracy(&cell.accuracy, 2));
+        row.push(Cell::Number(cell.paper, 2));
+        table.rows.push(row);
     }
     table
+}
+
+fn trials_and_features(key: &CellKey) -> Cell {
+    format!("{}, {}", unit_name(key.by), features_name(key.features)).into()
 }
 
 pub fn orderings(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
@@ -100,38 +109,68 @@ pub fn orderings(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
     table
 }
 
-pub fn campaigns(results: &Results) -> Option<Table> {
+/// The mean campaign in one recipe; all of them, with the recipe in a column of its own, is [`campaigns_all`].
+pub fn campaigns(results: &Results, recipe: &str) -> Option<Table> {
     let campaigns = results.campaigns.as_ref()?;
     let columns = [
         "trials, features",
         "states",
-        "recipe",
         "mean",
         "SD",
         "least",
         "most",
+        "balanced",
+        "SD",
+        "majority",
+        "SD",
         "paper",
         "difference",
     ];
     let caption = format!(
-        "Table I as the mean of {} campaigns, seeds {} to {}: accuracy, %",
+        "Table I as the mean of {} campaigns, {}, the {} recipe: accuracy, balanced accuracy and majority baseline, %",
         campaigns.seeds.len(),
-        campaigns.seeds.first().copied().unwrap_or_default(),
-        campaigns.seeds.last().copied().unwrap_or_default()
+        words::seeds(&campaigns.seeds),
+        words::possessive(recipe)
     );
     let mut table = Table::new("campaigns", caption, &columns);
+    for cell in campaigns.table_1.iter().filter(|cell| cell.key.recipe == recipe) {
+        let mut row = vec![trials_and_features(&cell.key), cell.key.states.into()];
+        row.extend(campaign_figures(&cell.figures));
+        row.push(Cell::Number(cell.paper, 1));
+        row.push(Cell::Difference(cell.figures.accuracy.mean - cell.paper, 1));
+        table.rows.push(row);
+    }
+    Some(table)
+}
+
+pub fn campaigns_all(results: &Results) -> Option<Table> {
+    let campaigns = results.campaigns.as_ref()?;
+    let columns = [
+        "by",
+        "features",
+        "states",
+        "recipe",
+        "accuracy_percent",
+        "accuracy_sd",
+        "accuracy_least",
+        "accuracy_most",
+        "balanced_accuracy_percent",
+        "balanced_accuracy_sd",
+        "majority_baseline_percent",
+        "majority_baseline_sd",
+        "paper_percent",
+    ];
+    let mut table = Table::new("campaigns", "Table I over campaigns", &columns);
     for cell in &campaigns.table_1 {
-        table.rows.push(vec![
-            format!("{}, {}", unit_name(cell.by), features_name(cell.features)).into(),
-            cell.states.into(),
-            cell.recipe.as_str().into(),
-            Cell::Number(cell.accuracy, 1),
-            Cell::optional(cell.standard_deviation, 1),
-            Cell::Number(cell.least, 1),
-            Cell::Number(cell.most, 1),
-            Cell::Number(cell.paper, 1),
-            Cell::Difference(cell.accuracy - cell.paper, 1),
-        ]);
+        let mut row = vec![
+            unit_name(cell.key.by).into(),
+            features_name(cell.key.features).into(),
+            cell.key.states.into(),
+            cell.key.recipe.as_str().into(),
+        ];
+        row.extend(campaign_figures(&cell.figures));
+        row.push(Cell::Number(cell.paper, 2));
+        table.rows.push(row);
     }
     Some(table)
 }
@@ -147,8 +186,8 @@ pub fn campaign_trials(results: &Results) -> Option<Table> {
     for row in &campaigns.trials_per_reach {
         table.rows.push(vec![
             format!("{}, {}", unit_name(row.by), row.category).into(),
-            Cell::Number(row.per_reach, 1),
-            Cell::optional(row.standard_deviation, 1),
+            Cell::Number(row.per_reach.mean, 1),
+            Cell::optional(row.per_reach.standard_deviation, 1),
             Cell::Number(row.paper, 1),
         ]);
     }
@@ -191,16 +230,23 @@ pub fn figure_5(results: &Results) -> Table {
 }
 
 pub fn figure_13(results: &Results) -> Table {
-    let columns = ["samples at most", "states", "accuracy / %", "from", "to"];
+    let columns = [
+        "samples at most",
+        "states",
+        "accuracy / %",
+        "from",
+        "to",
+        "balanced / %",
+        "majority / %",
+    ];
     let mut table = Table::new("figure_13", "Fig. 13: accuracy on truncated trials", &columns);
     for point in &results.figure_13 {
-        table.rows.push(vec![
+        let mut row = vec![
             point.max_samples.map_or("all".into(), Cell::Count),
             point.states.into(),
-            Cell::Number(point.accuracy, 1),
-            Cell::Number(point.low, 1),
-            Cell::Number(point.high, 1),
-        ]);
+        ];
+        row.extend(accuracy(&point.accuracy, 1));
+        table.rows.push(row);
     }
     table
 }
