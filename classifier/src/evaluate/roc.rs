@@ -100,7 +100,13 @@ pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64)
             .filter(|prediction| is_trained(&prediction.category) == known)
             .map(|prediction| judge.lead(&prediction.scores).map_or(0.0, |(_, lead)| lead));
         leads
-            .map(|lead| if lead < uncertain_below { f64::NEG_INFINITY } else { -lead })
+            .map(|lead| {
+                if lead < uncertain_below {
+                    f64::NEG_INFINITY
+                } else {
+                    -lead
+                }
+            })
             .collect()
     };
     let mut curve = RocCurve::of(&scores(false), &scores(true))?;

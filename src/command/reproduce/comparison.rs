@@ -172,7 +172,8 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
 
 impl CampaignFigures {
     fn of(accuracies: &[&Accuracy]) -> Self {
-        let over = |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
+        let over =
+            |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
         CampaignFigures {
             accuracy: over(|own| own.accuracy),
             balanced_accuracy: over(|own| own.balanced_accuracy),

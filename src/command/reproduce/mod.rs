@@ -83,9 +83,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
     let dataset = stages.run("Training reaches", || make_or_reuse(out, seed, quick))?;
     audit::warn(dataset.episodes());
-    let contacts = stages.run("Trials", || {
-        Trials::of_dataset(&dataset, &data::any_length_options())
-    })?;
+    let contacts = stages.run("Trials", || Trials::of_dataset(&dataset, &data::any_length_options()))?;
     let trials = contacts.lasting(data::trial_options().min_samples);
     write_trials(out.join("trials-component.parquet"), trials.component.iter().cloned())?;
     write_trials(out.join("trials-taxel.parquet"), trials.taxel.iter().cloned())?;

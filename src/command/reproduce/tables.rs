@@ -9,7 +9,8 @@ use underbrush_classifier::report::{Cell, Table};
 pub use beyond::{ablation, by_samples, campaign_classifiers, classifiers, roc, splits, splits_of};
 pub use online::{detection, figure_8_times, figure_11, figure_15, figures_9_and_10};
 pub use trials::{
-    campaign_trials, campaigns, campaigns_all, confusion, figure_5, figure_13, orderings, table_1, table_1_all, trials_per_reach,
+    campaign_trials, campaigns, campaigns_all, confusion, figure_5, figure_13, orderings, table_1, table_1_all,
+    trials_per_reach,
 };
 
 use super::accuracy::Accuracy;

@@ -92,9 +92,11 @@ pub fn figure_10(reach: &Classified) -> Vec<String> {
         ("uncertain", Style::line(UNCERTAIN, Dash::Solid), |tally| {
             tally.uncertain
         }),
-        ("that nothing presses on", Style::line(UNTOUCHED, Dash::Solid), |tally| {
-            tally.unknown
-        }),
+        (
+            "that nothing presses on",
+            Style::line(UNTOUCHED, Dash::Solid),
+            |tally| tally.unknown,
+        ),
     ];
     let frames = &reach.stream.frames;
     let highest = kinds

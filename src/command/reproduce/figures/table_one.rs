@@ -77,12 +77,7 @@ impl Quarter<'_> {
 type Cell<'a> = ((TableOneUnit, FeatureSet), &'a str, StatesAccuracy, f64);
 
 /// Four charts of the cells of a table; `suffix` follows each title.
-fn quarters(
-    table: &str,
-    suffix: &str,
-    cells: &[Cell],
-    majority_baseline: impl Fn(TableOneUnit) -> f64,
-) -> Vec<String> {
+fn quarters(table: &str, suffix: &str, cells: &[Cell], majority_baseline: impl Fn(TableOneUnit) -> f64) -> Vec<String> {
     let quarter = |of: (TableOneUnit, FeatureSet)| {
         let own = |recipe: &'static str| cells.iter().filter(move |cell| cell.0 == of && cell.1 == recipe);
         let here = |recipe| own(recipe).map(|cell| cell.2).collect();

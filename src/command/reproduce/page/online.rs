@@ -70,12 +70,11 @@ impl Report<'_> {
             figures::figure_9(reach, self.results),
         ];
         self.page.figure("Figs. 8 and 9.", &charts);
-        self.page
-            .figure(
-                "Fig. 10: taxels in contact by verdict. The last chart shows those that nothing presses on (strays, creep, \
+        self.page.figure(
+            "Fig. 10: taxels in contact by verdict. The last chart shows those that nothing presses on (strays, creep, \
                  crosstalk); they have no truth and are in none of the others.",
-                &figures::figure_10(reach),
-            );
+            &figures::figure_10(reach),
+        );
         self.numbers(tables::figure_8_times(self.online));
         self.numbers(tables::figures_9_and_10(self.online));
     }

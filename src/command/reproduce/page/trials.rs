@@ -37,7 +37,8 @@ impl Report<'_> {
         self.page.paragraph(&words::choices(&words::all_seeds(self.results)));
         self.page.paragraph(&words::baselines(self.results));
         for recipe in [AUTHORS, MODERN] {
-            self.page.paragraph(&words::table_1(&self.results.measurement.table_1, recipe));
+            self.page
+                .paragraph(&words::table_1(&self.results.measurement.table_1, recipe));
         }
         let charts = figures::table_1(self.results);
         self.page.figure(

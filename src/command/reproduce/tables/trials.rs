@@ -241,10 +241,7 @@ pub fn figure_13(results: &Results) -> Table {
     ];
     let mut table = Table::new("figure_13", "Fig. 13: accuracy on truncated trials", &columns);
     for point in &results.figure_13 {
-        let mut row = vec![
-            point.max_samples.map_or("all".into(), Cell::Count),
-            point.states.into(),
-        ];
+        let mut row = vec![point.max_samples.map_or("all".into(), Cell::Count), point.states.into()];
         row.extend(accuracy(&point.accuracy, 1));
         table.rows.push(row);
     }

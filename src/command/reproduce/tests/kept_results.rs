@@ -5,7 +5,11 @@ use super::super::kept;
 
 /// What the build script takes for the sources of an analysis.
 #[path = "../../../../build.rs"]
-#[expect(dead_code, clippy::print_stdout, reason = "a build script talks to cargo; only its lists are wanted")]
+#[expect(
+    dead_code,
+    clippy::print_stdout,
+    reason = "a build script talks to cargo; only its lists are wanted"
+)]
 mod build_script;
 
 const RUN: (u64, bool) = (3, true);

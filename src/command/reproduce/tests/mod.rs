@@ -254,4 +254,3 @@ fn a_report_is_whole() {
         assert!(number("majority_baseline") >= 50.0 && (0.0..=100.0).contains(&number("balanced_accuracy")));
     }
 }
-

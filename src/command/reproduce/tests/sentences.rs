@@ -12,7 +12,10 @@ use super::*;
 fn the_page_says_what_was_chosen_on_which_seeds() {
     let untouched: Vec<u64> = (data::DEFAULT_SEED..data::DEFAULT_SEED + 20).collect();
     let text = words::choices(&untouched);
-    assert!(text.contains("not a prediction") && text.contains("seeds 1000 to 5005"), "{text}");
+    assert!(
+        text.contains("not a prediction") && text.contains("seeds 1000 to 5005"),
+        "{text}"
+    );
     assert!(text.ends_with("Nothing was chosen on seeds 100 to 119."), "{text}");
     let text = words::choices(&[2]);
     assert!(
@@ -28,7 +31,10 @@ fn the_page_says_which_cells_one_verdict_would_beat() {
     // The majority baseline of a cell made for tests is half its accuracy.
     let mut cells = vec![cell(5, 60.2), cell(10, 70.0)];
     let text = words::table_1(&cells, AUTHORS);
-    assert!(text.ends_with("All 2 cells are at or above the majority baseline."), "{text}");
+    assert!(
+        text.ends_with("All 2 cells are at or above the majority baseline."),
+        "{text}"
+    );
     cells[0].accuracy.majority_baseline = 64.2;
     let text = words::table_1(&cells, AUTHORS);
     let expected = "1 of the 2 cells lie below the majority baseline, so always naming the more frequent category would do \
@@ -59,7 +65,11 @@ fn the_page_says_when_its_rule_fails() {
         outlier_percent: 0.0,
     };
     let papers = row("the paper's: 15.0 and 80.0", 4000, 0.0);
-    let failing = [papers.clone(), row("chosen: 1 and 2", 3000, 100.0), row("chosen: 1 and 2", 1000, 80.0)];
+    let failing = [
+        papers.clone(),
+        row("chosen: 1 and 2", 3000, 100.0),
+        row("chosen: 1 and 2", 1000, 80.0),
+    ];
     let text = words::chosen_rule_online(&failing).unwrap();
     assert!(text.contains("leave 95.0 % uncertain: the rule fails there."), "{text}");
     let text = words::chosen_rule_online(&[papers.clone(), row("chosen: 1 and 2", 3000, 40.0)]).unwrap();
@@ -86,7 +96,10 @@ fn the_page_says_where_typical_trials_contradict_the_paper() {
         assert!(text.contains(part), "{text}");
     }
     let text = words::figure_5(&[typical("leaf", 0.1, 0.9, 0.04), typical("trunk", 0.2, 0.5, 0.03)]);
-    assert!(text.contains("the motion is not larger on trunks, as in the paper"), "{text}");
+    assert!(
+        text.contains("the motion is not larger on trunks, as in the paper"),
+        "{text}"
+    );
 }
 
 /// Pins that the longer trials of all contacts are those that are cut with a minimum length, in the same order, and

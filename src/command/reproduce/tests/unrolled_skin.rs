@@ -80,5 +80,9 @@ fn strays_are_marked() {
     // One each beside that of the legend.
     assert_eq!((fills(LEAF), fills(UNTOUCHED)), (2, 2));
     let description = elements.iter().find(|own| own.0 == "desc").unwrap();
-    assert!(description.2.ends_with("nothing presses on 1 of them"), "{}", description.2);
+    assert!(
+        description.2.ends_with("nothing presses on 1 of them"),
+        "{}",
+        description.2
+    );
 }

@@ -142,9 +142,7 @@ pub fn splits(results: &Results) -> Vec<String> {
         // Against the classifier that learned where this one is tested.
         let covered = |split: &&&Split| {
             let native = same.iter().find(|native| native.tested == split.tested);
-            native.is_some_and(|native| {
-                (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy)
-            })
+            native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
         };
         Some(format!(
             "{classifier}: {:.1} % on average at the setting that was learned, {:.1} % at others ({:+.1} points); {} of {} \

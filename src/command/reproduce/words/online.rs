@@ -53,7 +53,8 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
     }
     let uncertain = chosen.iter().map(|row| row.uncertain_percent * row.taxel_frames as f64);
     let percent = uncertain.sum::<f64>() / frames as f64;
-    let found = format!("Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain");
+    let found =
+        format!("Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain");
     Some(if percent > 100.0 * FAILING_UNCERTAIN_SHARE {
         format!(
             "{found}: the rule fails there. Its thresholds are leads of whole trials, and a lead grows with every sample, so \

@@ -198,7 +198,13 @@ pub fn figure_5(medians: &[Typical]) -> String {
     let (Some(leaf), Some(trunk)) = (of("leaf"), of("trunk")) else {
         return "There are too few trials in which something touched the taxel to compare leaf and trunk.".into();
     };
-    let agreement = |holds: bool| if holds { "as in the paper" } else { "unlike in the paper" };
+    let agreement = |holds: bool| {
+        if holds {
+            "as in the paper"
+        } else {
+            "unlike in the paper"
+        }
+    };
     let larger = |trunk: f64, leaf: f64| if trunk > leaf { "larger" } else { "not larger" };
     format!(
         "Medians over all trials in which something touched the taxel, {} of trunks and {} of leaves: the force 0.1 s after \
