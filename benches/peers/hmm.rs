@@ -129,6 +129,7 @@ fn read(text: &str) -> Result<Vec<Trial>, Box<dyn Error>> {
             force_n: cells[force_n].parse()?,
             motion_m: None,
             region: None,
+            touched: None,
         };
         if let Some(open) = trials.last_mut() {
             open.samples.push(sample);

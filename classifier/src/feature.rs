@@ -265,6 +265,7 @@ mod tests {
                 force_n,
                 motion_m,
                 region: None,
+                touched: None,
             })
             .collect();
         Trial {

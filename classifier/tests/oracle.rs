@@ -44,6 +44,7 @@ fn trials() -> Vec<Trial> {
             force_n: number(3),
             motion_m: Some(number(4)),
             region: None,
+            touched: None,
         };
         trials.last_mut().unwrap().samples.push(sample);
     }

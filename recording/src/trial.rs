@@ -17,6 +17,11 @@ pub struct Sample {
     /// The contact region that this sample is part of. `None` where a table has none, or the patch has no grid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<Region>,
+    /// Ground truth: whether an object truly pressed the taxel, or one of the component's taxels, in this sample. A
+    /// sensor also reports forces where nothing touches it (noise, crosstalk, creep). `None` where unknown, as in tables
+    /// of real robots. No model sees it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub touched: Option<bool>,
 }
 
 /// A contact region (paper, section III) at one instant: the taxels in contact that hang together, whatever presses them.
@@ -98,4 +103,20 @@ pub struct Trial {
     pub taxel: Option<u32>,
     /// The samples in time order, never empty.
     pub samples: Vec<Sample>,
+}
+
+impl Trial {
+    /// Ground truth: whether an object truly pressed during at least one sample. `None` where that is unknown: where no
+    /// sample is known to be touched and at least one is not known to be untouched.
+    pub fn touched(&self) -> Option<bool> {
+        let mut touched = Some(false);
+        for sample in &self.samples {
+            match sample.touched {
+                Some(true) => return Some(true),
+                Some(false) => {}
+                None => touched = None,
+            }
+        }
+        touched
+    }
 }

@@ -23,6 +23,7 @@ fn press(number: u64, category: &str, newtons_per_s: f64, taxels: u32, length: u
                 largest_force_n: 1.5 * force_n,
                 force_sum_n: f64::from(taxels) * force_n,
             }),
+            touched: None,
         }
     });
     Trial {

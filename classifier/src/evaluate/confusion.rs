@@ -38,6 +38,39 @@ pub struct Accuracy {
     pub balanced_accuracy: Option<f64>,
 }
 
+/// An accuracy split by whether an object truly pressed during at least one sample of a trial
+/// ([`underbrush_recording::Trial::touched`]). A sensor also reports forces where nothing touches it; in such a trial
+/// there is nothing to be recognized, whatever its label says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AccuracyByTouch {
+    /// Of trials that an object touched; `None` where there are none, as in the other fields.
+    pub touched: Option<Accuracy>,
+    /// Of trials that nothing touched.
+    pub untouched: Option<Accuracy>,
+    /// Of trials of which this is not known.
+    pub unknown: Option<Accuracy>,
+}
+
+impl AccuracyByTouch {
+    /// Splits predictions made with models of these categories; `None` where it is known of none whether it was touched.
+    pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Option<Self> {
+        let (mut touched, mut untouched, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
+        for prediction in predictions {
+            match prediction.touched {
+                Some(true) => touched.push(prediction),
+                Some(false) => untouched.push(prediction),
+                None => unknown.push(prediction),
+            }
+        }
+        let accuracy = |part: Vec<&Prediction>| ConfusionMatrix::of(part, models).accuracy();
+        (touched.len() + untouched.len() > 0).then(|| AccuracyByTouch {
+            touched: accuracy(touched),
+            untouched: accuracy(untouched),
+            unknown: accuracy(unknown),
+        })
+    }
+}
+
 /// How one category fares.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CategoryFigures {
@@ -63,7 +96,8 @@ pub struct CategoryFigures {
 
 impl ConfusionMatrix {
     /// Counts predictions made with models of these categories.
-    pub(super) fn of(predictions: &[Prediction], models: &[String]) -> Self {
+    pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Self {
+        let predictions: Vec<&Prediction> = predictions.into_iter().collect();
         let truth: BTreeSet<&str> = predictions
             .iter()
             .map(|prediction| prediction.category.as_str())

@@ -9,15 +9,15 @@ mod stream;
 mod table_one;
 mod threshold;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 use underbrush_recording::Trial;
 
-pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples};
-pub use confusion::{Accuracy, CategoryFigures, ConfusionMatrix};
+pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
+pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
@@ -63,6 +63,19 @@ pub enum EvaluateError {
         /// Number of the trial in its table.
         trial: u64,
     },
+    /// A fold without long trials to learn a category from.
+    #[error(
+        "no trial of category {category} outside fold {fold} (from 0) has {samples} samples or more to learn from; learn \
+         from shorter trials, or use more data"
+    )]
+    TooShort {
+        /// The category.
+        category: String,
+        /// The fold that is tested, from 0.
+        fold: usize,
+        /// Samples that a trial needs to be learned from.
+        samples: usize,
+    },
     /// Nothing to evaluate on.
     #[error("none of the trials has a category; use trials with ground truth")]
     NoTruth,
@@ -81,6 +94,9 @@ pub struct Prediction {
     pub fold: usize,
     /// Its length.
     pub samples: usize,
+    /// Ground truth: whether an object truly pressed during at least one of its samples; `None` where unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub touched: Option<bool>,
     /// Its score under each category, nats, in the order of [`ConfusionMatrix::verdict`]; without priors.
     pub scores: Vec<f64>,
     /// The verdict.
@@ -117,6 +133,9 @@ pub struct Evaluation {
     pub majority_baseline: f64,
     /// See [`Accuracy::balanced_accuracy`]; over the same trials as the accuracy.
     pub balanced_accuracy: Option<f64>,
+    /// The same for touched and untouched trials apart; `None` where no trial knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_touch: Option<AccuracyByTouch>,
     /// Wilson's 95 % interval of the accuracy, as if trials were independent. They are not: one contact lights several
     /// taxels.
     pub accuracy_interval_by_trial: Interval,
@@ -158,6 +177,7 @@ impl Evaluation {
             accuracy: accuracy.accuracy,
             majority_baseline: accuracy.majority_baseline,
             balanced_accuracy: accuracy.balanced_accuracy,
+            by_touch: AccuracyByTouch::of(&predictions, models),
             accuracy_interval_by_trial: wilson(correct, predictions.len()),
             accuracy_interval_by_reach: bootstrap_by_reach(&predictions, BOOTSTRAP_RESAMPLES, 0),
             categories: confusion.figures(),
@@ -195,7 +215,7 @@ pub fn cross_validate(
     folds: Folds,
     decision: &Decision,
 ) -> Result<Evaluation, EvaluateError> {
-    let outcome = across_folds(trials, learner, folds, |classifier, fold, tested| {
+    let outcome = across_folds(trials, learner, folds, 1, |classifier, fold, tested| {
         predict(classifier, tested.iter().copied(), decision, fold)
     })?;
     Evaluation::of(outcome.results, &outcome.categories, outcome.training)
@@ -209,11 +229,13 @@ struct AcrossFolds<T> {
     training: Vec<BTreeMap<String, TrainingHistory>>,
 }
 
-/// Learns from all folds but one and does `test` on that one, which gives one result a trial, in order; for each fold.
+/// Learns from all folds but one, there from trials of at least `min_training_samples`, and does `test` on that one, which
+/// gives one result a trial, in order; for each fold.
 fn across_folds<T: Send>(
     trials: &[Trial],
     learner: &dyn Learner,
     folds: Folds,
+    min_training_samples: usize,
     test: impl Fn(&dyn Classifier, usize, &[&Trial]) -> Result<Vec<T>, EvaluateError> + Sync,
 ) -> Result<AcrossFolds<T>, EvaluateError> {
     let used: Vec<&Trial> = trials
@@ -234,7 +256,18 @@ fn across_folds<T: Send>(
     let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {
-            let classifier = learner.learn(&of(fold, false))?;
+            let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
+            let (learned, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
+            let categories: BTreeSet<&str> = learned.iter().filter_map(|trial| trial.category.as_deref()).collect();
+            let mut unlearned = short.iter().filter_map(|trial| trial.category.as_deref());
+            if let Some(category) = unlearned.find(|category| !categories.contains(category)) {
+                return Err(EvaluateError::TooShort {
+                    category: category.to_owned(),
+                    fold,
+                    samples: min_training_samples,
+                });
+            }
+            let classifier = learner.learn(&learned)?;
             let results = test(classifier.as_ref(), fold, &of(fold, true))?;
             Ok((classifier.categories(), results, classifier.training().cloned()))
         })
@@ -275,6 +308,7 @@ fn predict<'a>(
             category,
             fold,
             samples: trial.samples.len(),
+            touched: trial.touched(),
             verdict: judge.verdict(judge.choose(&scores)),
             scores,
         })

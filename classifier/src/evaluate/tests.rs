@@ -18,6 +18,7 @@ fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
                     force_n,
                     motion_m: Some(speed * 0.01 * k * wobble(k + 0.5)),
                     region: None,
+                    touched: None,
                 }
             })
             .collect();
@@ -173,6 +174,7 @@ pub(super) fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> 
                 category: category.into(),
                 fold: 0,
                 samples: 1,
+                touched: None,
                 scores: vec![],
                 verdict: verdict(name),
             };
@@ -191,6 +193,7 @@ pub(super) fn scored(rows: &[(&str, [f64; 2])]) -> Evaluation {
         category: (*category).into(),
         fold: 0,
         samples: 1,
+        touched: None,
         scores: scores.to_vec(),
         verdict: judge.verdict(judge.choose(scores)),
     });

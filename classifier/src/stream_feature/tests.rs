@@ -16,6 +16,7 @@ fn trial(rows: &[Row]) -> Trial {
                 largest_force_n,
                 force_sum_n,
             }),
+            touched: None,
         },
     );
     Trial {

@@ -20,6 +20,8 @@ pub(super) struct Component {
     pub(super) force_sum_n: f64,
     /// Ground truth: the object of the strongest taxel that has one. Crosstalk can light taxels that touch nothing.
     pub(super) object: Option<u16>,
+    /// Ground truth: whether an object presses on any of its taxels.
+    pub(super) touched: bool,
 }
 
 impl Component {
@@ -92,6 +94,7 @@ fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
         force_n: image.sensed_force_n(strongest),
         force_sum_n: taxels.iter().map(|&taxel| image.sensed_force_n(taxel)).sum(),
         object: touching.and_then(|taxel| image.object(taxel)),
+        touched: taxels.iter().any(|&taxel| image.is_touched(taxel)),
         taxels,
     }
 }

@@ -13,6 +13,8 @@ pub struct PatchImage {
     threshold_n: f64,
     sensed_force_n: Vec<f64>,
     object: Vec<Option<u16>>,
+    /// Whether an object truly presses on each taxel.
+    touched: Vec<bool>,
     pose_world: Option<Pose>,
 }
 
@@ -43,6 +45,7 @@ impl PatchImage {
             threshold_n,
             sensed_force_n,
             object,
+            touched: vec![false; count],
             pose_world: None,
         })
     }
@@ -69,6 +72,7 @@ impl PatchImage {
         self.pose_world = Some(pose);
         self.sensed_force_n.fill(0.0);
         self.object.fill(None);
+        self.touched.fill(false);
         for reading in frame
             .taxels
             .iter()
@@ -88,6 +92,7 @@ impl PatchImage {
             }
             *force = reading.sensed_force_n;
             self.object[taxel] = reading.object;
+            self.touched[taxel] = reading.true_normal_force_n > 0.0;
         }
         Ok(())
     }
@@ -110,6 +115,11 @@ impl PatchImage {
     /// Ground truth: the object that presses most on a taxel.
     pub fn object(&self, taxel: usize) -> Option<u16> {
         self.object.get(taxel).copied().flatten()
+    }
+
+    /// Ground truth: whether an object presses on a taxel, however little.
+    pub fn is_touched(&self, taxel: usize) -> bool {
+        self.touched.get(taxel).copied().unwrap_or(false)
     }
 
     /// Where a taxel's centre is, m, world frame; in the link frame before the first frame is read.

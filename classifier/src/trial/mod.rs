@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use thiserror::Error;
-use underbrush_recording::{Category, Frame, ObjectRecord, Recording, Region, Sample, Trial};
+use underbrush_recording::{Category, ObjectRecord, Recording, Region, Sample, Trial};
 
 use component::components;
 
@@ -160,8 +160,14 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
             }
             let position_world = image.position_world(taxel);
             let trial = slot.get_or_insert_with(|| OpenTrial::new(index, taxel, position_world));
-            let felt = (image.sensed_force_n(taxel), regions[taxel]);
-            trial.push(frame, felt, position_world, image.object(taxel));
+            let sample = Sample {
+                time_s: frame.time_s,
+                force_n: image.sensed_force_n(taxel),
+                motion_m: Some(trial.travel.to(position_world)),
+                region: regions[taxel],
+                touched: knows_truth(recording).then(|| image.is_touched(taxel)),
+            };
+            trial.push(sample, image.object(taxel));
         }
     }
     for trial in open {
@@ -176,6 +182,11 @@ fn environment(recording: &Recording) -> Option<Category> {
     let mut categories = categories.filter(|category| *category != Category::Block);
     let first = categories.next()?;
     categories.all(|category| category == first).then_some(first)
+}
+
+/// Whether a recording tells what touched the skin. One that lists no objects, as of a real robot, does not.
+fn knows_truth(recording: &Recording) -> bool {
+    !recording.objects.is_empty()
 }
 
 /// A trial still in contact.
@@ -200,16 +211,9 @@ impl OpenTrial {
         }
     }
 
-    /// Adds the force, N, and the region of a frame.
-    fn push(&mut self, frame: &Frame, felt: (f64, Option<Region>), position_world: DVec3, object: Option<u16>) {
-        let (force_n, region) = felt;
-        let motion_m = Some(self.travel.to(position_world));
-        self.samples.push(Sample {
-            time_s: frame.time_s,
-            force_n,
-            motion_m,
-            region,
-        });
+    /// Adds a sample, and the object that is its truth.
+    fn push(&mut self, sample: Sample, object: Option<u16>) {
+        self.samples.push(sample);
         if let Some(object) = object {
             *self.votes.entry(object).or_default() += 1;
         }

@@ -1,11 +1,11 @@
 //! Components followed from frame to frame.
 
 use glam::DVec3;
-use underbrush_recording::{Grid, Recording};
+use underbrush_recording::{Grid, Recording, Sample};
 
 use super::component::{Component, components};
 use super::image::PatchImage;
-use super::{ContactTrial, OpenTrial, TrialError, TrialList, TrialOptions};
+use super::{ContactTrial, OpenTrial, TrialError, TrialList, TrialOptions, knows_truth};
 
 /// One trial per connected component, followed from contact to break (section IV-C): per frame the largest force of
 /// its taxels, and the length of the path of its centre in the world frame since it began.
@@ -44,8 +44,14 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
             let centre_world = component.centre_world;
             let open = track.and_then(|track| before[track].take()).map(|track| track.trial);
             let mut trial = open.unwrap_or_else(|| OpenTrial::new(index, component.strongest, centre_world));
-            let felt = (component.force_n, Some(component.region()));
-            trial.push(frame, felt, centre_world, component.object);
+            let sample = Sample {
+                time_s: frame.time_s,
+                force_n: component.force_n,
+                motion_m: Some(trial.travel.to(centre_world)),
+                region: Some(component.region()),
+                touched: knows_truth(recording).then_some(component.touched),
+            };
+            trial.push(sample, component.object);
             tracks.push(Track { trial, centre_world });
         }
         for ended in before.into_iter().flatten() {

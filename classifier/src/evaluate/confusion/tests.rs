@@ -91,3 +91,38 @@ fn without_trials_there_are_no_figures() {
     assert_eq!(ConfusionMatrix::of(&[], &models).accuracy(), None);
     assert_eq!(Evaluation::of(vec![], &models, vec![]), Err(EvaluateError::NoTruth));
 }
+
+/// Pins the split of an accuracy into touched and untouched trials, each with its own baseline and balance, and that
+/// nothing is split where no trial knows.
+#[test]
+fn touched_and_untouched_are_judged_apart() {
+    let models = ["leaf".to_owned(), "trunk".to_owned()];
+    let with = |rows: &[(&str, &str, usize)], touched| {
+        let rows: Vec<_> = rows
+            .iter()
+            .map(|&(truth, verdict, count)| (truth, verdict, 0, count))
+            .collect();
+        let mut predictions = predictions(&rows);
+        predictions
+            .iter_mut()
+            .for_each(|prediction| prediction.touched = touched);
+        predictions
+    };
+    let mut all = with(
+        &[("leaf", "leaf", 6), ("trunk", "trunk", 3), ("trunk", "leaf", 1)],
+        Some(true),
+    );
+    all.extend(with(&[("leaf", "leaf", 1), ("trunk", "leaf", 9)], Some(false)));
+    all.extend(with(&[("leaf", "leaf", 2)], None));
+    let split = Evaluation::of(all, &models, vec![]).unwrap().by_touch.unwrap();
+    let figures = |trials, accuracy, majority_baseline, balanced| Accuracy {
+        trials,
+        accuracy,
+        majority_baseline,
+        balanced_accuracy: Some(balanced),
+    };
+    assert_eq!(split.touched, Some(figures(10, 0.9, 0.6, (1.0 + 0.75) / 2.0)));
+    assert_eq!(split.untouched, Some(figures(10, 0.1, 0.9, 0.5)));
+    assert_eq!(split.unknown, Some(figures(2, 1.0, 1.0, 1.0)));
+    assert_eq!(evaluation(&[("leaf", "leaf", 3)]).by_touch, None);
+}

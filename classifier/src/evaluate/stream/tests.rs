@@ -149,6 +149,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
                 category: truth.name().into(),
                 fold: 0,
                 samples: 1,
+                touched: None,
                 scores: vec![],
                 verdict: verdict.clone(),
             };

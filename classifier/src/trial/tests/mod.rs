@@ -4,7 +4,7 @@ mod components;
 mod labels;
 
 use glam::DQuat;
-use underbrush_recording::{Audit, Category, Grid, Patch, Pose, SkinLayout, Taxel, TaxelReading};
+use underbrush_recording::{Audit, Category, Frame, Grid, Patch, Pose, SkinLayout, Taxel, TaxelReading};
 
 use super::*;
 

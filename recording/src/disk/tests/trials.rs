@@ -40,13 +40,16 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
         within(limits::FORCE_N),
         prop::option::of(within(limits::MOTION_M)),
         prop::option::of(any_region()),
+        prop::option::of(any::<bool>()),
     );
     let samples = prop::collection::btree_map(-1_000_000..1_000_000i32, felt, 1..9);
-    let sample = |(time, (force_n, motion_m, region)): (i32, (f64, Option<f64>, Option<Region>))| Sample {
+    type Felt = (f64, Option<f64>, Option<Region>, Option<bool>);
+    let sample = |(time, (force_n, motion_m, region, touched)): (i32, Felt)| Sample {
         time_s: f64::from(time) * 0.01,
         force_n,
         motion_m,
         region,
+        touched,
     };
     let name = || prop::option::of("\\PC{1,8}");
     let facts = (
@@ -98,6 +101,53 @@ proptest! {
     }
 }
 
+/// Pins how other programs may write truth values, that a table without them says nothing, that a trial is touched when
+/// one of its samples is, and that a trial with gaps is not called untouched.
+#[test]
+fn touched_is_true_or_false_or_unknown() {
+    let touched = |text: &str| -> Vec<Option<bool>> {
+        let trials = read_text(text).unwrap();
+        trials.iter().map(Trial::touched).collect()
+    };
+    assert_eq!(touched("trial,time_s,force_n\n1,0.0,0.1\n"), [None]);
+    let head = "trial,time_s,force_n,touched\n";
+    let rows = "1,0.0,0.1,true\n2,0.0,0.1,FALSE\n3,0.0,0.1,1.0\n4,0.0,0.1,0\n5,0.0,0.1,\n";
+    let expected = [Some(true), Some(false), Some(true), Some(false), None];
+    assert_eq!(touched(&format!("{head}{rows}")), expected);
+    let rows = "1,0.0,0.1,false\n1,0.1,0.1,true\n1,0.2,0.1,\n2,0.0,0.1,false\n2,0.1,0.1,\n";
+    assert_eq!(touched(&format!("{head}{rows}")), [Some(true), None]);
+    for wrong in ["maybe", "2", "0.5", "-1", "NaN"] {
+        let error = refused(read_text(&format!("{head}1,0.0,0.1,true\n1,0.1,0.1,{wrong}\n")));
+        assert_eq!((error.line, error.field.as_str()), (Some(3), "touched"), "{wrong}");
+    }
+}
+
+/// Pins the same for Parquet: truth values, numbers and a column without any value.
+#[test]
+fn touched_in_parquet_may_be_a_flag_or_a_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    let columns: [(ArrayRef, [Option<bool>; 2]); 4] = [
+        (
+            Arc::new(arrow_array::BooleanArray::from(vec![false, true, false])),
+            [Some(true), Some(false)],
+        ),
+        (Arc::new(UInt8Array::from(vec![0, 0, 1])), [Some(false), Some(true)]),
+        (
+            Arc::new(Float64Array::from(vec![Some(1.0), Some(0.0), None])),
+            [Some(true), None],
+        ),
+        (Arc::new(NullArray::new(3)), [None, None]),
+    ];
+    for (array, expected) in columns {
+        let mut table = foreign_columns();
+        table.push(("touched", array));
+        write_parquet(&path, table, Compression::SNAPPY);
+        let trials = read_trials(&path).unwrap();
+        assert_eq!(trials.iter().map(Trial::touched).collect::<Vec<_>>(), expected);
+    }
+}
+
 fn read_text(text: &str) -> Result<Vec<Trial>, DiskError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.csv");
@@ -132,6 +182,7 @@ fn a_table_of_another_hand_is_understood() {
         force_n,
         motion_m,
         region: None,
+        touched: None,
     };
     let expected = vec![
         trial(7, Some(3), vec![sample(0.0, 0.5, None), sample(0.01, -0.7, None)]),
@@ -338,6 +389,7 @@ fn types_that_pandas_and_polars_write_are_accepted() {
                 force_n: 0.2,
                 motion_m: None,
                 region: None,
+                touched: None,
             }
         );
     }
@@ -402,6 +454,7 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         force_n: 1.0,
         motion_m: None,
         region: None,
+        touched: None,
     };
     let good = Trial {
         trial: 1,

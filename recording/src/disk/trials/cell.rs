@@ -16,6 +16,7 @@ pub(super) enum Cell<'a> {
     Missing,
     Whole(i128),
     Number(f64),
+    Flag(bool),
     Text(&'a str),
 }
 
@@ -35,6 +36,7 @@ impl<'a> Cells<'a> {
             Cell::Missing => "nothing".to_string(),
             Cell::Whole(number) => number.to_string(),
             Cell::Number(number) => short(number),
+            Cell::Flag(flag) => flag.to_string(),
             Cell::Text(text) => format!("{text:?}"),
         };
         let remedy = "correct the cell, or delete the row";
@@ -47,6 +49,7 @@ impl<'a> Cells<'a> {
             Cell::Missing => return Ok(None),
             Cell::Whole(number) => Some(number as f64),
             Cell::Number(number) => Some(number),
+            Cell::Flag(_) => None,
             Cell::Text(text) => text.trim().parse().ok(),
         };
         match number.filter(|number| limits.hold(*number)) {
@@ -62,6 +65,7 @@ impl<'a> Cells<'a> {
             Cell::Missing => return Ok(None),
             Cell::Whole(number) => Some(number),
             Cell::Number(number) => of_float(number),
+            Cell::Flag(_) => None,
             Cell::Text(text) => {
                 let text = text.trim();
                 text.parse().ok().or_else(|| text.parse().ok().and_then(of_float))
@@ -77,8 +81,27 @@ impl<'a> Cells<'a> {
         match self.cells[column] {
             Cell::Missing => Ok(None),
             Cell::Whole(number) => Ok(Some(number.to_string())),
-            Cell::Number(_) => Err(self.error(column, "a name")),
+            Cell::Number(_) | Cell::Flag(_) => Err(self.error(column, "a name")),
             Cell::Text(text) => Ok(Some(text.to_string())),
+        }
+    }
+
+    /// A truth value; 1 and 0 pass, because pandas turns truth values with gaps into floating point.
+    fn flag(&self, column: usize) -> Result<Option<bool>, InputError> {
+        let flag = match self.cells[column] {
+            Cell::Missing => return Ok(None),
+            Cell::Flag(flag) => Some(flag),
+            Cell::Text(text) if text.trim().eq_ignore_ascii_case("true") => Some(true),
+            Cell::Text(text) if text.trim().eq_ignore_ascii_case("false") => Some(false),
+            _ => match self.whole::<u8>(column) {
+                Ok(Some(1)) => Some(true),
+                Ok(Some(0)) => Some(false),
+                _ => None,
+            },
+        };
+        match flag {
+            Some(flag) => Ok(Some(flag)),
+            None => Err(self.error(column, "true or false")),
         }
     }
 
@@ -91,6 +114,7 @@ impl<'a> Cells<'a> {
             force_n: force_n.ok_or_else(|| self.error(6, "a force in newtons"))?,
             motion_m: self.number(7, limits::MOTION_M)?,
             region: self.region()?,
+            touched: self.flag(11)?,
         };
         Ok(Row {
             line: self.line,

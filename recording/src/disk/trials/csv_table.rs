@@ -95,10 +95,11 @@ pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, Disk
             let region_taxels = shown(sample.region.map(|region| region.taxels));
             let largest = shown(sample.region.map(|region| region.largest_force_n));
             let sum = shown(sample.region.map(|region| region.force_sum_n));
+            let touched = shown(sample.touched);
             let facts = [&number, &category, &reach, &patch, &taxel];
             let row = facts
                 .into_iter()
-                .chain([&time, &force, &motion, &region_taxels, &largest, &sum]);
+                .chain([&time, &force, &motion, &region_taxels, &largest, &sum, &touched]);
             writer.write_record(row).map_err(failed)?;
         }
     }

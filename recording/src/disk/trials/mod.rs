@@ -1,7 +1,9 @@
 //! Contact trials as a table, CSV or Parquet: one row a sample.
 //!
 //! Columns: `trial`, `time_s`, `force_n` are needed; `category`, `reach`, `patch`, `taxel`, `motion_m` and, together,
-//! `region_taxels`, `region_largest_force_n`, `region_force_sum_n` are known; others are ignored. Rows of a trial need not be adjacent; trials come in the order of their first rows.
+//! `region_taxels`, `region_largest_force_n`, `region_force_sum_n` are known; others are ignored. `touched` is ground
+//! truth, `true` or `false`: whether an object truly pressed the taxel in that sample ([`crate::Sample::touched`]). Rows
+//! of a trial need not be adjacent; trials come in the order of their first rows.
 
 mod cell;
 mod collect;
@@ -16,7 +18,7 @@ use super::check::{Violation, require};
 use crate::{InputError, Trial};
 
 /// The columns in the order in which they are written.
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 12] = [
     "trial",
     "category",
     "reach",
@@ -28,7 +30,10 @@ const COLUMNS: [&str; 11] = [
     "region_taxels",
     "region_largest_force_n",
     "region_force_sum_n",
+    TOUCHED,
 ];
+/// The one column of truth values.
+const TOUCHED: &str = "touched";
 /// The columns without which a table is no trials table.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arrow_array::builder::{Float64Builder, StringBuilder, UInt32Builder, UInt64Builder};
+use arrow_array::builder::{BooleanBuilder, Float64Builder, StringBuilder, UInt32Builder, UInt64Builder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
     ArrowPrimitiveType, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
@@ -14,7 +14,7 @@ use parquet::arrow::arrow_reader::ArrowReaderOptions;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, place_columns};
+use super::{COLUMNS, TOUCHED, place_columns};
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, open};
 use crate::disk::table::TableBuilder;
@@ -72,6 +72,15 @@ fn cells<'a>(path: &Path, name: &str, array: &'a ArrayRef) -> Result<Vec<Cell<'a
         let cell = |text: Option<&'a str>| text.filter(|text| !text.is_empty()).map_or(Cell::Missing, Cell::Text);
         Some(array.as_string_opt::<i32>()?.iter().map(cell).collect())
     };
+    let flags = || -> Option<Vec<Cell<'a>>> {
+        let flags = array.as_boolean_opt().filter(|_| name == TOUCHED)?;
+        Some(
+            flags
+                .iter()
+                .map(|flag| flag.map_or(Cell::Missing, Cell::Flag))
+                .collect(),
+        )
+    };
     // pandas gives a column without any value the type "null".
     let nothing = (array.logical_null_count() == array.len()).then(|| vec![Cell::Missing; array.len()]);
     nothing
@@ -86,6 +95,7 @@ fn cells<'a>(path: &Path, name: &str, array: &'a ArrayRef) -> Result<Vec<Cell<'a
         .or_else(|| of::<UInt16Type>(array, |number| Cell::Whole(number.into())))
         .or_else(|| of::<UInt8Type>(array, |number| Cell::Whole(number.into())))
         .or_else(|| text(array))
+        .or_else(flags)
         .ok_or_else(|| {
             let remedy = "cast the column before writing the table";
             let found = format!("a column of {}", array.data_type());
@@ -114,6 +124,7 @@ struct Columns {
     region_taxels: UInt32Builder,
     region_largest_force_n: Float64Builder,
     region_force_sum_n: Float64Builder,
+    touched: BooleanBuilder,
     rows: usize,
 }
 
@@ -134,6 +145,7 @@ impl Columns {
                 .append_option(region.map(|region| region.largest_force_n));
             self.region_force_sum_n
                 .append_option(region.map(|region| region.force_sum_n));
+            self.touched.append_option(sample.touched);
         }
         self.rows += trial.samples.len();
     }
@@ -153,6 +165,7 @@ impl Columns {
             region_taxels,
             largest,
             sum,
+            touched,
         ] = COLUMNS;
         TableBuilder::default()
             .column(trial, self.trial.finish())
@@ -166,6 +179,7 @@ impl Columns {
             .column(region_taxels, self.region_taxels.finish())
             .column(largest, self.region_largest_force_n.finish())
             .column(sum, self.region_force_sum_n.finish())
+            .column(touched, self.touched.finish())
             .build(path)
     }
 }

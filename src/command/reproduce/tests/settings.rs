@@ -19,6 +19,7 @@ fn settings_are_tested_on_clutter_that_was_not_learned() {
                     largest_force_n: force_n,
                     force_sum_n: force_n,
                 }),
+                touched: None,
             }
         };
         underbrush_recording::Trial {

@@ -1,0 +1,127 @@
+use std::collections::BTreeMap;
+
+use underbrush_recording::Sample;
+
+use super::*;
+use crate::evaluate::FoldBy;
+use crate::hmm::TrainingHistory;
+use crate::learner::Classifier;
+use crate::model_set::ModelError;
+
+/// A trial of `length` samples; its force rises to the true category only with the third sample.
+fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
+    let samples = (0..length).map(|k| Sample {
+        time_s: 0.01 * k as f64,
+        force_n: match (category, k) {
+            ("trunk", 2..) => 2.0,
+            _ => 1.0,
+        },
+        motion_m: None,
+        region: None,
+        touched: Some(touched),
+    });
+    Trial {
+        trial: number,
+        category: Some(category.into()),
+        reach: None,
+        patch: None,
+        taxel: None,
+        samples: samples.collect(),
+    }
+}
+
+/// Learns nothing but the lengths it is given: all must be `least` or more. Takes for a trunk what has passed 1.5 N.
+struct Threshold {
+    least: usize,
+}
+
+impl Learner for Threshold {
+    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+        assert!(trials.iter().all(|trial| trial.samples.len() >= self.least));
+        Ok(Box::new(Passed))
+    }
+}
+
+struct Passed;
+
+impl Classifier for Passed {
+    fn categories(&self) -> Vec<String> {
+        vec!["leaf".into(), "trunk".into()]
+    }
+
+    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let passed = |count: &usize| trial.samples.iter().take(*count).any(|sample| sample.force_n > 1.5);
+        Ok(counts
+            .iter()
+            .map(|count| if passed(count) { vec![0.0, 1.0] } else { vec![1.0, 0.0] })
+            .collect())
+    }
+
+    fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
+        None
+    }
+}
+
+/// Four leaves and twelve trunks, two of each category a single sample long and never touched.
+fn trials() -> Vec<Trial> {
+    let of = |category: &'static str, first: u64, count: u64| {
+        (first..first + count).map(move |n| match n % 2 == 0 && n < first + 4 {
+            true => trial(n, category, 1, false),
+            false => trial(n, category, 5, true),
+        })
+    };
+    of("leaf", 0, 4).chain(of("trunk", 100, 12)).collect()
+}
+
+const FOLDS: Folds = Folds {
+    count: 2,
+    by: FoldBy::Position,
+};
+
+/// Pins the series over all contacts on trials that can be counted by hand: short contacts count at every point, with
+/// their last verdict, though none was learned from; leaving them out flatters the accuracy.
+#[test]
+fn short_contacts_count_though_none_is_learned_from() {
+    let all = trials();
+    let series = accuracy_by_samples_of_all(&all, &Threshold { least: 5 }, FOLDS, 5).unwrap();
+    let points: Vec<_> = [0, 2, 9].map(|index| &series[index]).into();
+    // After 1 sample everything is taken for a leaf; after 3 the ten long trunks are right.
+    assert_eq!(points[0].accuracy, 4.0 / 16.0);
+    assert_eq!((points[1].samples, points[1].accuracy), (Some(3), 14.0 / 16.0));
+    assert_eq!((points[1].lasting, points[1].accuracy_of_lasting), (12, Some(1.0)));
+    assert_eq!(points[1].majority_baseline, 12.0 / 16.0);
+    assert_eq!(points[1].balanced_accuracy, Some((1.0 + 10.0 / 12.0) / 2.0));
+    assert_eq!(points[1].majority_baseline_of_lasting, Some(10.0 / 12.0));
+    assert_eq!(points[2].accuracy, 14.0 / 16.0);
+
+    let long: Vec<Trial> = all.into_iter().filter(|trial| trial.samples.len() >= 5).collect();
+    let series = accuracy_by_samples(&long, &Threshold { least: 5 }, FOLDS).unwrap();
+    assert_eq!(series[2].accuracy, 1.0);
+}
+
+/// Pins the split by touch at each point: of the four untouched trials the two leaves are right, by luck of the verdict
+/// that comes first.
+#[test]
+fn the_series_is_split_by_touch() {
+    let series = accuracy_by_samples(&trials(), &Threshold { least: 1 }, FOLDS).unwrap();
+    let split = series[9].by_touch.unwrap();
+    let (touched, untouched) = (split.touched.unwrap(), split.untouched.unwrap());
+    assert_eq!((touched.trials, touched.accuracy), (12, 1.0));
+    assert_eq!((untouched.trials, untouched.accuracy), (4, 0.5));
+    assert_eq!(split.unknown, None);
+    assert_eq!(series[0].by_touch.unwrap().touched.unwrap().accuracy, 2.0 / 12.0);
+}
+
+/// Pins that a category whose trials are all too short to learn from is named.
+#[test]
+fn nothing_long_enough_to_learn_from_is_refused() {
+    let mut all = trials();
+    all.retain(|trial| trial.category.as_deref() == Some("trunk") || trial.samples.len() == 1);
+    let error = accuracy_by_samples_of_all(&all, &Threshold { least: 5 }, FOLDS, 5).unwrap_err();
+    let expected = EvaluateError::TooShort {
+        category: "leaf".into(),
+        fold: 0,
+        samples: 5,
+    };
+    assert_eq!(error, expected);
+}
