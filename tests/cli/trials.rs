@@ -23,7 +23,7 @@ fn csv_and_parquet_hold_the_same_rows() {
         text.lines().next(),
         Some(concat!(
             "trial,category,reach,patch,taxel,time_s,force_n,motion_m,",
-            "region_taxels,region_largest_force_n,region_force_sum_n"
+            "region_taxels,region_largest_force_n,region_force_sum_n,touched"
         ))
     );
     let (csv, parquet) = (
