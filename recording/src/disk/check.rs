@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use super::DiskError;
+use super::check_physics::check_physics;
 use crate::{Audit, Frame, InputError, Outcome, Pose, Recording, SkinLayout};
 
 /// A rule broken by a recording or a trial.
@@ -310,5 +311,6 @@ pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
         .frames
         .iter()
         .enumerate()
-        .try_for_each(|(index, frame)| check_frame(recording, index, frame))
+        .try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
+    check_physics(recording)
 }

@@ -26,12 +26,14 @@
 //! the same bytes: nothing about the run (date, machine, threads) is stored.
 
 mod check;
+mod check_physics;
 mod dataset;
 mod error;
 mod features;
 mod frames;
 mod parquet_file;
 mod recording_file;
+mod seal;
 mod table;
 #[cfg(test)]
 mod tests;

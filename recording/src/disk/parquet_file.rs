@@ -14,7 +14,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use tempfile::NamedTempFile;
 
-use super::{DiskError, whole_file};
+use super::{DiskError, seal, whole_file};
 use crate::InputError;
 
 /// Rows that are encoded or decoded together: 453 taxels make about 15 MB of dense columns of them.
@@ -24,10 +24,12 @@ pub(super) const ROWS_PER_BATCH: usize = 1024;
 pub(super) struct ParquetFile {
     path: PathBuf,
     writer: ArrowWriter<NamedTempFile>,
+    /// Whether it gets a hash of itself.
+    sealed: bool,
 }
 
 impl ParquetFile {
-    /// Opens it with key-value metadata.
+    /// Opens it with key-value metadata; with [`seal::unsealed`] among them it gets a hash of itself.
     pub(super) fn create(
         path: &Path,
         schema: SchemaRef,
@@ -37,6 +39,7 @@ impl ParquetFile {
             .into_iter()
             .map(|(key, value)| KeyValue::new(key.to_string(), value))
             .collect();
+        let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
         let properties = WriterProperties::builder()
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             // Columns are forces and angles that hardly repeat but for zeros, which zstd takes care of.
@@ -52,6 +55,7 @@ impl ParquetFile {
         Ok(ParquetFile {
             path: path.to_path_buf(),
             writer,
+            sealed,
         })
     }
 
@@ -67,7 +71,10 @@ impl ParquetFile {
 
     /// Writes the footer and gives the file its name.
     pub(super) fn close(self) -> Result<(), DiskError> {
-        let temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
+        let mut temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
+        if self.sealed {
+            seal::seal(temporary.as_file_mut()).map_err(DiskError::io(&self.path, "write"))?;
+        }
         whole_file::commit(temporary, &self.path)
     }
 }

@@ -4,18 +4,18 @@ use std::path::Path;
 
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
 
-use super::DiskError;
 use super::check::{check_layout, check_recording};
 use super::features::{features, schema};
 use super::frames::{append_frames, frame_rows};
 use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open};
 use super::table::Columns;
+use super::{DiskError, seal};
 use crate::{InputError, Recording};
 
 /// Metadata key of the format's version.
 const FORMAT_KEY: &str = "underbrush.format";
 /// The version that this program writes and reads.
-const FORMAT: &str = "underbrush-recording/3";
+const FORMAT: &str = "underbrush-recording/4";
 /// Metadata key of everything that is not per frame: a [`Recording`] without frames, as JSON.
 const RECORDING_KEY: &str = "underbrush.recording";
 
@@ -39,8 +39,8 @@ fn without_frames(recording: &Recording) -> Recording {
 
 /// Writes one reach to a Parquet file (zstd), exact to the last bit of every force and angle.
 ///
-/// The file appears under its name only when it is whole. Columns are those of a data set (LeRobotDataset v3.0), with
-/// episode 0 and task 0; `timestamp` is frame index / rate in single precision, `time_s` the exact time.
+/// The file appears under its name only when it is whole, and holds a hash of itself. Columns are those of a data set
+/// (LeRobotDataset v3.0), with episode 0 and task 0; `timestamp` is frame index / rate in single precision, `time_s` the exact time.
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
@@ -54,7 +54,11 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     let mut file = ParquetFile::create(
         path,
         schema,
-        [(FORMAT_KEY, FORMAT.to_string()), (RECORDING_KEY, header)],
+        [
+            (FORMAT_KEY, FORMAT.to_string()),
+            (RECORDING_KEY, header),
+            seal::unsealed(),
+        ],
     )?;
     for first in (0..recording.frames.len()).step_by(ROWS_PER_BATCH) {
         let count = ROWS_PER_BATCH.min(recording.frames.len() - first);
@@ -78,6 +82,7 @@ pub(super) fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskEr
         let remedy = "read it with the version of underbrush that wrote it";
         return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
     }
+    seal::check(path)?;
     let header = serde_json::from_str(&key_value(path, &builder, RECORDING_KEY)?).map_err(|error| {
         let remedy = "write the recording again with the program that made it";
         InputError::new(
@@ -94,8 +99,8 @@ pub(super) fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskEr
 /// Reads one reach back, equal to what [`write_recording`] was given.
 ///
 /// # Errors
-/// [`DiskError::Input`] for a file that is torn, absent, of another format or version, or whose content breaks a rule
-/// of [`Recording`]; [`DiskError::Io`] where it cannot be read.
+/// [`DiskError::Input`] for a file that is torn, changed in any bit, absent, of another format or version, or whose
+/// content breaks a rule of [`Recording`]; [`DiskError::Io`] where it cannot be read.
 pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
     let path = path.as_ref();
     let (mut recording, batches) = open_recording(path)?;

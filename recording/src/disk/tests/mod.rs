@@ -2,6 +2,7 @@
 
 mod dataset;
 mod finish;
+mod flips;
 mod recording;
 mod trials;
 
@@ -180,8 +181,40 @@ fn audit() -> impl Strategy<Value = Audit> {
     })
 }
 
+/// Makes times, orientations and forces of any numbers physical: times at the rate, rotations, forces that push.
+fn physical(mut recording: Recording) -> Recording {
+    let turn = |pose: &mut Pose| {
+        let unit = pose.orientation.normalize();
+        let is_unit = (unit.length() - 1.0).abs() < 1e-9;
+        pose.orientation = if is_unit { unit } else { DQuat::IDENTITY };
+    };
+    for goal in &mut recording.goals {
+        let times = [goal.start_time_s, goal.end_time_s];
+        [goal.start_time_s, goal.end_time_s] = [times[0].min(times[1]), times[0].max(times[1])];
+    }
+    for contact in &mut recording.contacts {
+        contact.peak_force_n = contact.peak_force_n.abs();
+        contact.mean_force_n = contact.mean_force_n.abs();
+    }
+    for (index, frame) in recording.frames.iter_mut().enumerate() {
+        frame.time_s = (index as f64 + 0.25) / recording.rate_hz;
+        turn(&mut frame.tip_pose_world);
+        frame.patch_pose_world.iter_mut().for_each(turn);
+        for reading in &mut frame.taxels {
+            reading.true_normal_force_n = reading.true_normal_force_n.abs();
+            reading.sensed_force_n = reading.sensed_force_n.abs();
+        }
+    }
+    recording
+}
+
 /// Any recording that keeps the rules of its types.
 pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
+    any_numbers().prop_map(physical)
+}
+
+/// A recording of any numbers.
+fn any_numbers() -> impl Strategy<Value = Recording> {
     let parts = (
         prop::collection::vec(patch(), 0..3),
         1..4usize,

@@ -49,7 +49,7 @@ fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
 #[test]
 fn a_recording_that_breaks_a_rule_is_not_written() {
     // Pins: every rule is enforced before a byte is written, and the error names the field.
-    let spoiled: [Change<Recording>; 12] = [
+    let spoiled: [Change<Recording>; 21] = [
         ("rate_hz", |r| r.rate_hz = 0.0),
         ("joint_names", |r| r.joint_names.clear()),
         ("layout.patches[1].name", |r| {
@@ -68,6 +68,27 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
         ("frames[9].taxels[2]", |r| r.frames[9].taxels[2].taxel = 1),
         ("frames[9].taxels[0]", |r| r.frames[9].taxels[0].object = Some(2)),
         ("contacts[0].last_frame", |r| r.contacts[0].last_frame = 20),
+        ("contacts[0].peak_force_n", |r| r.contacts[0].peak_force_n = -1.0),
+        ("goals[0].end_time_s", |r| r.goals[0].start_time_s = 1e3),
+        // Twice the same time, a step back, and a frame left out.
+        ("frames[5].time_s", |r| r.frames[5].time_s = r.frames[4].time_s),
+        ("frames[5].time_s", |r| r.frames[5].time_s = 0.001),
+        ("frames[10].time_s", |r| {
+            r.contacts.clear();
+            r.frames.remove(10);
+        }),
+        ("frames[4].tip_pose_world", |r| {
+            r.frames[4].tip_pose_world.orientation = glam::DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        }),
+        ("frames[4].patch_pose_world", |r| {
+            r.frames[4].patch_pose_world[1].orientation.w += 1e-3;
+        }),
+        ("frames[9].taxels[1].sensed_force_n", |r| {
+            r.frames[9].taxels[1].sensed_force_n = -0.01;
+        }),
+        ("frames[9].taxels[0].true_normal_force_n", |r| {
+            r.frames[9].taxels[0].true_normal_force_n = -0.01;
+        }),
     ];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("reach.parquet");
@@ -117,7 +138,8 @@ proptest! {
 
     #[test]
     fn a_damaged_file_never_panics(place in any::<prop::sample::Index>(), mask in 1..=255u8) {
-        // Pins: no single damaged byte, in data, metadata or footer, panics the reader.
+        // Pins: no single damaged byte, in data, metadata or footer, panics the reader; nor where the file was given a
+        // hash that fits the damage, so that the decoder gets to see it.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("reach.parquet");
         write_recording(&path, &reach(0, 5)).unwrap();
@@ -125,6 +147,9 @@ proptest! {
         let place = place.index(bytes.len());
         bytes[place] ^= mask;
         fs::write(&path, &bytes).unwrap();
+        prop_assert!(read_recording(&path).is_err());
+        let mut file = fs::OpenOptions::new().read(true).write(true).open(&path).unwrap();
+        let _no_place_for_it = crate::disk::seal::seal(&mut file);
         let _either = read_recording(&path);
     }
 }

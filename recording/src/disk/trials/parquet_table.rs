@@ -15,9 +15,9 @@ use parquet::arrow::arrow_reader::ArrowReaderOptions;
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, TOUCHED, place_columns};
-use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, open};
 use crate::disk::table::TableBuilder;
+use crate::disk::{DiskError, seal};
 use crate::{InputError, Trial};
 
 /// Reads a table.
@@ -25,6 +25,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     // Without the Arrow schema that writers leave beside the Parquet one, large strings, string views, categories and
     // the like are all read as plain strings.
     let builder = open(path, ArrowReaderOptions::default().with_skip_arrow_metadata(true))?;
+    // Tables of other programs have no hash of themselves.
+    seal::check_if_sealed(path)?;
     let names: Vec<String> = builder
         .schema()
         .fields()
@@ -187,7 +189,7 @@ impl Columns {
 /// Writes a table.
 pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
     let mut columns = Columns::default();
-    let mut file = ParquetFile::create(path, columns.take(path)?.schema(), [])?;
+    let mut file = ParquetFile::create(path, columns.take(path)?.schema(), [seal::unsealed()])?;
     for trial in trials {
         columns.push(&trial?);
         if columns.rows >= ROWS_PER_BATCH {

@@ -1,0 +1,87 @@
+//! Rules of physics that the numbers of a recording keep: time goes on at the rate of the frames, orientations are
+//! rotations, and normal forces push.
+
+use super::check::{Violation, require};
+use crate::{Frame, Pose, Recording};
+
+/// How far the length of a quaternion may be from 1. Choice: ten times the rounding of single precision, in which many
+/// drivers compute.
+const QUATERNION_TOLERANCE: f64 = 1e-6;
+
+/// By how much the true rate may differ from the one that a recording names, as a share. Choice: ten times what a
+/// computer's clock is off, and far less than a wrong rate.
+const RATE_TOLERANCE: f64 = 1e-3;
+
+/// Checks times, orientations and forces of a recording whose numbers are known to be finite.
+pub(super) fn check_physics(recording: &Recording) -> Result<(), Violation> {
+    check_times(recording)?;
+    for (index, frame) in recording.frames.iter().enumerate() {
+        check_frame(index, frame)?;
+    }
+    for (index, contact) in recording.contacts.iter().enumerate() {
+        for (name, force) in [
+            ("peak_force_n", contact.peak_force_n),
+            ("mean_force_n", contact.mean_force_n),
+        ] {
+            require(
+                force >= 0.0,
+                || format!("contacts[{index}].{name}"),
+                || force.to_string(),
+                "0 or more",
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// `timestamp` is defined by index and rate, so the frames' own times may waver but not leave that grid: a frame that a
+/// driver has lost must be filled in.
+fn check_times(recording: &Recording) -> Result<(), Violation> {
+    let start_s = recording.frames.first().map_or(0.0, |frame| frame.time_s);
+    let mut before_s = f64::NEG_INFINITY;
+    for (index, frame) in recording.frames.iter().enumerate() {
+        let field = || format!("frames[{index}].time_s");
+        let found = || format!("{} s", frame.time_s);
+        let later = frame.time_s > before_s;
+        require(later, field, found, "a later time than that of the frame before")?;
+        let frames_since_start = (frame.time_s - start_s) * recording.rate_hz;
+        let on_grid = (frames_since_start - index as f64).abs() < 0.5 + RATE_TOLERANCE * index as f64;
+        let allowed = "within half a frame of the first frame's time + index / rate";
+        require(on_grid, field, found, allowed)?;
+        before_s = frame.time_s;
+    }
+    for (index, goal) in recording.goals.iter().enumerate() {
+        require(
+            goal.start_time_s <= goal.end_time_s,
+            || format!("goals[{index}].end_time_s"),
+            || format!("{} s", goal.end_time_s),
+            "the start time or later",
+        )?;
+    }
+    Ok(())
+}
+
+fn check_frame(index: usize, frame: &Frame) -> Result<(), Violation> {
+    let field = |name: &str| format!("frames[{index}].{name}");
+    check_orientation(&frame.tip_pose_world, || field("tip_pose_world"))?;
+    for pose in &frame.patch_pose_world {
+        check_orientation(pose, || field("patch_pose_world"))?;
+    }
+    for (position, reading) in frame.taxels.iter().enumerate() {
+        for (name, force) in [
+            ("true_normal_force_n", reading.true_normal_force_n),
+            ("sensed_force_n", reading.sensed_force_n),
+        ] {
+            let field = || field(&format!("taxels[{position}].{name}"));
+            require(force >= 0.0, field, || force.to_string(), "0 or more")?;
+        }
+    }
+    Ok(())
+}
+
+fn check_orientation(pose: &Pose, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    let length = pose.orientation.length();
+    let unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE;
+    let found = || format!("a quaternion of length {length}");
+    require(unit, field, found, "a quaternion of length 1")
+}

@@ -1,0 +1,68 @@
+//! One flipped bit anywhere in a file, as a failing disk or a bad copy leaves it, is never read without an error.
+
+use std::fs;
+
+use super::dataset::{contents, make};
+use super::reach;
+use crate::disk::{Dataset, DiskError, read_recording, write_recording};
+
+/// Flips so many bits of `whole`, spread evenly over its bytes and in each of the eight places of a byte, one at a time.
+fn each_flip(whole: &[u8], flips: usize, mut examine: impl FnMut(usize, &[u8])) {
+    for flip in 0..flips {
+        // Middles of equal parts, so that header, tables and footer all get some.
+        let place = (2 * flip + 1) * whole.len() / (2 * flips);
+        let mut flipped = whole.to_vec();
+        flipped[place] ^= 1 << (flip % 8);
+        examine(place, &flipped);
+    }
+}
+
+/// Opens a set and reads all of it, without being asked to verify it.
+fn read_all(dir: &std::path::Path) -> Result<(), DiskError> {
+    let set = Dataset::open(dir)?;
+    (0..set.episodes().len()).try_for_each(|index| set.read_reach(index).map(drop))
+}
+
+/// Pins that a flipped bit in any file of a data set is noticed by opening and reading it: at least five bits in every
+/// file, some sixty or more in all.
+#[test]
+fn no_flipped_bit_of_a_data_set_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    make(folder.path());
+    read_all(folder.path()).unwrap();
+    let mut flips = 0;
+    for (name, whole) in contents(folder.path()) {
+        let path = folder.path().join(&name);
+        each_flip(&whole, 5, |place, flipped| {
+            fs::write(&path, flipped).unwrap();
+            assert!(read_all(folder.path()).is_err(), "byte {place} of {}", name.display());
+            flips += 1;
+        });
+        fs::write(&path, whole).unwrap();
+    }
+    assert!(flips >= 60, "{flips} flips");
+    read_all(folder.path()).unwrap();
+}
+
+/// Pins that a flipped bit in a recording is noticed wherever it is: 400 places from the first byte to the last, and
+/// every bit of the footer's end.
+#[test]
+fn no_flipped_bit_of_a_recording_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("reach.parquet");
+    write_recording(&path, &reach(0, 60)).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let refused = |place: usize, flipped: &[u8]| {
+        fs::write(&path, flipped).unwrap();
+        assert!(read_recording(&path).is_err(), "byte {place} of {}", whole.len());
+    };
+    each_flip(&whole, 400, refused);
+    let end = whole.len() - 20;
+    for bit in 0..8 * 20 {
+        let mut flipped = whole.clone();
+        flipped[end + bit / 8] ^= 1 << (bit % 8);
+        refused(end + bit / 8, &flipped);
+    }
+    fs::write(&path, &whole).unwrap();
+    read_recording(&path).unwrap();
+}
