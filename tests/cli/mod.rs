@@ -2,6 +2,7 @@
 
 mod classify;
 mod evaluate;
+mod flips;
 mod generate;
 mod inspect;
 mod oracle;

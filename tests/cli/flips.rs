@@ -1,0 +1,76 @@
+//! Flipped bits, as a failing disk leaves them: none may be read without a word. `recording/src/disk/tests/flips.rs` holds
+//! a quick version of this; run this one with `cargo test --release --test underbrush flipped -- --ignored`.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::fixture::{fixture, recording_with_trials};
+use crate::support::{copy_tree, tree, underbrush};
+
+const FLIPS: u64 = 200;
+
+/// Numbers that look random, the same in every run (SplitMix64).
+fn scattered(number: u64) -> u64 {
+    let mixed = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    mixed ^ (mixed >> 31)
+}
+
+/// Writes `whole` with the bit of this flip changed; which.
+fn flip(path: &Path, whole: &[u8], number: u64) -> String {
+    let bit = scattered(number) % (8 * whole.len() as u64);
+    let mut flipped = whole.to_vec();
+    flipped[(bit / 8) as usize] ^= 1 << (bit % 8);
+    fs::write(path, flipped).unwrap();
+    format!("{}, bit {bit}", path.display())
+}
+
+/// Pins that of 200 bits flipped in a data set, file after file, neither `trials` nor `inspect` reads one without an
+/// error, and `generate --from`, which needs the provenance alone, none of the provenance's.
+#[test]
+#[ignore = "takes minutes: the program is called four hundred times"]
+fn no_flipped_bit_of_a_set_is_read_without_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let [set, table, again] = ["set", "trials.csv", "again"].map(|name| folder.path().join(name));
+    copy_tree(&fixture().dataset(), &set);
+    let files: Vec<_> = tree(&set).into_iter().collect();
+    let mut unnoticed = Vec::new();
+    for number in 0..FLIPS {
+        let (name, whole) = &files[number as usize % files.len()];
+        let path = set.join(name);
+        let place = flip(&path, whole, number);
+        let mut calls = vec![
+            ("trials", underbrush!["trials", set, "--out", table]),
+            ("inspect", underbrush!["inspect", set]),
+        ];
+        if name.ends_with("provenance.json") {
+            calls.push(("generate", underbrush!["generate", "--from", set, "--out", again]));
+        }
+        unnoticed.extend(calls.iter().filter(|(_, call)| call.status == 0).map(|(call, _)| format!("{call}: {place}")));
+        fs::write(&path, whole).unwrap();
+    }
+    assert_eq!(unnoticed, [""; 0], "of {FLIPS} flips");
+    underbrush!["inspect", set].success();
+}
+
+/// Pins the same for a recording and for a table of trials in Parquet.
+#[test]
+#[ignore = "takes minutes: the program is called four hundred times"]
+fn no_flipped_bit_of_a_file_is_read_without_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let [recording, table] = ["reach.parquet", "trials.parquet"].map(|name| folder.path().join(name));
+    recording_with_trials(&fixture().trunk_scene(), &recording);
+    fs::copy(fixture().table_parquet(), &table).unwrap();
+    for path in [recording, table] {
+        let whole = fs::read(&path).unwrap();
+        let mut unnoticed = Vec::new();
+        for number in 0..FLIPS {
+            let place = flip(&path, &whole, number);
+            if underbrush!["inspect", path].status == 0 {
+                unnoticed.push(place);
+            }
+        }
+        assert_eq!(unnoticed, [""; 0], "of {FLIPS} flips");
+    }
+}
