@@ -47,7 +47,12 @@ fn no_flipped_bit_of_a_set_is_read_without_a_word() {
         if name.ends_with("provenance.json") {
             calls.push(("generate", underbrush!["generate", "--from", set, "--out", again]));
         }
-        unnoticed.extend(calls.iter().filter(|(_, call)| call.status == 0).map(|(call, _)| format!("{call}: {place}")));
+        unnoticed.extend(
+            calls
+                .iter()
+                .filter(|(_, call)| call.status == 0)
+                .map(|(call, _)| format!("{call}: {place}")),
+        );
         fs::write(&path, whole).unwrap();
     }
     assert_eq!(unnoticed, [""; 0], "of {FLIPS} flips");

@@ -75,5 +75,12 @@ pub(super) fn check(path: &Path) -> Result<(), DiskError> {
         return Ok(());
     }
     let remedy = "copy the file again; other programs drop the checksum when they rewrite it";
-    Err(InputError::new(path, SEAL_KEY, "no checksum", "a file with a checksum of itself", remedy).into())
+    Err(InputError::new(
+        path,
+        SEAL_KEY,
+        "no checksum",
+        "a file with a checksum of itself",
+        remedy,
+    )
+    .into())
 }
