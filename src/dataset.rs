@@ -14,6 +14,7 @@ use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
+use crate::doubts;
 use crate::failure::Failure;
 use crate::progress::CampaignBar;
 
@@ -88,6 +89,7 @@ impl Campaign {
     pub fn write(&self, out: &Path, resume: bool) -> Result<Written, Failure> {
         let plans = self.plans()?;
         let jobs = self.jobs();
+        doubts::warn(plans.iter().map(|plan| &plan.arm));
         // Refused before anything is written: what an impossible draw would leave behind could not be resumed, since
         // a mended scene makes another plan. A draw costs a thousandth of its reach.
         jobs.par_iter()

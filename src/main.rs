@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 mod audit;
 mod command;
 mod dataset;
+mod doubts;
 mod ends;
 mod failure;
 mod input;

@@ -13,6 +13,8 @@ use crate::hmm::{GaussianHmm, HmmParameters, TrainingHistory};
 use crate::model_set::{ModelError, ModelSet};
 use crate::recipe::Recipe;
 
+mod check;
+
 /// The format that this program reads and writes.
 pub const FORMAT: &str = "underbrush-model/1";
 
@@ -90,9 +92,6 @@ impl ModelSet {
                 "make models and features agree",
             )
         })?;
-        if let Some(scaling) = &file.scaling {
-            check_scaling(path, scaling, features)?;
-        }
         if let Some(decision) = &file.decision {
             decision.prepare(&set.categories()).map_err(|error| {
                 let allowed = "priors and thresholds that fit the models";
@@ -105,14 +104,16 @@ impl ModelSet {
                 )
             })?;
         }
-        Ok(ModelSet {
+        let set = ModelSet {
             scaling: file.scaling,
             recipe: file.recipe,
             decision: file.decision,
             training: file.training,
             provenance: file.provenance,
             ..set
-        })
+        };
+        check::check(path, &set)?;
+        Ok(set)
     }
 
     /// The text of the model file; read back it gives the same models bit for bit, which is checked here.
@@ -150,21 +151,6 @@ impl ModelSet {
             allowed: "finite numbers".into(),
         })
     }
-}
-
-fn check_scaling(path: &Path, scaling: &Scaling, features: FeatureSet) -> Result<(), ModelError> {
-    for (key, numbers, least) in [
-        ("mean", &scaling.mean, f64::MIN),
-        ("standard_deviation", &scaling.standard_deviation, f64::MIN_POSITIVE),
-    ] {
-        if numbers.len() != features.dimension() || numbers.iter().any(|number| !number.is_finite() || *number < least)
-        {
-            let field = format!("scaling.{key}");
-            let allowed = format!("{} finite numbers, deviations positive", features.dimension());
-            return Err(InputError::new(path, field, format!("{numbers:?}"), allowed, "train the model again").into());
-        }
-    }
-    Ok(())
 }
 
 fn json_error(path: &Path, text: &str, error: &serde_json::Error) -> InputError {

@@ -28,5 +28,6 @@ pub mod seed;
 pub mod sensor;
 pub mod skin;
 pub mod snapshot;
+mod toml_text;
 pub mod touch;
 pub mod world;

@@ -15,9 +15,9 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use rapier3d::prelude::{Pose, Shape};
-use underbrush_recording::Taxel;
 
 use crate::arm::Arm;
+use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
 use crate::object::FRICTION;
 
@@ -108,7 +108,7 @@ impl SkinPatch {
                             })
                     })
                     .collect(),
-                reach_m: reach(&layout.taxels),
+                reach_m: reach_m(&layout.taxels),
                 stiffness_n_per_m3: arm.skin.stiffness_n_per_m3,
                 // The engine's rule for two surfaces: the mean.
                 friction: 0.5 * (arm.friction + FRICTION),
@@ -249,10 +249,9 @@ impl SkinPatch {
     }
 }
 
-/// Whether a place with this outward normal can be pressed by a force in the direction `inward`: up to 60° between
-/// them, where even with friction (cos 60° > μ sin 60° for μ up to 0.57) the place is pressed and not pulled.
+/// Whether a place with this outward normal can be pressed by a force in the direction `inward`.
 fn faces(normal_link: DVec3, inward: DVec3) -> bool {
-    -normal_link.dot(inward) > 0.5
+    -normal_link.dot(inward) > FACING_COSINE
 }
 
 /// One sub-point under a contact.
@@ -320,21 +319,6 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
         }
     }
     cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect()
-}
-
-/// Contacts as far from the nearest taxel's centre as neighbouring centres are from each other still lie on the skin:
-/// the cover reaches over the gaps between taxels and a little beyond the outermost.
-fn reach(taxels: &[Taxel]) -> f64 {
-    let nearest = |index: usize| {
-        let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);
-        others
-            .map(|(_, other)| other.position_link.distance(taxels[index].position_link))
-            .fold(f64::INFINITY, f64::min)
-    };
-    (0..taxels.len())
-        .map(nearest)
-        .filter(|distance| distance.is_finite())
-        .fold(0.0, f64::max)
 }
 
 fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {

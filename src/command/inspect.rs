@@ -74,10 +74,12 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Failure> {
         *objects.entry(standing.object.kind()).or_default() += 1;
     }
     let file = &plan.scene.file;
+    let doubts = plan.arm.skin_doubts();
     Ok(json!({
         "scene": plan.scene.name,
         "summary": file.summary,
         "arm": plan.arm.name,
+        "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
         "controller": plan.controller,
         "objects": objects,
         "goals": clutter.goals.len(),

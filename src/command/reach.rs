@@ -16,7 +16,7 @@ use underbrush_sim::snapshot::Snapshot;
 
 use crate::failure::Failure;
 use crate::input::{self, Unit};
-use crate::{output, picture};
+use crate::{doubts, output, picture};
 
 /// Options of `underbrush reach`.
 #[derive(Args)]
@@ -79,6 +79,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         options.controller.as_deref(),
         options.seed,
     )?;
+    doubts::warn([&plan.arm]);
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
     let recording = plan.run(options.index, &mut |world, clutter, frame| {

@@ -2,6 +2,7 @@
 
 mod damaged;
 mod models;
+mod ranges;
 mod scenes;
 mod tables;
 mod usage;

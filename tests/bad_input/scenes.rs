@@ -58,7 +58,7 @@ fn no_toml() {
     refuses(
         "summary = \"A scene\"\ncontroller = \n",
         Some(2),
-        &["scene: found", "mend the line"],
+        &["scene, controller: found", "mend the line"],
     );
 }
 
@@ -102,22 +102,18 @@ fn not_a_number() {
         );
     }
     let text = format!("{HEAD}[physics]\nstep_s = nan\n");
-    refuses(
-        &text,
-        Some(4),
-        &["physics.step_s: found NaN", "10 ms or a whole fraction"],
-    );
+    refuses(&text, Some(4), &["physics.step_s: found NaN", "0.0001 to 0.01 s"]);
     let text = format!("{HEAD}[sensor]\nnoise_n = nan\n");
     refuses(
         &text,
         Some(4),
-        &["sensor.noise_n: found NaN", "a finite number of zero or more"],
+        &["sensor.noise_n: found NaN", "0 (off), or 1e-6 to 1 N"],
     );
     let text = format!("{HEAD}[sensor]\nnoise_n = 0.01\n[sensor.fabric]\nnoise_n = nan\n");
     refuses(
         &text,
         Some(6),
-        &["sensor.fabric.noise_n: found NaN", "a finite number of zero or more"],
+        &["sensor.fabric.noise_n: found NaN", "0 (off), or 1e-6 to 1 N"],
     );
 }
 
@@ -198,7 +194,10 @@ fn more_trunks_than_room() {
     refuses(
         &text,
         Some(4),
-        &["objects.trunk[0].count: found 10001", "up to 10000 objects"],
+        &[
+            "objects.trunk[0].count: found 10001",
+            "0 to 10000 objects in all groups together",
+        ],
     );
 }
 

@@ -70,7 +70,7 @@ fn bad_force() {
             Some(3),
             &[
                 &format!("force_n: found \"{force}\""),
-                "a finite number",
+                "a number from -1 to 10000 N",
                 "correct the cell",
             ],
         );

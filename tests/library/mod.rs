@@ -2,4 +2,5 @@
 
 mod balance;
 mod engine;
+mod ranges;
 mod scenes;

@@ -39,7 +39,10 @@ fn what_is_written_is_read_back_bit_for_bit() {
         mean: vec![1.0 / 3.0],
         standard_deviation: vec![2e-7 / 3.0],
     });
-    set.recipe = Some(Recipe::modern());
+    set.recipe = Some(Recipe {
+        states: 2,
+        ..Recipe::modern()
+    });
     set.decision = Some(Decision::paper());
     set.provenance = BTreeMap::from([("seed".to_owned(), "\"1\"\n".to_owned())]);
     let history = TrainingHistory {
@@ -99,6 +102,35 @@ fn faults_name_field_and_line() {
         "scaling.standard_deviation"
     );
     assert_eq!(fault("[0.1]", "[1e999]").line, Some(8));
+}
+
+/// Pins that a recipe which says otherwise than the models is refused, whatever part of it contradicts them.
+#[test]
+fn recipes_that_contradict_the_models_are_refused() {
+    let recipe = Recipe {
+        states: 2,
+        ..Recipe::authors()
+    };
+    let mut set = ModelSet::from_json("m.json", MINIMAL).unwrap();
+    set.recipe = Some(recipe.clone());
+    let text = set.save_string().unwrap();
+    for (from, to, field) in [
+        ("\"states\": 2", "\"states\": 3", "recipe.states"),
+        (
+            "\"features\": \"force\"",
+            "\"features\": \"force+motion\"",
+            "recipe.features",
+        ),
+        ("\"unscaled\"", "\"z_score\"", "recipe.scaling"),
+        ("[0.0, 1.0]", "[0.5, 0.5]", "recipe.topology"),
+        ("\"uniform\"", "\"first_state\"", "recipe.initial"),
+    ] {
+        assert!(text.contains(from), "{text}");
+        match ModelSet::from_json("m.json", &text.replacen(from, to, 1)) {
+            Err(ModelError::Input(error)) => assert_eq!(error.field, field, "{error}"),
+            other => panic!("{from} -> {to}: {other:?}"),
+        }
+    }
 }
 
 #[test]

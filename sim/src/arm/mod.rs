@@ -17,6 +17,7 @@ pub mod kinematics;
 mod limits;
 pub mod skin;
 mod skin_file;
+mod skin_fit;
 mod source;
 mod urdf;
 mod urdf_text;

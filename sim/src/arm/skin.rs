@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use serde::Deserialize;
-use underbrush_recording::SkinLayout;
+use underbrush_recording::{SkinLayout, Taxel};
 
 /// All tactile skin of an arm.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,4 +103,36 @@ impl Skin {
         }
         points
     }
+}
+
+/// A place can be pressed where its normal and the contact's differ by less than 60°: there even with friction
+/// (cos 60° > μ sin 60° for μ up to 0.57) it is pressed and not pulled.
+pub const FACING_COSINE: f64 = 0.5;
+
+/// Beyond this a contact is on bare link, however far apart the taxels of a patch are, m. Choice: skins have taxels a few
+/// centimetres apart at most; what lies farther apart are sensors by themselves.
+const LONGEST_REACH_M: f64 = 0.05;
+
+/// Largest distance of a contact point from the nearest taxel's centre that still is on this patch, m.
+///
+/// Contacts as far from the nearest taxel's centre as neighbouring centres are from each other still lie on the skin: the
+/// cover reaches over the gaps between taxels and a little beyond the outermost. A taxel's own corners always are skin, also
+/// where it has no neighbour.
+pub fn reach_m(taxels: &[Taxel]) -> f64 {
+    let nearest = |index: usize| {
+        let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);
+        others
+            .map(|(_, other)| other.position_link.distance(taxels[index].position_link))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let corner_m = taxels
+        .iter()
+        .map(|taxel| (taxel.area_m2 / 2.0).sqrt())
+        .fold(0.0, f64::max);
+    (0..taxels.len())
+        .map(nearest)
+        .filter(|distance| distance.is_finite())
+        .fold(0.0, f64::max)
+        .min(LONGEST_REACH_M)
+        .max(corner_m)
 }

@@ -8,10 +8,10 @@ use underbrush_recording::limits::{MOST_PATCHES, MOST_TAXELS, short};
 use underbrush_recording::{Grid, InputError, Patch, SkinLayout, Taxel};
 
 use super::file::known_links;
-use super::limits;
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
 use super::source::{Source, listed};
 use super::urdf::Chain;
+use super::{limits, skin_fit};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -83,9 +83,17 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         let Some((link, pose)) = chain.frames.get(&table.link).copied() else {
             return Err(source.fault_after(start, "patch.link", &table.link, known_links(chain)));
         };
-        let (form, grid, mut taxels) = match (&table.cylinder, &table.points) {
-            (Some(cylinder), None) => cylinder_taxels(source, cylinder, &pose)?,
-            (None, Some(points)) => (SurfaceForm::Points, None, point_taxels(source, points)?),
+        let (form, grid, mut taxels, offsets) = match (&table.cylinder, &table.points) {
+            (Some(cylinder), None) => {
+                let (form, grid, taxels) = cylinder_taxels(source, cylinder, &pose)?;
+                let offsets = vec![cylinder.span().start; taxels.len()];
+                (form, grid, taxels, offsets)
+            }
+            (None, Some(points)) => {
+                let entries = points.get_ref().taxels.iter();
+                let offsets = entries.map(|taxel| taxel.span().start).collect();
+                (SurfaceForm::Points, None, point_taxels(source, points)?, offsets)
+            }
             _ => {
                 let allowed = "either [patch.cylinder] or [patch.points]";
                 return Err(source.fault_after(start, "patch", format!("both or none in {:?}", table.name), allowed));
@@ -101,13 +109,14 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
             taxel.normal_link = pose.rotation * taxel.normal_link;
             taxel.tangent_link = pose.rotation * taxel.tangent_link;
         }
-        let link_name = chain.links[link].name.clone();
-        skin.layout.patches.push(Patch {
+        let patch = Patch {
             name: table.name.clone(),
-            link: link_name,
+            link: chain.links[link].name.clone(),
             grid,
             taxels,
-        });
+        };
+        skin_fit::check(source, &offsets, &patch, &chain.links[link])?;
+        skin.layout.patches.push(patch);
         skin.surfaces.push(PatchSurface {
             link,
             form,

@@ -9,6 +9,7 @@ use underbrush_recording::limits::short;
 use underbrush_recording::{InputError, Limits};
 
 use super::limits::DIRECTION;
+use crate::toml_text::{key_at, line_of};
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -50,17 +51,16 @@ impl Source {
     /// Parses the text as TOML.
     pub(super) fn toml<T: DeserializeOwned>(&self, remedy: &str) -> Result<T, InputError> {
         toml::from_str(&self.text).map_err(|error| {
-            let fault = InputError::new(
-                &self.path,
-                "TOML",
-                error.message(),
-                "the keys of this kind of file",
-                remedy,
-            );
-            match error.span() {
-                Some(span) => fault.at_line(self.line(span.start)),
-                None => fault,
-            }
+            let span = error.span().unwrap_or_default();
+            let key = key_at(&self.text, span.start);
+            let field = if key.is_empty() {
+                "TOML".into()
+            } else {
+                format!("TOML, {key}")
+            };
+            let allowed = "the keys of this kind of file";
+            let fault = InputError::new(&self.path, field, error.message(), allowed, remedy);
+            fault.at_line(self.line(span.start))
         })
     }
 
@@ -126,7 +126,8 @@ impl Source {
         unit(vector).ok_or_else(|| self.fault_after(offset, field, listed(&vector), directions()))
     }
 
-    fn line(&self, offset: usize) -> usize {
-        self.text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
+    /// The line, from 1, of a byte.
+    pub(super) fn line(&self, offset: usize) -> usize {
+        line_of(&self.text, offset)
     }
 }

@@ -14,7 +14,7 @@ use super::mechanism::{Maxwell, Spring, box_mass};
 use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
 use crate::physics::{Physics, groups};
 use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity};
+use crate::scene::quantity::{DrawError, Quantity, Within};
 
 /// Length and width of a block, m (paper, section IV-A).
 const LENGTH_M: f64 = 0.25;
@@ -30,15 +30,19 @@ pub struct FoamBlockSpecification {
     pub place: Option<Placement>,
     /// Height, m.
     #[serde(default = "default_height")]
+    #[schemars(transform = Within(HEIGHT_LIMITS_M))]
     pub height_m: Quantity,
     /// Share of wet blocks, 0 to 1.
     #[serde(default = "default_wet_share")]
+    #[schemars(transform = Within(SHARE_LIMITS))]
     pub wet_share: Quantity,
     /// Modulus of dry foam, Pa.
     #[serde(default = "default_dry_modulus")]
+    #[schemars(transform = Within(MODULUS_LIMITS_PA))]
     pub dry_modulus_pa: Quantity,
     /// Modulus of wet foam as a leaf's root feels it, Pa.
     #[serde(default = "default_wet_modulus")]
+    #[schemars(transform = Within(MODULUS_LIMITS_PA))]
     pub wet_modulus_pa: Quantity,
 }
 
@@ -62,8 +66,10 @@ fn default_wet_modulus() -> Quantity {
     Quantity::uniform(3.0e4, 8.0e4)
 }
 
+/// From a mat to a block that the arm cannot see over.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.01, 0.5);
 const SHARE_LIMITS: (f64, f64) = (0.0, 1.0);
+/// From the softest foams, of a few kPa, to solid plastic.
 const MODULUS_LIMITS_PA: (f64, f64) = (1.0e3, 1.0e9);
 
 impl Specification for FoamBlockSpecification {

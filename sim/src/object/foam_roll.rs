@@ -14,7 +14,7 @@ use super::mechanism::{Maxwell, Spring, massless};
 use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
 use crate::physics::{Physics, groups};
 use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity};
+use crate::scene::quantity::{DrawError, Quantity, Within};
 
 /// Slices into which a roll is cut along its height: each about half as high as the arm is thick.
 const SLICES: usize = 10;
@@ -29,21 +29,27 @@ pub struct FoamRollSpecification {
     pub place: Option<Placement>,
     /// Diameter, m.
     #[serde(default = "default_diameter")]
+    #[schemars(transform = Within(DIAMETER_LIMITS_M))]
     pub diameter_m: Quantity,
     /// Height over the table, m.
     #[serde(default = "default_height")]
+    #[schemars(transform = Within(HEIGHT_LIMITS_M))]
     pub height_m: Quantity,
     /// Modulus felt at once, Pa.
     #[serde(default = "default_modulus")]
+    #[schemars(transform = Within(MODULUS_LIMITS_PA))]
     pub modulus_pa: Quantity,
     /// Share of that modulus which relaxes away, 0 to 0.95.
     #[serde(default = "default_relaxing_share")]
+    #[schemars(transform = Within(SHARE_LIMITS))]
     pub relaxing_share: Quantity,
     /// Relaxation time, s.
     #[serde(default = "default_relaxation_time")]
+    #[schemars(transform = Within(TIME_LIMITS_S))]
     pub relaxation_time_s: Quantity,
     /// Density, kg/m³.
     #[serde(default = "default_density")]
+    #[schemars(transform = Within(DENSITY_LIMITS))]
     pub density_kg_per_m3: Quantity,
 }
 
@@ -75,11 +81,15 @@ fn default_density() -> Quantity {
     Quantity::fixed(30.0)
 }
 
+/// From a pipe's lagging to a bolster.
 const DIAMETER_LIMITS_M: (f64, f64) = (0.02, 0.5);
+/// As of trunks.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
 const MODULUS_LIMITS_PA: (f64, f64) = (1.0e3, 1.0e8);
 const SHARE_LIMITS: (f64, f64) = (0.0, 0.95);
+/// From a frame to a quarter of an hour.
 const TIME_LIMITS_S: (f64, f64) = (0.01, 1000.0);
+/// From aerogel to soaked foam.
 const DENSITY_LIMITS: (f64, f64) = (1.0, 1000.0);
 
 impl Specification for FoamRollSpecification {

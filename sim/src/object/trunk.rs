@@ -12,7 +12,7 @@ use underbrush_recording::Category;
 use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
 use crate::physics::{Physics, groups};
 use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity};
+use crate::scene::quantity::{DrawError, Quantity, Within};
 
 /// A group of trunks in a scene file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -24,9 +24,11 @@ pub struct TrunkSpecification {
     pub place: Option<Placement>,
     /// Diameter, m.
     #[serde(default = "default_diameter")]
+    #[schemars(transform = Within(DIAMETER_LIMITS_M))]
     pub diameter_m: Quantity,
     /// Height over the table, m.
     #[serde(default = "default_height")]
+    #[schemars(transform = Within(HEIGHT_LIMITS_M))]
     pub height_m: Quantity,
 }
 
@@ -40,7 +42,9 @@ fn default_height() -> Quantity {
     Quantity::uniform(0.40, 0.55)
 }
 
+/// From a twig to a tree trunk.
 const DIAMETER_LIMITS_M: (f64, f64) = (0.005, 0.3);
+/// Lower ones pass under the arm, higher ones are far above it.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
 
 impl Specification for TrunkSpecification {

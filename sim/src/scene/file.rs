@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::limits;
-use super::quantity::Quantity;
+use super::quantity::{Quantity, Within};
 use crate::object::{Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
 use crate::sensor::SensorOptions;
@@ -104,10 +104,13 @@ impl Default for Workspace {
 #[serde(deny_unknown_fields)]
 pub struct Placement {
     /// Forward, m, world frame; within the workspace if not given.
+    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
     pub x_m: Option<Quantity>,
     /// Left, m, world frame; within the workspace if not given.
+    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
     pub y_m: Option<Quantity>,
     /// Turn about the vertical, degrees; any if not given.
+    #[schemars(transform = Within((limits::YAW_DEG.least, limits::YAW_DEG.most)))]
     pub yaw_deg: Option<Quantity>,
 }
 
@@ -126,10 +129,13 @@ pub struct Goals {
     #[schemars(range(min = limits::PATIENCE_S.least, max = limits::PATIENCE_S.most))]
     pub patience_s: Option<f64>,
     /// Forward, m, world frame.
+    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
     pub x_m: Quantity,
     /// Left, m, world frame.
+    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
     pub y_m: Quantity,
     /// Up, m, world frame.
+    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
     pub z_m: Quantity,
 }
 

@@ -9,6 +9,7 @@ use underbrush_recording::limits::short;
 
 use crate::object::Limited;
 use crate::sensor::Fault;
+use crate::toml_text::{key_at, line_of};
 
 mod file;
 pub mod limits;
@@ -55,18 +56,16 @@ impl Scene {
     pub fn parse(path: impl AsRef<Path>, text: String) -> Result<Scene, InputError> {
         let path = path.as_ref();
         let file: SceneFile = toml::from_str(&text).map_err(|error| {
-            let found = error.message().to_string();
-            let fault = InputError::new(
-                path,
-                "scene",
-                found,
-                "the keys that `underbrush schema` lists",
-                "mend the line",
-            );
-            match error.span() {
-                Some(span) => fault.at_line(line_of(&text, span.start)),
-                None => fault,
-            }
+            let span = error.span().unwrap_or_default();
+            let key = key_at(&text, span.start);
+            let field = if key.is_empty() {
+                "scene".into()
+            } else {
+                format!("scene, {key}")
+            };
+            let allowed = "the keys that `underbrush schema` lists";
+            let fault = InputError::new(path, field, error.message(), allowed, "mend the line");
+            fault.at_line(line_of(&text, span.start))
         })?;
         let name = path
             .file_stem()
@@ -270,13 +269,4 @@ impl Scene {
 /// The JSON Schema of scene files, for editors.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneFile)
-}
-
-fn line_of(text: &str, offset: usize) -> usize {
-    text.as_bytes()
-        .iter()
-        .take(offset)
-        .filter(|byte| **byte == b'\n')
-        .count()
-        + 1
 }

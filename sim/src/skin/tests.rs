@@ -136,3 +136,31 @@ fn edge_and_round_differ() {
     assert!(rows >= 2 && columns >= 2, "trunk {rows} × {columns}");
     assert!(round(1.0).iter().product::<usize>() < rows * columns);
 }
+
+/// Pins that a patch of one taxel feels: a contact over its middle and one near its corner are on it, and it takes the whole
+/// force of both; one beside it is on the bare link.
+#[test]
+fn a_lone_taxel_feels_the_whole_force() {
+    let mut arm = Arm::cody().unwrap();
+    let index = arm.skin.layout.patch_index("forearm").unwrap();
+    let patch = &mut arm.skin.layout.patches[index];
+    patch.taxels = vec![patch.taxels[TAXEL]];
+    patch.grid = None;
+    let whole = forearm();
+    let skin = SkinPatch::of_arm(&arm).swap_remove(index);
+    // The taxel is a square of 9 mm: its corners are 6.4 mm from the centre.
+    for (along_m, around_rad) in [(0.0, 0.0), (0.004, 0.08), (-0.004, -0.08)] {
+        let contact = contact(&whole, along_m, around_rad, 2.0, 0.3, 1.0);
+        assert!(skin.covers(&contact), "{along_m} m, {around_rad} rad");
+        let (shape, pose) = trunk(&contact, 0.015, 1.0);
+        let forces = skin.spread(&[contact], &shape, &pose);
+        assert_eq!(forces.len(), 1);
+        let missed = TaxelForce {
+            taxel: TAXEL,
+            ..forces[0]
+        };
+        let missed = force(&whole, &missed).distance(contact.force_link);
+        assert!(missed < 1e-9, "{missed} N");
+    }
+    assert!(!skin.covers(&contact(&whole, 0.008, 0.0, 2.0, 0.0, 0.0)));
+}

@@ -170,6 +170,42 @@ fn skins_of_too_many_taxels_are_refused() {
     }
 }
 
+/// Pins that a skin that cannot feel is refused where it is read: under the surface, off it, facing inwards, or on a link
+/// without a collision shape; and that a patch a little off is called doubtful, Cody's own skin is not.
+#[test]
+fn skins_that_cannot_feel_are_refused() {
+    let forearm = "<geometry><cylinder radius=\"0.04604\" length=\"0.237\"/></geometry>";
+    let with_radius = |radius_m: f64| forearm.replace("0.04604", &radius_m.to_string());
+    let first = "position_m = [-0.00221, 0.02343, -0.22080], normal = [-0.47474, 0.82228, -0.31381]";
+    #[rustfmt::skip]
+    let cases = [
+        ("cody.urdf", forearm, with_radius(0.08), "patch forearm, taxel 0", "mm under the collision surface of link forearm"),
+        ("cody.urdf", forearm, with_radius(0.02), "patch forearm, taxel 0", "26.0 mm above the collision surface"),
+        ("cody.urdf", "<origin xyz=\"0 0 0.13003\"/>", "<origin xyz=\"0 0.5 0.13003\"/>".into(), "patch forearm", "above"),
+        ("cody.skin.toml", "link = \"forearm\"", "link = \"shoulder_yoke\"".into(), "taxel 0", "without a collision shape"),
+        ("cody.skin.toml", first, first.replace("normal = [-0.47474, 0.82228", "normal = [0.47474, -0.82228"), "patch flipper, taxel 0", "points into"),
+        ("cody.skin.toml", first, first.replace("0.02343", "0.12343"), "patch flipper, taxel 0", "above"),
+    ];
+    for (name, from, to, field, text) in cases {
+        let error = altered_cody(name, from, &to).unwrap_err();
+        assert!(
+            error.field.contains(field) && error.found.contains(text),
+            "{to}: {error}"
+        );
+        assert!(
+            error.file == Path::new("cody.skin.toml") && error.line.is_some(),
+            "{error}"
+        );
+    }
+    assert_eq!(Arm::cody().unwrap().skin_doubts(), [""; 0]);
+    let thick = altered_cody("cody.urdf", forearm, &with_radius(0.0535)).unwrap();
+    let doubts = thick.skin_doubts();
+    assert!(
+        doubts.len() == 1 && doubts[0].contains("384 of 384 taxels"),
+        "{doubts:?}"
+    );
+}
+
 #[test]
 fn rigidly_joined_links_become_one() {
     // Pins merging: a fixed split of the forearm into two halves of known inertia gives back mass, centre and inertia
@@ -179,7 +215,9 @@ fn rigidly_joined_links_become_one() {
         <joint name="seam" type="fixed"><parent link="forearm"/><child link="sleeve"/>
         <origin xyz="0 0 0.2" rpy="0 0 1.5707963267948966"/></joint>
         <link name="sleeve"><inertial><origin xyz="0 0 0.1"/><mass value="3"/>
-        <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0015"/></inertial></link>
+        <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0015"/></inertial>
+        <collision><origin xyz="0 0 0.13003"/><geometry><cylinder radius="0.04604" length="0.237"/></geometry></collision>
+        </link>
         <link name="old_forearm">"#;
     let arm = file::assemble(Path::new("cody.toml"), &|path: &Path| {
         let text = cody_file(path)?;

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::{LARGEST_LOAD_SHARE, Leaf, root_stiffness_nm_per_rad};
 use crate::object::{Footing, Limited, Object, Specification, StandsOn};
 use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity};
+use crate::scene::quantity::{DrawError, Quantity, Within};
 
 /// A group of leaves in a scene file. The blade's foot frame: x normal to the blade, y along its width, z up.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -19,21 +19,27 @@ pub struct LeafSpecification {
     pub place: Option<Placement>,
     /// Height over the foam, m.
     #[serde(default = "default_height")]
+    #[schemars(transform = Within(HEIGHT_LIMITS_M))]
     pub height_m: Quantity,
     /// Width of the blade, m.
     #[serde(default = "default_width")]
+    #[schemars(transform = Within(WIDTH_LIMITS_M))]
     pub width_m: Quantity,
     /// Flexural rigidity E I of the blade, N m².
     #[serde(default = "default_flexural_rigidity")]
+    #[schemars(transform = Within(RIGIDITY_LIMITS))]
     pub flexural_rigidity_n_m2: Quantity,
     /// Mass per area, kg/m².
     #[serde(default = "default_mass_per_area")]
+    #[schemars(transform = Within(MASS_LIMITS))]
     pub mass_per_area_kg_per_m2: Quantity,
     /// Loss factor of the material.
     #[serde(default = "default_loss_factor")]
+    #[schemars(transform = Within(LOSS_LIMITS))]
     pub loss_factor: Quantity,
     /// How deep the stem is stuck into the foam, m.
     #[serde(default = "default_root_depth")]
+    #[schemars(transform = Within(DEPTH_LIMITS_M))]
     pub root_depth_m: Quantity,
     /// Number of elastic segments, each with one hinge.
     #[serde(default = "default_segments")]
@@ -80,11 +86,17 @@ fn default_segments() -> u32 {
 
 /// Largest number of segments: the cost of a leaf grows with its cube.
 pub const SEGMENT_LIMITS: (u32, u32) = (2, 40);
+/// Lower leaves pass under the arm; higher ones are bushes.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 1.0);
+/// From a blade of grass to a banana leaf.
 const WIDTH_LIMITS_M: (f64, f64) = (0.003, 0.3);
+/// From thin foil (a blade 3 mm wide, 0.1 mm thick) to a plastic rod of 1 cm.
 const RIGIDITY_LIMITS: (f64, f64) = (1.0e-5, 10.0);
+/// From foil of 10 µm to 2 cm of wood.
 const MASS_LIMITS: (f64, f64) = (0.01, 20.0);
+/// Rubber at its glass transition reaches 2.
 const LOSS_LIMITS: (f64, f64) = (0.0, 2.0);
+/// From a stem that hardly holds to the height of two blocks of foam.
 const DEPTH_LIMITS_M: (f64, f64) = (0.005, 0.2);
 
 impl Specification for LeafSpecification {
