@@ -5,57 +5,92 @@ use underbrush_validation::{CHECKS, SHORTFALLS};
 
 use crate::support::underbrush;
 
-/// The checks of a report, with every comparison's verdict.
-fn verdicts(report: &Value) -> Vec<(String, String, Vec<String>)> {
+/// The checks of a report, with quantity and verdict of every comparison.
+fn verdicts(report: &Value) -> Vec<(String, String, Vec<(String, String)>)> {
     let text = |value: &Value| value.as_str().unwrap().to_owned();
     let checks = report["checks"].as_array().unwrap().iter();
     checks
         .map(|check| {
             let comparisons = check["comparisons"].as_array().unwrap().iter();
-            let comparisons = comparisons.map(|comparison| text(&comparison["verdict"])).collect();
-            (text(&check["name"]), text(&check["verdict"]), comparisons)
+            let comparisons = comparisons.map(|found| (text(&found["quantity"]), text(&found["verdict"])));
+            (text(&check["name"]), text(&check["verdict"]), comparisons.collect())
         })
         .collect()
 }
 
+/// Pins that no check fails, that what falls short is exactly what the list of known shortfalls says, and that every
+/// comparison of every check fails under at least one wrong parameter.
 #[test]
-fn every_check_holds_and_shortfalls_are_listed() {
-    // Pins: no check fails, and what falls short is exactly what the list of known shortfalls says.
+fn every_check_holds_and_every_comparison_can_fail() {
     let report = underbrush!["validate", "--json"].json();
     let found = verdicts(&report);
     assert_eq!(found.len(), CHECKS.len());
     assert!(found.iter().all(|(_, verdict, _)| verdict != "fail"), "{found:?}");
-    let short: usize = found
-        .iter()
-        .map(|(.., comparisons)| {
-            comparisons
-                .iter()
-                .filter(|verdict| *verdict == "known_shortfall")
-                .count()
-        })
-        .sum();
-    assert_eq!(short, SHORTFALLS.len());
+    let comparisons = || {
+        let checks = found.iter();
+        checks.flat_map(|(name, _, comparisons)| comparisons.iter().map(move |found| (name, found)))
+    };
+    let mut short: Vec<(&str, &str)> = comparisons()
+        .filter(|(_, (_, verdict))| verdict == "known_shortfall")
+        .map(|(name, (quantity, _))| (name.as_str(), quantity.as_str()))
+        .collect();
+    let mut known: Vec<_> = SHORTFALLS.iter().map(|known| (known.check, known.quantity)).collect();
+    short.sort_unstable();
+    known.sort_unstable();
+    assert_eq!(short, known);
     assert_eq!(report["sound"], true);
+
+    let falsified = underbrush!["validate", "--falsify", "--json"].json();
+    let broken: Vec<(&str, &str)> = falsified["checks"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|check| {
+            let comparisons = check["comparisons"].as_array().unwrap().iter();
+            let broken = comparisons.filter(|found| found["broken"] == true);
+            broken.map(|found| (check["name"].as_str().unwrap(), found["quantity"].as_str().unwrap()))
+        })
+        .collect();
+    let all: Vec<(&str, &str)> = comparisons()
+        .map(|(name, (quantity, _))| (name.as_str(), quantity.as_str()))
+        .collect();
+    assert_eq!(broken, all);
+    assert_eq!(falsified["sound"], true);
+    assert_eq!(falsified["broken"], all.len());
 }
 
+/// Pins that `--falsify` fails, and says where, when a wrong parameter is not noticed: no tolerance is that wide.
 #[test]
-fn every_check_can_fail() {
-    // Pins: with one parameter wrong on the simulated side each check fails, and the command is content with that.
-    let report = underbrush!["validate", "--falsify", "--json"].json();
-    for (name, verdict, comparisons) in verdicts(&report) {
-        assert_eq!(verdict, "fail", "{name}");
-        assert!(!comparisons.is_empty(), "{name} broke off");
+fn unnoticed_mistakes_are_an_error() {
+    let answer = underbrush![
+        "validate",
+        "--falsify",
+        "--only",
+        "resting-load",
+        "--tolerance-scale",
+        "1e9"
+    ];
+    assert_eq!(answer.status, 1, "{}", answer.stderr);
+    for part in [
+        "0 of 3 comparisons are broken",
+        "HOLDS",
+        "3 comparisons of 1 checks under 1 wrong parameters",
+    ] {
+        assert!(answer.stdout.contains(part), "no {part:?} in:\n{}", answer.stdout);
     }
+    assert!(answer.stderr.contains("resting-load"), "{}", answer.stderr);
 }
 
+/// Pins that every comparison of every check fails at scale 0, that the table is still printed, and that the exit status
+/// is 1.
 #[test]
 fn a_scale_of_zero_fails_everything() {
-    // Pins: every comparison of every check fails at scale 0, the table is still printed, and the exit status is 1.
     let answer = underbrush!["validate", "--tolerance-scale", "0", "--json"];
     assert_eq!(answer.status, 1, "{}", answer.stderr);
     let report: Value = serde_json::from_str(&answer.stdout).unwrap();
     for (name, _, comparisons) in verdicts(&report) {
-        assert!(comparisons.iter().all(|verdict| verdict == "fail"), "{name}");
+        assert!(!comparisons.is_empty(), "{name} broke off");
+        assert!(comparisons.iter().all(|(_, verdict)| verdict == "fail"), "{name}");
     }
     assert!(
         answer.stderr.contains("these checks fail: leaf-small-load"),
@@ -64,9 +99,9 @@ fn a_scale_of_zero_fails_everything() {
     );
 }
 
+/// Pins that `--only` takes several names, keeps the order of the list, and tells closed form, residual and reason.
 #[test]
 fn only_what_is_named_runs() {
-    // Pins: --only takes several names, keeps the order of the list, and tells closed form, residual and reason.
     let text = underbrush!["validate", "--only", "hmm", "--only", "resting-load"].success();
     let (load, hmm) = (text.find("4 resting-load: pass"), text.find("17 hmm: pass"));
     assert!(load.is_some() && load < hmm, "{text}");
@@ -81,9 +116,9 @@ fn only_what_is_named_runs() {
     assert!(!text.contains("leaf"), "{text}");
 }
 
+/// Pins that an unknown name is a usage error that lists the names, and that a scale is a number, zero or more.
 #[test]
 fn unknown_checks_and_scales_are_refused() {
-    // Pins: an unknown name is a usage error that lists the names; a scale is a number, zero or more.
     underbrush!["validate", "--only", "gravity"].refused(&["gravity", "leaf-small-load", "resting-load", "hmm"]);
     for scale in ["-1", "nan", "much"] {
         let scale = format!("--tolerance-scale={scale}");
@@ -91,9 +126,9 @@ fn unknown_checks_and_scales_are_refused() {
     }
 }
 
+/// Pins that both pictures are written, and that the skin's names its three objects, each with a force on some taxels.
 #[test]
 fn pictures_show_three_objects_and_a_loop() {
-    // Pins: both pictures are written; the skin's names its three objects, each with a force on some taxels.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("pictures");
     let answer = underbrush!["validate", "--only", "sensor", "--pictures", path.to_str().unwrap()];

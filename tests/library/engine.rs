@@ -1,8 +1,8 @@
 //! The engine named in every data set.
 
+/// Pins that a data set names the engine version that Cargo.lock resolves, so an update cannot forget it.
 #[test]
 fn provenance_names_the_engine_of_the_lock_file() {
-    // Pins: a data set names the engine version that Cargo.lock resolves, so an update cannot forget it.
     let lock = include_str!("../../Cargo.lock");
     let package = lock
         .split("[[package]]")

@@ -33,9 +33,9 @@ fn plan(path: &Path, seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::load(path).unwrap(), None, seed).unwrap()
 }
 
+/// Pins that the four environments of the paper are there and the ten engineered ones, five a category.
 #[test]
 fn all_that_the_readers_are_told_of_are_there() {
-    // Pins: the four environments of the paper and the ten engineered ones, five a category.
     let names: Vec<String> = scenes()
         .iter()
         .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
@@ -52,10 +52,10 @@ fn all_that_the_readers_are_told_of_are_there() {
     }
 }
 
+/// Pins that each scene finds room in each of six draws; no two objects overlap but what stands in or goes through
+/// foam; nothing touches the arm in the first frame, with every object in the solver.
 #[test]
 fn every_scene_draws_and_stands_free() {
-    // Pins: each scene finds room in each of six draws; no two objects overlap but what stands in or goes through foam;
-    // nothing touches the arm in the first frame, with every object in the solver.
     let draws: Vec<(PathBuf, u64)> = scenes()
         .into_iter()
         .flat_map(|path| (0..6).map(move |seed| (path.clone(), seed)))
@@ -124,10 +124,10 @@ fn contacts_at_start(plan: &ReachPlan, clutter: &Clutter) -> usize {
     world.contacts().len()
 }
 
+/// Pins that, by ground truth, the arm feels only leaves or foam in a leaf scene and only trunks or foam in a trunk
+/// scene, and that over the five scenes of a category it does feel that category.
 #[test]
 fn engineered_scenes_touch_their_own_category() {
-    // Pins: from ground truth, the arm in a leaf scene feels leaves or foam, in a trunk scene trunks or foam, and over
-    // the five scenes of a category it does feel that category.
     for (prefix, own) in [("leaf-", Category::Leaf), ("trunk-", Category::Trunk)] {
         let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
         let engineered: Vec<PathBuf> = scenes()

@@ -6,28 +6,52 @@ use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_recording::InputError;
 
-use crate::{Check, Comparison, SHORTFALLS};
+use crate::{Comparison, Falsification, SHORTFALLS};
 
-/// Whether a check simulates what its closed form describes, or has one parameter wrong on purpose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// One check.
+#[derive(Debug)]
+pub struct Check {
+    /// Its number; checks are listed by it.
+    pub number: u8,
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it shows, in one sentence.
+    pub summary: &'static str,
+    /// What it simulates.
+    pub cases: &'static [Case],
+}
+
+/// One thing that a check simulates.
+#[derive(Debug)]
+pub struct Case {
+    /// Simulates it and compares it with its closed form.
+    pub compare: fn(Simulated) -> Result<Vec<Comparison>, CheckError>,
+    /// Wrong parameters that its comparisons must notice.
+    pub falsifications: &'static [Falsification],
+}
+
+/// Whether a case simulates what its closed form describes, or has one parameter wrong on purpose.
+#[derive(Clone, Copy, Debug)]
 pub enum Simulated {
     /// As the closed form describes it.
     AsDescribed,
-    /// With the check's one parameter wrong.
-    Falsified,
+    /// With this parameter wrong.
+    Falsified(Falsification),
 }
 
 impl Simulated {
-    /// The value to simulate with: `described`, or `wrong` when falsified.
-    pub fn with<T>(self, described: T, wrong: T) -> T {
-        match self {
-            Simulated::AsDescribed => described,
-            Simulated::Falsified => wrong,
-        }
+    /// The value to simulate with: `wrong` when falsified by `falsification`, otherwise `described`.
+    pub fn with<T>(self, falsification: Falsification, described: T, wrong: T) -> T {
+        if self.is(falsification) { wrong } else { described }
+    }
+
+    /// Whether it is falsified by `falsification`.
+    pub fn is(self, falsification: Falsification) -> bool {
+        matches!(self, Simulated::Falsified(active) if active.wrong == falsification.wrong)
     }
 }
 
-/// Why a check came to no comparison.
+/// Why a case came to no comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
     /// The files of the arm are bad.
@@ -59,10 +83,10 @@ pub struct Outcome {
     pub name: &'static str,
     /// What it shows.
     pub summary: &'static str,
-    /// The worst of its comparisons.
+    /// The worst of its comparisons; a failure where a case broke off.
     pub verdict: Verdict,
-    /// Why it came to no comparison, where it broke off.
-    pub error: Option<String>,
+    /// Why cases came to no comparison, where they broke off.
+    pub errors: Vec<String>,
     /// Its comparisons, each with its verdict.
     pub comparisons: Vec<Judged>,
 }
@@ -79,58 +103,104 @@ pub struct Judged {
     pub cause: Option<&'static str>,
 }
 
+impl Judged {
+    /// Judges a comparison of a check.
+    pub(crate) fn new(check: &Check, comparison: Comparison, tolerance_scale: f64) -> Self {
+        let known = SHORTFALLS
+            .iter()
+            .find(|known| known.check == check.name && known.quantity == comparison.quantity);
+        let (verdict, cause) = match known {
+            _ if comparison.passes(tolerance_scale) => (Verdict::Pass, None),
+            Some(known) if comparison.residual < known.bound * tolerance_scale => {
+                (Verdict::KnownShortfall, Some(known.cause))
+            }
+            _ => (Verdict::Fail, None),
+        };
+        Judged {
+            comparison,
+            verdict,
+            cause,
+        }
+    }
+}
+
+/// What a case found, or why it broke off.
+pub(crate) type Found = Result<Vec<Comparison>, CheckError>;
+
+/// Runs a case. A panic inside the physics engine is an error of this case and leaves the others.
+pub(crate) fn run_case(case: &Case, simulated: Simulated) -> Found {
+    catch_unwind(AssertUnwindSafe(|| (case.compare)(simulated)))
+        .unwrap_or_else(|_| Err(CheckError::Case("broke off inside the physics engine".into())))
+}
+
 /// Runs checks on the threads of the current rayon pool and judges them; outcomes come in the order of `checks`.
-/// `done` is called after each.
-pub fn run(checks: &[&Check], simulated: Simulated, tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
-    checks
+/// `done` is called after each case.
+pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
+    let jobs: Vec<&Case> = checks.iter().flat_map(|check| check.cases).collect();
+    let found: Vec<Found> = jobs
         .par_iter()
         .with_max_len(1)
-        .map(|check| {
-            // A panic of the engine fails its check and leaves the others.
-            let found = catch_unwind(AssertUnwindSafe(|| (check.compare)(simulated)))
-                .unwrap_or_else(|_| Err(CheckError::Case("broke off inside the physics engine".into())));
+        .map(|case| {
+            let found = run_case(case, Simulated::AsDescribed);
             done();
-            judge(check, found, tolerance_scale)
+            found
+        })
+        .collect();
+    let mut found = found.into_iter();
+    checks
+        .iter()
+        .map(|check| {
+            let own = found.by_ref().take(check.cases.len()).collect();
+            judge(check, own, tolerance_scale)
         })
         .collect()
 }
 
-/// Judges what a check found. A check without any comparison fails.
-pub fn judge(check: &Check, found: Result<Vec<Comparison>, CheckError>, tolerance_scale: f64) -> Outcome {
-    let (comparisons, error) = match found {
-        Ok(comparisons) => (comparisons, None),
-        Err(error) => (Vec::new(), Some(error.to_string())),
-    };
-    let comparisons: Vec<_> = comparisons
-        .into_iter()
-        .map(|comparison| {
-            let known = SHORTFALLS
-                .iter()
-                .find(|known| known.check == check.name && known.quantity == comparison.quantity);
-            let (verdict, cause) = match known {
-                _ if comparison.passes(tolerance_scale) => (Verdict::Pass, None),
-                Some(known) if comparison.residual < known.bound * tolerance_scale => {
-                    (Verdict::KnownShortfall, Some(known.cause))
-                }
-                _ => (Verdict::Fail, None),
-            };
-            Judged {
-                comparison,
-                verdict,
-                cause,
-            }
-        })
-        .collect();
+/// Judges what the cases of a check found. A check without any comparison fails, and so does one of which a case broke
+/// off.
+pub fn judge(check: &Check, found: Vec<Result<Vec<Comparison>, CheckError>>, tolerance_scale: f64) -> Outcome {
+    let mut errors = Vec::new();
+    let mut comparisons = Vec::new();
+    for case in found {
+        match case {
+            Ok(found) => comparisons.extend(
+                found
+                    .into_iter()
+                    .map(|comparison| Judged::new(check, comparison, tolerance_scale)),
+            ),
+            Err(error) => errors.push(error.to_string()),
+        }
+    }
+    let worst = comparisons.iter().map(|judged| judged.verdict).max();
     Outcome {
         number: check.number,
         name: check.name,
         summary: check.summary,
-        verdict: comparisons
-            .iter()
-            .map(|judged| judged.verdict)
-            .max()
-            .unwrap_or(Verdict::Fail),
-        error,
+        verdict: match worst {
+            Some(verdict) if errors.is_empty() => verdict,
+            _ => Verdict::Fail,
+        },
+        errors,
         comparisons,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CHECKS;
+
+    /// Pins that a check fails when it compares nothing, and when one of its cases breaks off although the others pass.
+    #[test]
+    fn a_check_without_comparisons_fails() {
+        let check = &CHECKS[0];
+        assert_eq!(judge(check, vec![Ok(Vec::new())], 1.0).verdict, Verdict::Fail);
+        let good = || Ok(vec![Comparison::absolute("x", "m", 1.0, 1.0, 0.1, "none")]);
+        assert_eq!(judge(check, vec![good()], 1.0).verdict, Verdict::Pass);
+        let broken = judge(check, vec![good(), Err(CheckError::Case("no leaf".into()))], 1.0);
+        assert_eq!(
+            (broken.verdict, broken.errors),
+            (Verdict::Fail, vec!["no leaf".to_owned()])
+        );
     }
 }

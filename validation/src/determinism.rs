@@ -11,15 +11,34 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
-use crate::{Check, CheckError, Comparison, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 15.
 pub const CHECK: Check = Check {
     number: 15,
     name: "determinism",
     summary: "Reaches have the same bytes in every run and on any number of threads; a copied world goes on as its original",
-    falsification: "another seed, and a copied world that is pushed by 1 µrad more",
-    compare,
+    cases: &[
+        Case {
+            compare: repeated,
+            falsifications: &[OTHER_SEED],
+        },
+        Case {
+            compare: copied,
+            falsifications: &[OTHER_PUSH],
+        },
+    ],
+};
+
+const OTHER_SEED: Falsification = Falsification {
+    wrong: "seed of the second run",
+    by: "1 instead of 0",
+    breaks: Breaks::Every,
+};
+const OTHER_PUSH: Falsification = Falsification {
+    wrong: "equilibrium angles in the copied world",
+    by: "1 µrad farther",
+    breaks: Breaks::Every,
 };
 
 /// Few objects and one goal: short reaches that touch leaves, a trunk and foam.
@@ -37,25 +56,37 @@ count = 8
 "#;
 const REACHES: u64 = 3;
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn same(quantity: &str, differing: usize) -> Comparison {
+    Comparison::absolute(
+        quantity,
+        "bytes",
+        0.0,
+        differing as f64,
+        1.0,
+        "1 byte: every bit must be equal",
+    )
+}
+
+fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let seed = simulated.with(OTHER_SEED, 0, 1);
     let first = reaches(0, 1)?;
-    let again = reaches(simulated.with(0, 1), 1)?;
-    let threads = reaches(simulated.with(0, 1), 3)?;
-    let copied = copy(simulated.with(0.0, 1e-6))?;
-    let reason = "1 byte: every bit must be equal";
-    let same =
-        |quantity: &str, differing: usize| Comparison::absolute(quantity, "bytes", 0.0, differing as f64, 1.0, reason);
+    let again = reaches(seed, 1)?;
+    let threads = reaches(seed, 3)?;
     Ok(vec![
         same("three reaches run twice, differing", differing(&first, &again)),
         same(
             "three reaches on one and on three threads, differing",
             differing(&first, &threads),
         ),
-        same(
-            "a second after a copy, original and copy, differing",
-            differing(&copied[0], &copied[1]),
-        ),
     ])
+}
+
+fn copied(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let [original, copy] = copy(simulated.with(OTHER_PUSH, 0.0, 1e-6))?;
+    Ok(vec![same(
+        "a second after a copy, original and copy, differing",
+        differing(&original, &copy),
+    )])
 }
 
 /// The bytes of all reaches of a campaign on a pool of its own, in their order.

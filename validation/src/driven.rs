@@ -27,7 +27,8 @@ pub struct Driven {
 impl Driven {
     /// Length of a step, s.
     pub const STEP_S: f64 = 1e-3;
-    /// Stiffness of the drive, over the coordinate's own.
+    /// Stiffness of the drive, over the coordinate's own. Only that the drive is stiff depends on the simulated object: the
+    /// force is the drive's own, its stiffness times how far it is behind.
     const DRIVE: f64 = 1e3;
 
     /// The object at rest, with the coordinate along `axis` of the joint that carries body number `body`.

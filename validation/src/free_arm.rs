@@ -4,15 +4,39 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::arm::engine::{ArmHandles, insert_arm};
 use underbrush_sim::physics::{Physics, PhysicsOptions, groups};
 
-use crate::{Check, CheckError, Comparison, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 8.
 pub const CHECK: Check = Check {
     number: 8,
     name: "free-arm",
     summary: "The arm without springs, dampers, gravity and contacts keeps its energy; with them it never gains any",
-    falsification: "a damper of 1e-4 Nm s/rad on every joint",
-    compare,
+    cases: &[
+        Case {
+            compare: free,
+            falsifications: &[DAMPERS_LEFT_ON, LONG_STEP],
+        },
+        Case {
+            compare: sprung,
+            falsifications: &[DRIVING_DAMPERS],
+        },
+    ],
+};
+
+const DAMPERS_LEFT_ON: Falsification = Falsification {
+    wrong: "dampers of the simulated joints",
+    by: "1e-4 Nm s/rad instead of none",
+    breaks: Breaks::Named(&["after 5 s"]),
+};
+const LONG_STEP: Falsification = Falsification {
+    wrong: "step of the engine",
+    by: "2 ms instead of 1 ms",
+    breaks: Breaks::Named(&["largest rise"]),
+};
+const DRIVING_DAMPERS: Falsification = Falsification {
+    wrong: "sign of the simulated joints' dampers",
+    by: "negative",
+    breaks: Breaks::Every,
 };
 
 const STEP_S: f64 = 1e-3;
@@ -20,15 +44,15 @@ const SECONDS: f64 = 5.0;
 /// Joint velocities of an ordinary reach, rad/s.
 const VELOCITY_RAD_PER_S: [f64; 7] = [0.3, -0.2, 0.4, -0.3, 0.5, 0.3, -0.4];
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let mut free = Arm::cody()?;
-    for joint in &mut free.joints {
+fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let mut arm = Arm::cody()?;
+    for joint in &mut arm.joints {
         joint.stiffness_nm_per_rad = 0.0;
-        joint.damping_nm_s_per_rad = simulated.with(0.0, 1e-4);
+        joint.damping_nm_s_per_rad = simulated.with(DAMPERS_LEFT_ON, 0.0, 1e-4);
     }
-    let energies = energies_j(free)?;
+    let energies = energies_j(arm, STEP_S * simulated.with(LONG_STEP, 1.0, 2.0))?;
     let (start, end) = (energies[0], energies[energies.len() - 1]);
-    let mut comparisons = vec![
+    Ok(vec![
         Comparison::relative(
             "energy of the free arm after 5 s, step 1 ms",
             "J",
@@ -38,14 +62,16 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             "0.1 %: a step of first order; joints turn by half a milliradian in it",
         ),
         largest_rise("the free arm", &energies),
-    ];
-    // As it is, but a hundred times less damped, so that it vibrates through all five seconds.
-    let mut sprung = Arm::cody()?;
-    for joint in &mut sprung.joints {
-        joint.damping_nm_s_per_rad /= 100.0;
+    ])
+}
+
+/// The arm as it is, but a hundred times less damped, so that it vibrates through all five seconds.
+fn sprung(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let mut arm = Arm::cody()?;
+    for joint in &mut arm.joints {
+        joint.damping_nm_s_per_rad /= simulated.with(DRIVING_DAMPERS, 100.0, -100.0);
     }
-    comparisons.push(largest_rise("the arm on its springs", &energies_j(sprung)?));
-    Ok(comparisons)
+    Ok(vec![largest_rise("the arm on its springs", &energies_j(arm, STEP_S)?)])
 }
 
 fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
@@ -61,12 +87,12 @@ fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
 }
 
 /// Energy, J, at the start and after each step, of an arm that is let go in its start posture with some velocity.
-fn energies_j(mut arm: Arm) -> Result<Vec<f64>, CheckError> {
+fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
     for joint in &mut arm.joints {
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
     }
     let mut physics = Physics::new(PhysicsOptions {
-        step_s: STEP_S,
+        step_s,
         substeps: 1,
         gravity_m_per_s2: 0.0,
     });
@@ -82,7 +108,7 @@ fn energies_j(mut arm: Arm) -> Result<Vec<f64>, CheckError> {
     let energy =
         |physics: &Physics| kinetic_energy_j(&arm, &handles, physics) + spring_energy_j(&arm, &handles, physics);
     let mut energies = vec![energy(&physics)];
-    for _ in 0..(SECONDS / STEP_S) as usize {
+    for _ in 0..(SECONDS / step_s).round() as usize {
         physics.step();
         energies.push(energy(&physics));
     }

@@ -7,15 +7,23 @@ use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
 use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
-use crate::{Check, CheckError, Comparison, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 6.
 pub const CHECK: Check = Check {
     number: 6,
     name: "joint-torque",
     summary: "At rest the joints' springs balance the contact forces, K (φ − q) = −Σ Jᵀ f",
-    falsification: "stiffness of the simulated joints 1 % too high",
-    compare,
+    cases: &[Case {
+        compare,
+        falsifications: &[STIFF_JOINTS],
+    }],
+};
+
+const STIFF_JOINTS: Falsification = Falsification {
+    wrong: "stiffness of the simulated joints",
+    by: "1 % too high",
+    breaks: Breaks::Every,
 };
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -41,7 +49,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let arm = Arm::cody()?;
         let mut wrong = arm.clone();
         for joint in &mut wrong.joints {
-            joint.stiffness_nm_per_rad *= simulated.with(1.0, 1.01);
+            joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.01);
         }
         let mut pressed = PressedArm::new(arm, wrong, object, gap_m, 0.3, OPTIONS)?;
         let equilibrium = pressed.pressing_rad(force_n);

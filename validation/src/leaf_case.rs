@@ -1,18 +1,25 @@
 //! One clamped leaf alone in the engine, without gravity, to be pushed, bent and plucked.
 
 use glam::DVec3;
-use rapier3d::prelude::{JointAxis, RigidBodyHandle};
+use rapier3d::prelude::RigidBodyHandle;
 use underbrush_oracles::beam;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::{Mechanism, Object};
 use underbrush_sim::physics::{Physics, PhysicsOptions};
 
-use crate::CheckError;
+use crate::{Breaks, CheckError, Falsification};
 
 /// A blade of middling size; the closed forms are given these figures.
 pub const LENGTH_M: f64 = 0.3;
 pub const RIGIDITY_N_M2: f64 = 0.02;
 pub const MASS_PER_LENGTH_KG_PER_M: f64 = 0.024;
+
+/// The blade is stiffer than its scene says.
+pub const STIFF_BLADE: Falsification = Falsification {
+    wrong: "flexural rigidity of the simulated leaf",
+    by: "5 % too high",
+    breaks: Breaks::Every,
+};
 
 /// Such a blade, clamped at its root.
 pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Leaf {
@@ -66,19 +73,6 @@ impl ClampedLeaf {
     pub fn tip(&self) -> DVec3 {
         let last = self.mechanism.bodies()[self.mechanism.bodies().len() - 1];
         self.physics.bodies[last].position().transform_point(self.tip_local)
-    }
-
-    /// Places, m from the clamp, and compliances, rad/Nm, of the hinges that bend the blade, as they are in the engine.
-    pub fn hinges(&self) -> Vec<(f64, f64)> {
-        let axis = JointAxis::AngY as usize;
-        let hinge = |handle: &RigidBodyHandle| {
-            let link = self.physics.joints.rigid_body_link(*handle)?;
-            let joint = &self.physics.joints.get_multibody(link.multibody)?.link(link.id)?.joint;
-            let (stiffness, _) = joint.spring(axis);
-            let place_m = self.physics.bodies[*handle].position().translation.z;
-            (stiffness > 0.0).then_some((place_m, 1.0 / stiffness))
-        };
-        self.mechanism.bodies().iter().filter_map(hinge).collect()
     }
 
     /// One step with a force, N, and a moment, Nm, on the tip.

@@ -1,15 +1,20 @@
 //! The physics checks: simulation and models against closed-form solutions.
 //!
-//! A [`Check`] has a number, a name and a sentence; run, it returns [`Comparison`]s: the closed-form value, the one
-//! found, the residual, the tolerance and where the tolerance comes from. It can also be run *falsified*, with one
-//! parameter of the simulated side wrong by a stated amount, and must then fail: a check that cannot fail shows
-//! nothing. [`CHECKS`] is the one list of checks, [`SHORTFALLS`] the one list of tolerances that are not met.
+//! A [`Check`] has a number, a name, a sentence and one or more [`Case`]s. A case simulates something and returns
+//! [`Comparison`]s: the closed-form value, the value found, the residual, the tolerance and where the tolerance comes
+//! from. The closed form is computed from what a scene or an arm file says, never from what the simulation made of it.
+//!
+//! Every case lists [`Falsification`]s: parameters of the simulated side that are wrong on purpose, with the comparisons
+//! that must notice. [`falsify`] runs them all and demands that every comparison of every check fails under at least one,
+//! because a comparison that cannot fail shows nothing. [`CHECKS`] is the one list of checks, [`SHORTFALLS`] the one list
+//! of tolerances that are not met.
 
 mod check;
 mod comparison;
 mod convergence;
 mod determinism;
 mod driven;
+mod falsification;
 mod foam;
 mod free_arm;
 mod friction;
@@ -29,25 +34,11 @@ mod shortfall;
 mod skin_forces;
 mod skin_layer;
 
-pub use check::{CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
+pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
+pub use falsification::{Breaks, Falsification, Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
 pub use portrait::{Portrait, portraits, roll_loop};
 pub use shortfall::{SHORTFALLS, Shortfall};
-
-/// One check.
-#[derive(Debug)]
-pub struct Check {
-    /// Its number; checks are listed by it.
-    pub number: u8,
-    /// Its name on the command line.
-    pub name: &'static str,
-    /// What it shows, in one sentence.
-    pub summary: &'static str,
-    /// What is wrong, and by how much, when it is falsified.
-    pub falsification: &'static str,
-    /// Runs it.
-    pub compare: fn(Simulated) -> Result<Vec<Comparison>, CheckError>,
-}
 
 /// All checks, by number.
 pub const CHECKS: &[Check] = &[
@@ -86,15 +77,21 @@ mod tests {
         }
     }
 
-    /// Pins that a check which breaks off, or compares nothing, fails.
+    /// Pins that every case has a falsification, and that those of one case can be told apart by what is wrong.
     #[test]
-    fn a_check_without_comparisons_fails() {
-        let check = &CHECKS[0];
-        assert_eq!(judge(check, Ok(Vec::new()), 1.0).verdict, Verdict::Fail);
-        let broken = judge(check, Err(CheckError::Case("no leaf".into())), 1.0);
-        assert_eq!(
-            (broken.verdict, broken.error.as_deref()),
-            (Verdict::Fail, Some("no leaf"))
-        );
+    fn every_case_can_be_falsified() {
+        for check in CHECKS {
+            assert!(!check.cases.is_empty(), "{}", check.name);
+            for case in check.cases {
+                assert!(!case.falsifications.is_empty(), "a case of {}", check.name);
+                for (index, falsification) in case.falsifications.iter().enumerate() {
+                    let mut others = case.falsifications[..index].iter();
+                    assert!(
+                        others.all(|other| other.wrong != falsification.wrong),
+                        "{falsification:?}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -107,6 +107,13 @@ impl PressedArm {
         self.world = World::new(&self.simulated, &self.posture_rad, &self.clutter, options, false);
     }
 
+    /// Makes the friction of everything in the engine `factor` times what it was.
+    pub fn scale_friction(&mut self, factor: f64) {
+        for (_, collider) in self.world.physics.colliders.iter_mut() {
+            collider.set_friction(factor * collider.friction());
+        }
+    }
+
     /// Equilibrium angles that would press with `force_n` across the forearm if nothing moved, rad.
     pub fn pressing_rad(&self, force_n: f64) -> Vec<f64> {
         let poses = self.arm.forward_kinematics(&self.posture_rad);

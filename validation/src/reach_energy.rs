@@ -4,7 +4,7 @@ use underbrush_sim::audit::energy::EnergySums;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::{Check, CheckError, Comparison, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 12.
 pub const CHECK: Check = Check {
@@ -12,35 +12,41 @@ pub const CHECK: Check = Check {
     name: "reach-energy",
     summary: "Over a whole reach the actuators' work is the arm's energy and what its dampers, its contacts and the \
               integrator take",
-    falsification: "joint dampers a fifth stronger than the balance knows",
-    compare,
+    cases: &[
+        Case {
+            compare: |simulated| compare("trunks", include_str!("../../scenes/trunk.toml"), simulated),
+            falsifications: &[STRONG_DAMPERS],
+        },
+        Case {
+            compare: |simulated| compare("leaves", include_str!("../../scenes/leaf.toml"), simulated),
+            falsifications: &[STRONG_DAMPERS],
+        },
+    ],
 };
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let scenes = [
-        ("trunks", include_str!("../../scenes/trunk.toml")),
-        ("leaves", include_str!("../../scenes/leaf.toml")),
-    ];
-    let mut comparisons = Vec::new();
-    for (name, text) in scenes {
-        let sums = reach(name, text, simulated.with(1.0, 1.2))?;
-        let found = sums.stored_j + sums.dampers_j + sums.contacts_j + sums.integrator_j;
-        if sums.contacts_j == 0.0 {
-            return Err(CheckError::Case(format!("the reach among {name} touched nothing")));
-        }
-        comparisons.push(Comparison {
-            residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
-            ..Comparison::relative(
-                format!("work of the actuators in a reach among {name}"),
-                "J",
-                sums.actuators_j,
-                found,
-                0.01,
-                "1 % of the work exchanged: order 1 in the step of 1 ms, by which impacts and dampers are resolved",
-            )
-        });
+const STRONG_DAMPERS: Falsification = Falsification {
+    wrong: "dampers of the simulated joints",
+    by: "20 % stronger than the balance knows",
+    breaks: Breaks::Every,
+};
+
+fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let sums = reach(name, scene, simulated.with(STRONG_DAMPERS, 1.0, 1.2))?;
+    let found = sums.stored_j + sums.dampers_j + sums.contacts_j + sums.integrator_j;
+    if sums.contacts_j == 0.0 {
+        return Err(CheckError::Case(format!("the reach among {name} touched nothing")));
     }
-    Ok(comparisons)
+    Ok(vec![Comparison {
+        residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
+        ..Comparison::relative(
+            format!("work of the actuators in a reach among {name}"),
+            "J",
+            sums.actuators_j,
+            found,
+            0.01,
+            "1 % of the work exchanged: order 1 in the step of 1 ms, by which impacts and dampers are resolved",
+        )
+    }])
 }
 
 /// The sums of one reach with dampers `wrong` times as strong as the balance is told.

@@ -4,15 +4,23 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_sim::physics::{Physics, PhysicsOptions, pressed_points};
 
-use crate::{Check, CheckError, Comparison, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 4.
 pub const CHECK: Check = Check {
     number: 4,
     name: "resting-load",
     summary: "A ball, a box and a capsule at rest press on the ground with their weight",
-    falsification: "mass of the simulated body 1 % too high",
-    compare,
+    cases: &[Case {
+        compare,
+        falsifications: &[HEAVY_BODY],
+    }],
+};
+
+const HEAVY_BODY: Falsification = Falsification {
+    wrong: "mass of the simulated body",
+    by: "1 % too high",
+    breaks: Breaks::Every,
 };
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
@@ -24,7 +32,7 @@ const OPTIONS: PhysicsOptions = PhysicsOptions {
 };
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let mass_kg = MASS_KG * simulated.with(1.0, 1.01);
+    let mass_kg = MASS_KG * simulated.with(HEAVY_BODY, 1.0, 1.01);
     let bodies = [
         ("ball", SharedShape::ball(0.03)),
         ("box", SharedShape::cuboid(0.04, 0.03, 0.03)),

@@ -3,29 +3,69 @@
 use glam::DVec3;
 use nalgebra::Vector3;
 use rapier3d::prelude::ColliderHandle;
-use underbrush_oracles::{beam, statics};
+use underbrush_oracles::{beam, foam, statics};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::object::Object;
+use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::{PhysicsOptions, pressed_points};
 
 use crate::pressed_arm::{OPTIONS, PressedArm};
-use crate::{Check, CheckError, Comparison, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 14.
 pub const CHECK: Check = Check {
     number: 14,
     name: "series-pushing",
-    summary: "Pushing, force rises with the equilibrium point as arm, contact and object in series say",
-    falsification: "E I of the simulated leaf 10 % too high, stiffness of the simulated joints 5 % too high",
-    compare,
+    summary: "Pushing, force rises with the equilibrium point as arm and object in series say",
+    cases: &[
+        Case {
+            compare: |simulated| leaf("leaf, high on the blade", 0.30, simulated),
+            falsifications: &[STIFF_BLADE],
+        },
+        Case {
+            compare: |simulated| leaf("leaf, low on the blade", 0.15, simulated),
+            falsifications: &[STIFF_BLADE],
+        },
+        Case {
+            compare: roll,
+            falsifications: &[STIFF_FOAM],
+        },
+        Case {
+            compare: trunk,
+            falsifications: &[STIFF_JOINTS],
+        },
+    ],
+};
+
+const STIFF_BLADE: Falsification = Falsification {
+    wrong: "flexural rigidity of the simulated leaf",
+    by: "10 % too high",
+    breaks: Breaks::Every,
+};
+const STIFF_FOAM: Falsification = Falsification {
+    wrong: "modulus of the simulated roll",
+    by: "10 % too high",
+    breaks: Breaks::Every,
+};
+const STIFF_JOINTS: Falsification = Falsification {
+    wrong: "stiffness of the simulated joints",
+    by: "5 % too high",
+    breaks: Breaks::Every,
 };
 
 const LEAF_HEIGHT_M: f64 = 0.4;
 const LEAF_RIGIDITY_N_M2: f64 = 0.02;
-/// The leaf's foot under the forearm's axis, m: high and low on the blade, where it is soft and stiff.
-const DROPS_M: [f64; 2] = [0.30, 0.15];
+/// It relaxes in a fifth of a second: a state of rest shows what remains of its stiffness.
+const ROLL: FoamRoll = FoamRoll {
+    diameter_m: 0.12,
+    height_m: 0.5,
+    modulus_pa: 1.0e5,
+    relaxing_share: 0.5,
+    relaxation_time_s: 0.2,
+    density_kg_per_m3: 30.0,
+};
 
 /// A state of rest of the pushed object.
 struct Pushed {
@@ -40,32 +80,51 @@ struct Pushed {
     overlap_m: f64,
 }
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+/// A leaf whose foot stands `drop_m` under the forearm's axis.
+fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let leaf = Leaf {
         height_m: LEAF_HEIGHT_M,
         // Narrow, so that it is touched at its middle line and not twisted.
         width_m: 0.01,
-        flexural_rigidity_n_m2: LEAF_RIGIDITY_N_M2 * simulated.with(1.0, 1.1),
+        flexural_rigidity_n_m2: LEAF_RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.1),
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.3,
         root_stiffness_nm_per_rad: None,
         // Many, so that the closed form may be the beam's.
         segments: 20,
     };
+    let pushed = push(Box::new(leaf), 0.002, drop_m, [0.003, 0.004], simulated)?;
+    series(name, &pushed, |height_m| {
+        1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2)
+    })
+}
+
+/// A roll that is touched at the middle of its sixth slice of ten. A slice slides as a bar as long and as wide as the
+/// roll's diameter is pressed in; the core under it leans so that its top moves as that of a cantilever, and what is lower
+/// moves in proportion to its height.
+fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let roll = FoamRoll {
+        modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1),
+        ..ROLL
+    };
+    let pushed = push(Box::new(roll), 0.061, 0.275, [0.002, 0.003], simulated)?;
+    let remaining_pa = ROLL.modulus_pa * (1.0 - ROLL.relaxing_share);
+    let slice_m2 = ROLL.diameter_m * ROLL.height_m / 10.0;
+    let slice = foam::bar_force_n(remaining_pa, slice_m2, ROLL.diameter_m, 1.0);
+    let area_moment_m4 = std::f64::consts::PI * ROLL.diameter_m.powi(4) / 64.0;
+    let top_m_per_n = beam::beam_deflection_m(1.0, ROLL.height_m, remaining_pa * area_moment_m4);
+    series("roll", &pushed, |height_m| {
+        statics::in_series(&[slice, (ROLL.height_m / height_m).powi(2) / top_m_per_n])
+    })
+}
+
+fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let trunk = Trunk {
         diameter_m: 0.03,
         height_m: 0.6,
     };
-    let mut comparisons = Vec::new();
-    for drop_m in DROPS_M {
-        let pushed = push(Box::new(leaf), 0.002, drop_m, [0.003, 0.004], simulated)?;
-        comparisons.push(series("leaf", &pushed, |height_m| {
-            1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2)
-        })?);
-    }
     let pushed = push(Box::new(trunk), 0.016, 0.3, [0.006, 0.011], simulated)?;
-    comparisons.push(series("trunk", &pushed, |_| f64::INFINITY)?);
-    Ok(comparisons)
+    series("trunk", &pushed, |_| f64::INFINITY)
 }
 
 /// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
@@ -84,7 +143,7 @@ fn push(
     let arm = Arm::cody()?;
     let mut wrong = arm.clone();
     for joint in &mut wrong.joints {
-        joint.stiffness_nm_per_rad *= simulated.with(1.0, 1.05);
+        joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.05);
     }
     let mut pressed = PressedArm::new(arm, wrong, object, gap_m, drop_m, options)?;
     for (_, collider) in pressed.world.physics.colliders.iter_mut() {
@@ -124,13 +183,17 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
     })
 }
 
-/// The rise of force over the rise of the equilibrium point between two states, beside arm, contact and object in
-/// series. Place and direction of the contact are the means of the two states'.
+/// The rise of force over the rise of the equilibrium point between two states, beside arm and object in series. Place
+/// and direction of the contact are the means of the two states'.
+///
+/// Between arm and object lies the engine's contact, whose softness is a choice of the engine's and in no scene. It has no
+/// closed form here: how far the shapes overlap is measured and taken from the push, so that nothing of the expected value
+/// is read from the simulation but where the arm is touched.
 fn series(
     name: &str,
     (pressed, [less, more]): &(PressedArm, [Pushed; 2]),
     object_n_per_m: impl Fn(f64) -> f64,
-) -> Result<Comparison, CheckError> {
+) -> Result<Vec<Comparison>, CheckError> {
     let rise_n = more.force_n - less.force_n;
     let outward = (less.outward_world + more.outward_world).normalize();
     let place_link = 0.5 * (less.place_link + more.place_link);
@@ -149,18 +212,17 @@ fn series(
         / joints
             .map(|(lever, joint)| lever * lever / joint.stiffness_nm_per_rad)
             .sum::<f64>();
-    // The engine's softness of contacts is no material's; it is taken as measured, from the overlap of the shapes.
-    let contact = rise_n / (more.overlap_m - less.overlap_m);
     let height_m = place(&middle).z - pressed.clutter.objects[0].foot_world.z;
     let push_m = (place(&more.equilibrium_rad) - place(&less.equilibrium_rad)).dot(outward);
-    Ok(Comparison::relative(
-        format!("force over push, {name} at {height_m:.2} m"),
+    let overlap_m = more.overlap_m - less.overlap_m;
+    Ok(vec![Comparison::relative(
+        format!("force over push, {name}"),
         "N/m",
-        statics::in_series(&[arm, contact, object_n_per_m(height_m)]),
-        rise_n / push_m,
+        statics::in_series(&[arm, object_n_per_m(height_m)]),
+        rise_n / (push_m - overlap_m),
         1e-2,
-        "1 %: the arm's stiffness and the lever change over the push; the contact's own stiffness is measured",
-    ))
+        "1 %: the arm's stiffness and the lever change over the push",
+    )])
 }
 
 /// Overlap of the shapes at the contact points, weighed by their impulses, m.

@@ -16,9 +16,9 @@ pub struct Shortfall {
 }
 
 /// Solver of `rapier3d` 0.36.1: `ContactConstraintTangentPart::solve` and `generic_solve`.
-const BOX_THAT_TURNS: &str = "the engine caps K⁻¹ v at μ N, K being the point's effective mass; where K differs with the \
-     direction, as at the corners of a body that can turn, friction does not oppose the slip v: here by 25°, whose cosine \
-     is 0.907. Exact where the body cannot turn";
+const BOX_THAT_TURNS: &str = "the engine limits K⁻¹ v to μ N, where v is the slip and K⁻¹ the effective mass of the contact \
+     point; where that differs with the direction, as at the corners of a body that can turn, friction is not opposite to \
+     the slip: it is 25° off here, and cos 25° is 0.907. It is exact where the body cannot turn";
 
 /// All known shortfalls.
 pub const SHORTFALLS: &[Shortfall] = &[
@@ -44,19 +44,21 @@ pub const SHORTFALLS: &[Shortfall] = &[
         check: "friction",
         quantity: "sliding forearm, share of the friction that opposes the slip",
         bound: 0.0441,
-        cause: "the same on an arm, whose effective mass differs with the direction: friction of the right size, 17° off",
+        cause: "the same on an arm, whose effective mass differs with the direction: friction has the right size and is 17° \
+                off",
     },
     Shortfall {
         check: "skin-layer",
         quantity: "trunk across the forearm at 2 N, largest taxel",
         bound: 0.0531,
-        cause: "nine points a taxel stand 3 mm apart, under a contact that reaches 5 mm to both sides",
+        cause: "the skin's model tilts the trunk by 1.3°, so that the taxels, which have gaps of 1.8 mm between them, carry no \
+                moment about the contact; the closed form has no tilt, and its largest taxel carries more",
     },
     Shortfall {
         check: "free-arm",
         quantity: "largest rise of the energy of the free arm in one step, of the energy at the start",
-        bound: 2.5e-7,
-        cause: "the engine takes centrifugal and Coriolis forces at the start of a step: their work is off by the step's \
-                square, of either sign",
+        bound: 2.45e-7,
+        cause: "the engine takes centrifugal and Coriolis forces as they are at the start of a step, so their work has an \
+                error of either sign that goes with the square of the step",
     },
 ];

@@ -17,20 +17,31 @@ const STEPS: u32 = 2000;
 /// The slope obeys θ″ = −(P L² / E I) cos θ with θ(0) = 0 and no moment at the tip, θ′(1) = 0. The moment at the clamp
 /// is found by bisection: without one the tip's is negative, with P L it is positive (shooting).
 pub fn under_tip_load(load: f64) -> Tip {
+    integrate(load, curvature_at_clamp(load), |_| ()).0
+}
+
+/// Heights over the clamp of points at equal distances along a strip under a tip load, from clamp to tip, in lengths.
+pub fn heights_under_tip_load(load: f64) -> Vec<f64> {
+    let mut heights = vec![0.0];
+    integrate(load, curvature_at_clamp(load), |height| heights.push(height));
+    heights
+}
+
+fn curvature_at_clamp(load: f64) -> f64 {
     let (mut low, mut high) = (0.0, load);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if integrate(load, middle).1 < 0.0 {
+        if integrate(load, middle, |_| ()).1 < 0.0 {
             low = middle;
         } else {
             high = middle;
         }
     }
-    integrate(load, 0.5 * (low + high)).0
+    0.5 * (low + high)
 }
 
-/// Tip and its curvature for a curvature at the clamp.
-fn integrate(load: f64, curvature: f64) -> (Tip, f64) {
+/// Tip and its curvature for a curvature at the clamp; `see` is given the height after each step.
+fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) {
     let step = 1.0 / f64::from(STEPS);
     // (θ, θ′, ∫ sin θ, ∫ cos θ)
     let slope = |state: [f64; 4]| [state[1], -load * state[0].cos(), state[0].sin(), state[0].cos()];
@@ -43,12 +54,21 @@ fn integrate(load: f64, curvature: f64) -> (Tip, f64) {
         let fourth = slope(moved(state, third, step));
         state =
             std::array::from_fn(|i| state[i] + step / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]));
+        see(state[3]);
     }
     let tip = Tip {
         sideways: state[2],
         shortening: 1.0 - state[3],
     };
     (tip, state[1])
+}
+
+/// Share by which a small tip load bends less than P L³ / 3 E I, to leading order: (4 / 35) (P L² / E I)².
+///
+/// With α = P L² / E I the slope is θ = α (s − s²/2) + O(α³). The load's lever is the height ∫ cos θ ds, so the curvature
+/// lacks −½ α ∫ θ² from s on and the sideways way lacks θ³/6; added up, that is (4 / 105) α³ of α / 3.
+pub fn small_load_error(load: f64) -> f64 {
+    4.0 / 35.0 * load * load
 }
 
 /// Tip under a pure moment M at the tip, which bends the strip to an arc of `angle_rad` = M L / E I.
@@ -88,18 +108,21 @@ mod tests {
         for load in [0.1, 1.0, 3.0, 10.0] {
             let tip = under_tip_load(load);
             let curvature = load * (1.0 - tip.shortening);
-            let (again, at_tip) = integrate(load, curvature);
+            let (again, at_tip) = integrate(load, curvature, |_| ());
             assert!(at_tip.abs() < 1e-9, "{load}: {at_tip}");
             assert_relative_eq!(again.sideways, tip.sideways, epsilon = 1e-9);
         }
     }
 
-    /// Pins that a small load bends by P L³ / 3 E I, and shortens by half the square of the slope: 3/5 · (w/L)².
+    /// Pins that a small load bends by P L³ / 3 E I less the next term of the series, a share of [`small_load_error`], and
+    /// shortens by half the square of the slope: 3/5 · (w/L)².
     #[test]
     fn small_load_is_linear() {
         let tip = under_tip_load(1e-3);
         assert_relative_eq!(tip.sideways, 1e-3 / 3.0, max_relative = 1e-6);
         assert_relative_eq!(tip.shortening, 0.6 * tip.sideways.powi(2), max_relative = 1e-5);
+        let missing = 1.0 - under_tip_load(0.05).sideways / (0.05 / 3.0);
+        assert_relative_eq!(missing, small_load_error(0.05), max_relative = 1e-2);
     }
 
     /// Pins the arc: a moment of 2π E I / L closes the circle, π makes a half circle of diameter 2 L / π.

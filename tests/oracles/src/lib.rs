@@ -5,7 +5,8 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | cantilevers under small loads, as chains and as continua; first frequency | [`beam`] |
+//! | cantilevers under small loads; first frequency | [`beam`] |
+//! | cantilevers as chains with hinges at Gauss-Legendre nodes | [`chain`] |
 //! | cantilevers under large loads | [`elastica`] |
 //! | damped oscillators, exact and as an implicit Euler step sees them | [`oscillator`] |
 //! | an elastic layer over a hard body (Winkler) | [`foundation`] |
@@ -15,6 +16,7 @@
 //! | orders of convergence | [`order`] |
 
 pub mod beam;
+pub mod chain;
 pub mod elastica;
 pub mod foam;
 pub mod foundation;

@@ -1,0 +1,184 @@
+//! What `underbrush validate` prints.
+
+use std::fmt::Write;
+
+use underbrush_validation::{Falsified, FalsifiedOutcome, Judged, Outcome, Verdict};
+
+use super::{FalsifiedReport, Report};
+use crate::output;
+
+/// The checks with their tables.
+pub fn described(report: &Report) -> String {
+    let mut text = String::new();
+    for outcome in &report.checks {
+        let _ = writeln!(
+            text,
+            "{} {}: {}\n{}.",
+            outcome.number,
+            outcome.name,
+            word(outcome.verdict),
+            outcome.summary
+        );
+        for error in &outcome.errors {
+            let _ = writeln!(text, "Broke off: {error}.");
+        }
+        text += &comparisons(outcome, report.tolerance_scale);
+        text.push('\n');
+    }
+    let count = |verdict| {
+        let checks = report.checks.iter();
+        checks.filter(|outcome| outcome.verdict == verdict).count()
+    };
+    let _ = write!(
+        text,
+        "{} checks: {} pass, {} with a known shortfall, {} fail",
+        report.checks.len(),
+        count(Verdict::Pass),
+        count(Verdict::KnownShortfall),
+        count(Verdict::Fail)
+    );
+    text
+}
+
+/// The checks with what each wrong parameter does to their comparisons.
+pub fn falsified(report: &FalsifiedReport) -> String {
+    let mut text = String::new();
+    for outcome in &report.checks {
+        let broken = outcome.comparisons.iter().filter(|found| found.broken).count();
+        let _ = writeln!(
+            text,
+            "{} {}: {broken} of {} comparisons are broken\n{}.",
+            outcome.number,
+            outcome.name,
+            outcome.comparisons.len(),
+            outcome.summary
+        );
+        for (index, wrong) in outcome.falsifications.iter().enumerate() {
+            let _ = writeln!(text, "[{}] {}: {}", index + 1, wrong.wrong, wrong.by);
+        }
+        text += &broken_comparisons(outcome, report.tolerance_scale);
+        for fault in &outcome.faults {
+            let _ = writeln!(text, "FAULT: {fault}");
+        }
+        text.push('\n');
+    }
+    let runs: usize = report.checks.iter().map(|outcome| outcome.falsifications.len()).sum();
+    let _ = write!(
+        text,
+        "{} comparisons of {} checks under {runs} wrong parameters: {} broken, {} hold",
+        report.comparisons,
+        report.checks.len(),
+        report.broken,
+        report.comparisons - report.broken
+    );
+    text
+}
+
+/// The comparisons of one falsified check, each as it is under the wrong parameter that breaks it, or under the last one
+/// if none does.
+fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> String {
+    let row = |found: &Falsified| -> Option<Vec<String>> {
+        let breaks = |run: &&underbrush_validation::FalsifiedRun| run.judged.verdict == Verdict::Fail;
+        let shown = found.runs.iter().find(breaks).or(found.runs.last())?;
+        let mut cells = values(&shown.judged, tolerance_scale);
+        let by: Vec<String> = found
+            .runs
+            .iter()
+            .filter(breaks)
+            .map(|run| format!("[{}]", run.falsification + 1))
+            .collect();
+        cells.push(if by.is_empty() { "HOLDS".into() } else { by.join(" ") });
+        Some(cells)
+    };
+    let rows: Vec<Vec<String>> = outcome.comparisons.iter().filter_map(row).collect();
+    let header = ["", "closed form", "simulated", "residual", "tolerance", "broken by"];
+    output::table(&header, &rows)
+}
+
+/// The table of one check, with what its tolerances come from and why known shortfalls miss them.
+fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
+    if outcome.comparisons.is_empty() {
+        return String::new();
+    }
+    let mut reasons: Vec<&str> = Vec::new();
+    let mut rows = Vec::new();
+    for judged in &outcome.comparisons {
+        let known = reasons.iter().position(|reason| *reason == judged.comparison.reason);
+        let reason = known.unwrap_or_else(|| {
+            reasons.push(judged.comparison.reason);
+            reasons.len() - 1
+        });
+        rows.push(cells(judged, tolerance_scale, reason + 1));
+    }
+    let header = ["", "closed form", "simulated", "residual", "tolerance", "", "because"];
+    let mut text = output::table(&header, &rows);
+    for (index, reason) in reasons.iter().enumerate() {
+        let _ = writeln!(text, "[{}] {reason}", index + 1);
+    }
+    let mut causes: Vec<&str> = Vec::new();
+    for cause in outcome.comparisons.iter().filter_map(|judged| judged.cause) {
+        if !causes.contains(&cause) {
+            causes.push(cause);
+            let _ = writeln!(text, "short: {cause}");
+        }
+    }
+    text
+}
+
+fn cells(judged: &Judged, tolerance_scale: f64, reason: usize) -> Vec<String> {
+    let mut cells = values(judged, tolerance_scale);
+    cells.extend([word(judged.verdict).into(), format!("[{reason}]")]);
+    cells
+}
+
+/// Quantity, closed form, simulated value, residual and tolerance.
+fn values(judged: &Judged, tolerance_scale: f64) -> Vec<String> {
+    let comparison = &judged.comparison;
+    let name = if comparison.unit.is_empty() {
+        comparison.quantity.clone()
+    } else {
+        format!("{} / {}", comparison.quantity, comparison.unit)
+    };
+    let error = |value: f64| {
+        if comparison.relative {
+            format!("{:.3} %", 100.0 * value)
+        } else {
+            number(value)
+        }
+    };
+    // Small relative residuals would all be 0.000 %.
+    let small = |value: f64| {
+        if comparison.relative && value < 1e-5 {
+            format!("{value:.1e}")
+        } else {
+            error(value)
+        }
+    };
+    vec![
+        name,
+        number(comparison.expected),
+        number(comparison.found),
+        small(comparison.residual),
+        small(comparison.tolerance * tolerance_scale),
+    ]
+}
+
+/// Six digits, with an exponent where the number is far from 1.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if !(1e-3..1e6).contains(&size) => format!("{value:.3e}"),
+        size => {
+            let digits = (5 - size.log10().floor() as i32).clamp(0, 8) as usize;
+            format!("{value:.digits$}")
+        }
+    }
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Pass => "pass",
+        Verdict::KnownShortfall => "short",
+        Verdict::Fail => "FAIL",
+    }
+}
