@@ -5,8 +5,11 @@ use underbrush_validation::{CHECKS, SHORTFALLS};
 
 use crate::support::underbrush;
 
-/// The checks of a report, with quantity and verdict of every comparison.
-fn verdicts(report: &Value) -> Vec<(String, String, Vec<(String, String)>)> {
+/// Quantity and verdict of a comparison.
+type Found = (String, String);
+
+/// The checks of a report: name, verdict and comparisons.
+fn verdicts(report: &Value) -> Vec<(String, String, Vec<Found>)> {
     let text = |value: &Value| value.as_str().unwrap().to_owned();
     let checks = report["checks"].as_array().unwrap().iter();
     checks
