@@ -175,7 +175,7 @@ fn online(criterion: &mut Criterion) {
         let models = models(states);
         for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
             let options = OnlineOptions {
-                patch: "forearm".into(),
+                patch: None,
                 threshold_n: 0.0,
                 score,
                 decision: Decision::argmax(),

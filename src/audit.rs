@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use underbrush_recording::Audit;
 use underbrush_recording::disk::Episode;
-use underbrush_sim::audit::bounds;
+use underbrush_recording::{Audit, Recording};
+use underbrush_sim::audit::{Bound, bounds};
 
 use crate::output;
 
@@ -53,27 +53,82 @@ pub fn text(worst: &BTreeMap<&'static str, Worst>) -> String {
     output::table(&["audit, worst of all reaches", "value", "bound", "reach"], &rows)
 }
 
-/// Says on stderr which reaches pass a bound of the audit, and by how much the worst does.
+/// One reach with its audit.
+#[derive(Clone, Copy)]
+struct Audited<'a> {
+    scene: &'a str,
+    reach_index: u64,
+    audit: &'a Audit,
+}
+
+/// Says on stderr which reaches of a data set pass a bound of the audit, and by how much the worst does.
 pub fn warn(episodes: &[Episode]) {
-    for bound in bounds() {
-        let get = bound.field.get;
-        let beyond: Vec<&Episode> = episodes
-            .iter()
-            .filter(|episode| get(&episode.audit) > bound.most)
-            .collect();
-        let Some(worst) = beyond.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit))) else {
-            continue;
-        };
-        output::remark(format!(
+    let audited = episodes.iter().map(|episode| Audited {
+        scene: &episode.scene,
+        reach_index: episode.reach_index,
+        audit: &episode.audit,
+    });
+    warnings(&audited.collect::<Vec<_>>()).iter().for_each(output::remark);
+}
+
+/// Says on stderr which bounds of the audit a single reach passes.
+pub fn warn_of_reach(recording: &Recording) {
+    let audited = Audited {
+        scene: &recording.scene,
+        reach_index: recording.reach_index,
+        audit: &recording.audit,
+    };
+    warnings(&[audited]).iter().for_each(output::remark);
+}
+
+/// One warning for each bound that some of these reaches pass.
+fn warnings(reaches: &[Audited]) -> Vec<String> {
+    let warning = |bound: Bound| {
+        let value = |reach: &Audited| (bound.field.get)(reach.audit);
+        let beyond: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.most).collect();
+        let worst = beyond.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        Some(format!(
             "warning: {} passes {:.1e} in {} of {} reaches, most in reach {} of {}: {:.1e} (the bound: {})",
             bound.field.name,
             bound.most,
             beyond.len(),
-            episodes.len(),
+            reaches.len(),
             worst.reach_index,
             worst.scene,
-            get(&worst.audit),
+            value(worst),
             bound.reason
-        ));
+        ))
+    };
+    bounds().filter_map(warning).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pins that a reach beyond a bound of the audit is named with figure, bound and value, the worst one of several,
+    /// and that reaches within all bounds are not mentioned.
+    #[test]
+    fn every_broken_bound_is_named() {
+        let sound = Audit::default();
+        let deep = |deepest_penetration_m| Audit {
+            deepest_penetration_m,
+            ..Audit::default()
+        };
+        let (deeper, deepest) = (deep(0.5), deep(0.75));
+        let reach = |reach_index, audit| Audited {
+            scene: "leaf",
+            reach_index,
+            audit,
+        };
+        assert_eq!(warnings(&[reach(0, &sound)]), Vec::<String>::new());
+        let found = warnings(&[reach(0, &sound), reach(1, &deepest), reach(2, &deeper)]);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(
+            found[0].starts_with(
+                "warning: deepest_penetration_m passes 1.0e-2 in 2 of 3 reaches, most in reach 1 of leaf: 7.5e-1"
+            ),
+            "{found:?}"
+        );
     }
 }

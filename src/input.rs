@@ -34,9 +34,9 @@ pub struct TrialArguments {
     /// What a trial is made of
     #[arg(long, value_enum, default_value = "taxel", value_name = "UNIT")]
     pub by: Unit,
-    /// Patch of skin
-    #[arg(long, default_value = "forearm")]
-    pub patch: String,
+    /// Patch of skin; the only or the first one if not given
+    #[arg(long, value_name = "NAME")]
+    pub patch: Option<String>,
     /// A taxel is in contact where it reports more than this, N
     #[arg(long, default_value_t = TrialOptions::default().threshold_n, value_name = "N", allow_negative_numbers = true)]
     pub threshold_n: f64,
@@ -46,7 +46,7 @@ pub struct TrialArguments {
     /// What gives a trial its category
     #[arg(long, value_enum, default_value = "contact", value_name = "BY")]
     pub labels: LabelName,
-    /// Let components not reach around the forearm's seam, as in the authors' code
+    /// Do not join components across the seam of a closed patch, as in the authors' code
     #[arg(long)]
     pub no_wrap: bool,
 }
@@ -92,11 +92,13 @@ pub fn cut(recording: &Recording, by: Unit, options: &TrialOptions, first: u64) 
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     let trials = trials(path, arguments)?;
     if trials.is_empty() {
-        let (patch, threshold_n) = (&arguments.patch, arguments.threshold_n);
+        let patch = arguments.patch.as_deref();
+        let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
         return Err(Failure::usage(format!(
-            "{}: no contact on patch {patch} above {threshold_n} N of {} samples or more; lower --threshold-n or \
-             --min-samples, or generate more reaches",
+            "{}: no contact on {patch} above {} N of {} samples or more; lower --threshold-n or --min-samples, or \
+             generate more reaches",
             path.display(),
+            arguments.threshold_n,
             arguments.min_samples
         )));
     }

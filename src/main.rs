@@ -12,6 +12,7 @@ mod doubts;
 mod ends;
 mod failure;
 mod input;
+mod interrupt;
 mod output;
 mod picture;
 mod portrait;
@@ -40,9 +41,22 @@ struct Shared {
     /// Print the result as one JSON object.
     #[arg(long, global = true)]
     json: bool,
-    /// Threads to use; all cores if not given. Results do not depend on it.
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    jobs: Option<u16>,
+    /// Threads to use, at most 1024; all cores if not given. Results do not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = jobs)]
+    jobs: Option<usize>,
+}
+
+/// Most threads. Choice: more than any machine has cores that share memory, about 800 today; each thread keeps the
+/// reach that it runs in memory, and more threads than cores only cost time.
+const MOST_JOBS: usize = 1024;
+
+fn jobs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(jobs) if (1..=MOST_JOBS).contains(&jobs) => Ok(jobs),
+        _ => Err(format!(
+            "must be a number from 1 to {MOST_JOBS}: more threads than cores only cost memory, a reach each"
+        )),
+    }
 }
 
 #[derive(Subcommand)]
@@ -75,6 +89,7 @@ fn main() -> ExitCode {
     // Bad usage ends here with exit status 2.
     let cli = Cli::parse();
     let last_panic = failure::record_panics();
+    interrupt::watch();
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -89,7 +104,7 @@ fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<(), Failure> {
     if let Some(jobs) = cli.shared.jobs {
         rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(jobs))
+            .num_threads(jobs)
             .build_global()
             .map_err(|error| Failure::run(format!("cannot start {jobs} threads: {error}")))?;
     }

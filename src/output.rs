@@ -1,10 +1,10 @@
 //! Results on stdout, everything else on stderr: the only place that prints.
-#![allow(clippy::print_stderr, reason = "this is the place for it")]
 
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use underbrush_recording::disk;
 
 use crate::failure::Failure;
 
@@ -28,7 +28,19 @@ pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
 
 /// A remark for a person on stderr.
 pub fn remark(text: impl AsRef<str>) {
-    eprintln!("{}", text.as_ref());
+    say(text.as_ref());
+}
+
+/// The hint of an interrupted program on stderr, on a line of its own: a bar, or the terminal's `^C`, may stand there.
+pub fn interruption(hint: &str) {
+    let line_break = if std::io::stderr().is_terminal() { "\n" } else { "" };
+    say(&format!("{line_break}interrupted: {hint}"));
+}
+
+/// Prints a line on stderr if that is possible. A closed or full stderr changes neither the result nor the exit status,
+/// and there is no other place to complain.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// An error on stderr.
@@ -40,44 +52,46 @@ pub fn error(failure: &Failure) {
         }));
         debug_assert!(unwrapped.is_ok(), "nothing else sets a hook");
     }
-    eprintln!("{:?}", failure.report());
+    say(&format!("{:?}", failure.report()));
 }
 
-/// Writes a file whole or not at all: a temporary name in the same folder, sync, rename.
+/// Writes a file whole or not at all, and the folders above it.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
-        std::fs::create_dir_all(folder)?;
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(contents)?;
-        file.as_file().sync_all()?;
-        // Temporary files are private; a result is readable like any other file.
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
-        }
-        file.persist(path)?;
-        Ok(())
-    };
-    write().map_err(|error| {
-        Failure::run(format!(
-            "{}: cannot write: {error}; check the path and its permissions",
-            path.display()
-        ))
-    })
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|error| {
+            Failure::run(format!(
+                "{}: cannot create: {error}; check the path and its permissions",
+                folder.display()
+            ))
+        })?;
+    }
+    Ok(disk::write_file(path, contents)?)
 }
 
-/// A name as a field of a CSV file: a category may be any text in a foreign table.
-pub fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_string()
+/// Prints CSV.
+pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Failure> {
+    let bytes = csv_bytes(header, rows)?;
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(&bytes).map_err(Failure::output)?;
+    stdout.flush().map_err(Failure::output)
+}
+
+/// The bytes of a CSV file. Names are quoted where they have to be: a category may be any text in a foreign table.
+pub fn csv_bytes(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<Vec<u8>, Failure> {
+    let refused = |error: csv::Error| Failure::run(format!("cannot write CSV: {error}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(header).map_err(refused)?;
+    for row in rows {
+        writer.write_record(row).map_err(refused)?;
     }
+    writer
+        .into_inner()
+        .map_err(|error| Failure::run(format!("cannot write CSV: {error}")))
+}
+
+/// A path as text in a result. Bytes that are not UTF-8 are replaced: only what is shown suffers.
+pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.display())
 }
 
 /// A table of columns padded to their widest entry; the first column left, the others right.

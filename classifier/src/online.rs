@@ -30,8 +30,8 @@ pub enum OnlineError {
 /// Which taxels are classified, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OnlineOptions {
-    /// Name of the patch.
-    pub patch: String,
+    /// Name of the patch; the skin's first if `None`.
+    pub patch: Option<String>,
     /// A taxel is in contact where its sensed force is above this, N.
     pub threshold_n: f64,
     /// The running score.
@@ -90,7 +90,7 @@ impl OnlineClassifier {
     /// [`OnlineError`] where the patch is unknown, or threshold, priors or rule make no sense.
     pub fn new(models: ModelSet, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let judge = options.decision.prepare(&models.categories())?;
-        let image = PatchImage::new(layout, &options.patch, options.threshold_n)?;
+        let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;
         let taxels = image.patch().taxels.len();
         let contact = |taxel| Contact {
             stream: None,

@@ -16,6 +16,14 @@ impl SkinLayout {
         self.patches.iter().position(|patch| patch.name == name)
     }
 
+    /// The index of the patch called `name`, or of the first patch where no name is given.
+    pub fn chosen_patch(&self, name: Option<&str>) -> Option<usize> {
+        match name {
+            Some(name) => self.patch_index(name),
+            None => (!self.patches.is_empty()).then_some(0),
+        }
+    }
+
     /// Number of taxels of all patches together.
     pub fn taxel_count(&self) -> usize {
         self.patches.iter().map(|patch| patch.taxels.len()).sum()

@@ -1,6 +1,5 @@
 //! `underbrush evaluate`: cross-validation, or given models on other trials.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -104,7 +103,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
     if let Some(path) = &options.roc {
-        output::write_file(path, roc_csv(&evaluation, &decision)?.as_bytes())?;
+        output::write_file(path, &roc_csv(&evaluation, &decision)?)?;
     }
     let by_samples = match options.by_samples {
         true => Some(accuracy_by_samples(
@@ -164,17 +163,18 @@ fn learned(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failur
 }
 
 /// One row a point of each curve; an empty threshold takes nothing for positive.
-fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failure> {
-    let mut csv = String::from("positives,threshold_nats,false_positive_rate,true_positive_rate\n");
+fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<Vec<u8>, Failure> {
+    let mut rows = Vec::new();
     let mut add = |positives: &str, curve: Option<RocCurve>| {
         for point in curve.iter().flat_map(|curve| &curve.points) {
             let threshold = point.threshold.map_or(String::new(), |threshold| threshold.to_string());
             let (false_rate, true_rate) = (point.false_positive_rate, point.true_positive_rate);
-            let _ = writeln!(
-                csv,
-                "{},{threshold},{false_rate},{true_rate}",
-                output::csv_field(positives)
-            );
+            rows.push(vec![
+                positives.to_string(),
+                threshold,
+                false_rate.to_string(),
+                true_rate.to_string(),
+            ]);
         }
     };
     for category in evaluation.known_categories() {
@@ -187,7 +187,13 @@ fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<String, Failu
             outlier_roc(evaluation, &judge, uncertain_below),
         );
     }
-    Ok(csv)
+    let header = [
+        "positives",
+        "threshold_nats",
+        "false_positive_rate",
+        "true_positive_rate",
+    ];
+    output::csv_bytes(&header, rows)
 }
 
 /// The series for a person.

@@ -15,7 +15,7 @@ use crate::audit::{self, Worst};
 use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
 use crate::ends::Ends;
 use crate::failure::Failure;
-use crate::output;
+use crate::{interrupt, output};
 
 /// Options of `underbrush generate`.
 #[derive(Args)]
@@ -62,6 +62,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 /// How a data set came out.
 #[derive(Serialize)]
 struct Summary {
+    #[serde(serialize_with = "output::path")]
     dataset: PathBuf,
     reaches: usize,
     frames: usize,
@@ -154,6 +155,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         Some(path) => stored(path)?,
         None => described(&options)?,
     };
+    interrupt::hint(format!(
+        "finished reaches are kept in {}; run the same command with --resume to go on",
+        options.out.display()
+    ));
     let (dataset, wall_s) = match campaign.write(&options.out, options.resume)? {
         Written::New(dataset) => (dataset, Some(start.elapsed().as_secs_f64())),
         Written::Before(dataset) => {

@@ -116,7 +116,7 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
     let scene_files: Vec<String> = provenance.scenes.iter().map(|scene| named(&scene.file)).collect();
     let scene_files = scene_files.join(", ");
     Ok(json!({
-        "data set": path,
+        "data set": path.display().to_string(),
         "reaches": episodes.len(),
         "frames": episodes.iter().map(|episode| episode.frames).sum::<usize>(),
         "reaches by scene": scenes,
@@ -140,7 +140,7 @@ fn recording(path: &Path) -> Result<Value, Failure> {
     let recording = read_recording(path)?;
     let goals: Vec<&str> = recording.goals.iter().map(|goal| goal.outcome.name()).collect();
     Ok(json!({
-        "recording": path,
+        "recording": path.display().to_string(),
         "scene": recording.scene,
         "controller": recording.controller,
         "seed": recording.seed,
@@ -169,7 +169,7 @@ fn trials(path: &Path) -> Result<Value, Failure> {
     let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
     lengths.sort_unstable();
     Ok(json!({
-        "trials table": path,
+        "trials table": path.display().to_string(),
         "trials": trials.len(),
         "samples": lengths.iter().sum::<usize>(),
         "median samples a trial": lengths.get(lengths.len() / 2),
@@ -187,7 +187,7 @@ fn model(path: &Path) -> Result<Value, Failure> {
         .map(|(category, model)| (category.as_str(), model.state_count()))
         .collect();
     Ok(json!({
-        "model": path,
+        "model": path.display().to_string(),
         "features": models.features().names(),
         "states by category": states,
         "score": models.score_kind(),

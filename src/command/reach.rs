@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::trial::{PatchImage, TrialOptions};
 use underbrush_recording::disk::write_recording;
 use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_sim::controller;
@@ -16,7 +16,7 @@ use underbrush_sim::snapshot::Snapshot;
 
 use crate::failure::Failure;
 use crate::input::{self, Unit};
-use crate::{doubts, output, picture};
+use crate::{audit, doubts, output, picture};
 
 /// Options of `underbrush reach`.
 #[derive(Args)]
@@ -38,6 +38,9 @@ pub struct Options {
     /// Picture to write (SVG): the frame in which most taxels of the skin feel something
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Patch of skin whose trials are counted; the only or the first one if not given
+    #[arg(long, value_name = "NAME")]
+    patch: Option<String>,
 }
 
 /// How a reach went.
@@ -61,8 +64,11 @@ pub struct Report {
     peak_contact_force_n: f64,
     mean_contact_force_n: f64,
     audit: Audit,
-    taxel_trials: usize,
-    component_trials: usize,
+    /// The patch whose trials are counted; `None` for an arm without skin.
+    patch: Option<String>,
+    taxel_trials: Option<usize>,
+    /// `None` where the patch has no grid.
+    component_trials: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -79,6 +85,18 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         options.controller.as_deref(),
         options.seed,
     )?;
+    let options_of_trials = TrialOptions {
+        patch: options.patch.clone(),
+        ..TrialOptions::default()
+    };
+    // A name that the skin does not have is refused before anything is computed.
+    if options.patch.is_some() {
+        PatchImage::new(
+            &plan.arm.skin.layout,
+            options.patch.as_deref(),
+            options_of_trials.threshold_n,
+        )?;
+    }
     doubts::warn([&plan.arm]);
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
@@ -88,7 +106,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             best = Some(Snapshot::take(world, clutter, frame));
         }
     })?;
-    let report = Report::of(&recording, plan.preset().force_limit_n, start.elapsed().as_secs_f64())?;
+    let wall_s = start.elapsed().as_secs_f64();
+    // What was computed is written before it is summed up.
     if let Some(path) = &options.out {
         write_recording(path, &recording)?;
     }
@@ -105,12 +124,18 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         );
         output::write_file(path, svg.as_bytes())?;
     }
+    audit::warn_of_reach(&recording);
+    let report = Report::of(&recording, &options_of_trials, plan.preset().force_limit_n, wall_s)?;
     output::result(json, &report, || report.text())
 }
 
 impl Report {
-    fn of(recording: &Recording, f_max_n: f64, wall_s: f64) -> Result<Self, Failure> {
-        let cut = |by| input::cut(recording, by, &TrialOptions::default(), 0).map(|trials| trials.len());
+    fn of(recording: &Recording, options: &TrialOptions, f_max_n: f64, wall_s: f64) -> Result<Self, Failure> {
+        let layout = &recording.layout;
+        let patch = layout
+            .chosen_patch(options.patch.as_deref())
+            .map(|index| &layout.patches[index]);
+        let cut = |by| input::cut(recording, by, options, 0).map(|trials| trials.len());
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let frames = |contact: &underbrush_recording::Contact| f64::from(contact.last_frame - contact.first_frame + 1);
         let contact_frames: f64 = recording.contacts.iter().map(frames).sum();
@@ -149,8 +174,12 @@ impl Report {
             // The sum of nothing is −0.
             mean_contact_force_n: force_sum.max(0.0) / contact_frames.max(1.0),
             audit: recording.audit,
-            taxel_trials: cut(Unit::Taxel)?,
-            component_trials: cut(Unit::Component)?,
+            patch: patch.map(|patch| patch.name.clone()),
+            taxel_trials: patch.map(|_| cut(Unit::Taxel)).transpose()?,
+            component_trials: patch
+                .filter(|patch| patch.grid.is_some())
+                .map(|_| cut(Unit::Component))
+                .transpose()?,
         })
     }
 
@@ -183,7 +212,7 @@ impl Report {
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
                  {} contacts; peak force {:.2} N, mean {:.2} N; the controller's f_max is {} N a taxel\n\
                  true contact: {}\n\
-                 {} taxel trials and {} component trials on the forearm\n\
+                 {}\n\
                  largest relative difference between taxel and contact forces: {:.1e}",
                 self.scene,
                 self.seed,
@@ -200,9 +229,20 @@ impl Report {
                 self.mean_contact_force_n,
                 self.f_max_n,
                 touched.join(", "),
-                self.taxel_trials,
-                self.component_trials,
+                self.trials(),
                 self.audit.largest_force_residual
             )
+    }
+    /// How many trials there are on the patch.
+    fn trials(&self) -> String {
+        match (&self.patch, self.taxel_trials, self.component_trials) {
+            (Some(patch), Some(taxels), Some(components)) => {
+                format!("{taxels} taxel trials and {components} component trials on patch {patch}")
+            }
+            (Some(patch), Some(taxels), None) => {
+                format!("{taxels} taxel trials on patch {patch}; its taxels form no grid, so it has no components")
+            }
+            _ => "the arm has no skin, so there are no trials".into(),
+        }
     }
 }

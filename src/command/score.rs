@@ -71,19 +71,16 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         let rows: Vec<Row> = rows().collect();
         return output::result(true, &serde_json::json!({ "scores": rows }), String::new);
     }
-    let header = "model,trial,log_likelihood".to_string();
     // The shortest text that reads back as the same number.
-    output::lines(
-        std::iter::once(header)
-            .chain(rows().map(|row| format!("{},{},{}", output::csv_field(&row.model), row.trial, row.log_likelihood))),
-    )
+    let cells = rows().map(|row| vec![row.model, row.trial.to_string(), row.log_likelihood.to_string()]);
+    output::csv(&["model", "trial", "log_likelihood"], cells)
 }
 
 /// Trials as `underbrush trials` cuts them by default.
 fn whole_skin() -> TrialArguments {
     TrialArguments {
         by: Unit::Taxel,
-        patch: "forearm".into(),
+        patch: None,
         threshold_n: TrialOptions::default().threshold_n,
         min_samples: 1,
         labels: LabelName::Contact,

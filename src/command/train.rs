@@ -73,8 +73,8 @@ pub struct RecipeArguments {
     #[arg(long, value_name = "X", default_value_t = TrainingOptions::default().variance_floor, value_parser = not_negative)]
     variance_floor: f64,
     /// Use only the first N samples of each trial
-    #[arg(long, value_name = "N")]
-    max_samples: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_samples: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -132,7 +132,7 @@ impl RecipeArguments {
                 Initial::Uniform => InitialDistribution::Uniform,
                 Initial::FirstState => InitialDistribution::FirstState,
             },
-            max_samples: self.max_samples,
+            max_samples: self.max_samples.map(|samples| samples as usize),
             training: self.training(),
             ..base
         }
@@ -149,6 +149,7 @@ impl RecipeArguments {
 
 #[derive(Serialize)]
 struct Trained<'a> {
+    #[serde(serialize_with = "output::path")]
     model: &'a Path,
     report: &'a TrainingReport,
     #[serde(skip_serializing_if = "Option::is_none")]

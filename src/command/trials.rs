@@ -25,6 +25,7 @@ pub struct Options {
 
 #[derive(Serialize)]
 struct Written {
+    #[serde(serialize_with = "output::path")]
     file: PathBuf,
     trials: usize,
     samples: usize,

@@ -118,7 +118,13 @@ fn numbers_out_of_range() {
     underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
     underbrush!["evaluate", table, "--folds", "1"].refused(&["1 folds", "at least 2"]);
     underbrush!["evaluate", table, "--folds", "100000"].refused(&["fewer than the 100000 folds", "use fewer folds"]);
-    underbrush!["evaluate", table, "--jobs", "0"].refused(&["--jobs"]);
+    // More threads than any machine has cores were once started, each with a reach in memory.
+    for jobs in ["0", "1025", "65535", "1e3", "-1"] {
+        let jobs = format!("--jobs={jobs}");
+        underbrush!["evaluate", table, jobs].refused(&["--jobs", "from 1 to 1024", "more threads than cores"]);
+    }
+    underbrush!["train", table, "--out", model, "--max-samples", "0"].refused(&["--max-samples", "1.."]);
+    underbrush!["evaluate", table, "--max-samples", "0"].refused(&["--max-samples", "1.."]);
     let scene = fixture.trunk_scene();
     underbrush!["generate", scene, "--reaches", "0", "--out", set].refused(&["--reaches"]);
     for threshold in ["-1", "nan"] {
@@ -135,7 +141,7 @@ fn nothing_to_learn_from() {
     let outputs = tempfile::tempdir().unwrap();
     let (set, out) = (fixture.dataset(), outputs.path().join("out.csv"));
     let parts = [
-        "dataset: no contact on patch forearm above 1000 N",
+        "dataset: no contact on the first patch above 1000 N",
         "lower --threshold-n",
     ];
     underbrush!["train", set, "--out", out, "--threshold-n", "1000"].refused(&parts);

@@ -181,3 +181,30 @@ fn each_frame_is_answered_before_the_next_is_sent() {
     assert_eq!(robot.wait().unwrap().code(), Some(2));
     assert!(stderr.contains(":6"), "{stderr}");
 }
+
+/// Pins that names which CSV cannot hold as they are come back from `score` and `classify` as they were.
+#[test]
+fn names_are_quoted_in_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let [table, model] = ["trials.csv", "model.json"].map(|name| folder.path().join(name));
+    let odd = ["leaf, \"green\"", "trunk\nof oak"];
+    let mut text = "trial,category,time_s,force_n\n".to_owned();
+    for trial in 0..8 {
+        let name = odd[trial % 2].replace('"', "\"\"");
+        for sample in 0..30 {
+            let force_n = 0.2 + trial as f64 % 2.0 + 0.01 * f64::from(sample * (trial as i32 + 3) % 7);
+            text += &format!("{trial},\"{name}\",{},{force_n}\n", f64::from(sample) / 100.0);
+        }
+    }
+    std::fs::write(&table, text).unwrap();
+    underbrush!["train", table, "--out", model, "--states", "2"].success();
+    let column = |text: &str, column: usize| -> std::collections::BTreeSet<String> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        reader.records().map(|row| row.unwrap()[column].to_owned()).collect()
+    };
+    let names: std::collections::BTreeSet<String> = odd.map(str::to_owned).into();
+    assert_eq!(column(&underbrush!["score", model, table].success(), 0), names);
+    let verdicts = underbrush!["classify", model, table].success();
+    assert_eq!(column(&verdicts, 1), names);
+    assert_eq!(column(&verdicts, 2), names);
+}

@@ -6,9 +6,15 @@ mod flips;
 mod generate;
 mod inspect;
 mod oracle;
+#[cfg(unix)]
+mod paths;
 mod provenance;
 mod reach;
 mod resume;
+#[cfg(unix)]
+mod signals;
+#[cfg(target_os = "linux")]
+mod streams;
 mod thresholds;
 mod torn;
 mod train;

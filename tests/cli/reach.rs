@@ -2,7 +2,7 @@
 
 use underbrush_recording::disk::read_recording;
 
-use crate::support::{scenes, underbrush};
+use crate::support::{arm, scenes, underbrush};
 
 #[test]
 fn a_seed_decides_a_reach() {
@@ -73,4 +73,80 @@ fn the_blind_controller_pushes_on() {
     let report = underbrush!["reach", scene, "--controller", "blind", "--out", file, "--json"].json();
     assert_eq!(report["controller"], "blind");
     assert_eq!(read_recording(file).unwrap().controller, "blind");
+}
+
+/// Pins that a reach of an arm whose skin has no patch called `forearm` is written and summed up: trials are those of
+/// its first patch unless another is named, a patch without a grid has no components, and bare arms have no trials.
+#[test]
+fn any_skin_is_summed_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("reach.parquet");
+    let reach = |scene: &std::path::Path, patch: &[&str]| {
+        let _ = std::fs::remove_file(&out);
+        let mut arguments = vec![
+            "reach".into(),
+            scene.into(),
+            "--out".into(),
+            out.clone().into(),
+            "--json".into(),
+        ];
+        arguments.extend(patch.iter().map(Into::into));
+        crate::support::call(arguments, "")
+    };
+    let scene = arm::write(folder.path(), arm::renamed);
+    let report = reach(&scene, &[]).json();
+    assert_eq!(report["patch"], "sleeve");
+    assert!(report["component_trials"].is_u64(), "{report}");
+    assert_eq!(read_recording(&out).unwrap().layout.patches[0].name, "sleeve");
+    let report = reach(&scene, &["--patch", "flipper"]).json();
+    assert_eq!(report["patch"], "flipper");
+    assert!(
+        report["taxel_trials"].is_u64() && report["component_trials"].is_null(),
+        "{report}"
+    );
+    let unknown = reach(&scene, &["--patch", "forearm"]);
+    unknown.refused(&["no patch called \"forearm\"", "sleeve", "flipper"]);
+    assert!(!out.exists(), "an unknown patch is refused before the reach is run");
+
+    let scene = arm::write(folder.path(), arm::flipper_alone);
+    let report = reach(&scene, &[]).json();
+    assert_eq!(report["patch"], "flipper");
+    let scene = arm::write(folder.path(), arm::bare);
+    let report = reach(&scene, &[]).json();
+    assert!(
+        report["patch"].is_null() && report["taxel_trials"].is_null(),
+        "{report}"
+    );
+    assert!(out.exists());
+}
+
+/// Pins that trials are cut, scored and classified on the first patch whatever its name, and that the table names it.
+#[test]
+fn the_first_patch_is_the_default_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let [cody, renamed] = ["cody", "renamed"].map(|name| {
+        let folder = folder.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        let skin = |text: &str| {
+            if name == "cody" {
+                text.to_owned()
+            } else {
+                arm::renamed(text)
+            }
+        };
+        let (scene, out) = (arm::write(&folder, skin), folder.join("reach.parquet"));
+        underbrush!["reach", scene, "--seed", "1", "--out", out].success();
+        out
+    });
+    let table = |recording: &std::path::Path| {
+        let table = recording.with_extension("csv");
+        underbrush!["trials", recording, "--out", table].success();
+        std::fs::read_to_string(table).unwrap()
+    };
+    assert_eq!(table(&cody).replace("forearm", "sleeve"), table(&renamed));
+    let model = crate::support::fixture::fixture().model();
+    for command in ["score", "classify"] {
+        let both = [&cody, &renamed].map(|recording| underbrush![command, model, recording].success());
+        assert!(both[0] == both[1] && both[0].lines().count() > 1, "{command}");
+    }
 }

@@ -5,6 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+pub mod arm;
 pub mod fixture;
 pub mod scenes;
 pub mod table;

@@ -104,7 +104,10 @@ pub fn classify_stream(
     truth: StreamTruth,
 ) -> Result<Stream, OnlineError> {
     let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, options)?;
-    let patch = recording.layout.patch_index(&options.patch).unwrap_or_default();
+    let patch = recording
+        .layout
+        .chosen_patch(options.patch.as_deref())
+        .unwrap_or_default();
     let mut verdicts = models.categories();
     verdicts.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
     let mut stream = Stream {

@@ -42,7 +42,7 @@ fn models(recording: &Recording, recipe: &Recipe) -> ModelSet {
 fn options(score: ScoreKind) -> OnlineOptions {
     let decision = Decision::new(Rule::UncertainBelow { lead: 1.0 });
     OnlineOptions {
-        patch: "forearm".into(),
+        patch: None,
         threshold_n: 0.0,
         score,
         decision,
@@ -148,7 +148,7 @@ fn wrong_streams_are_refused() {
         },
     );
     let elbow = OnlineOptions {
-        patch: "elbow".into(),
+        patch: Some("elbow".into()),
         ..options(ScoreKind::Forward)
     };
     assert!(OnlineClassifier::new(models.clone(), &recording.layout, &elbow).is_err());

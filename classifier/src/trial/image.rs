@@ -19,11 +19,13 @@ pub struct PatchImage {
 }
 
 impl PatchImage {
-    /// An image of a patch of the skin, with no taxel in contact yet; in contact is what senses more than `threshold_n`.
+    /// An image of a patch of the skin, its first if none is named, with no taxel in contact yet; in contact is what
+    /// senses more than `threshold_n`.
     ///
     /// # Errors
-    /// [`TrialError::UnknownPatch`], or [`TrialError::BadOption`] for a threshold that is negative or not finite.
-    pub fn new(layout: &SkinLayout, patch: &str, threshold_n: f64) -> Result<Self, TrialError> {
+    /// [`TrialError::UnknownPatch`], [`TrialError::NoPatch`] for a skin without any, or [`TrialError::BadOption`] for a
+    /// threshold that is negative or not finite.
+    pub fn new(layout: &SkinLayout, patch: Option<&str>, threshold_n: f64) -> Result<Self, TrialError> {
         if !threshold_n.is_finite() || threshold_n < 0.0 {
             let allowed = "a finite force from 0 N";
             return Err(TrialError::BadOption {
@@ -32,9 +34,12 @@ impl PatchImage {
                 allowed,
             });
         }
-        let patch_index = layout.patch_index(patch).ok_or_else(|| TrialError::UnknownPatch {
-            found: patch.to_owned(),
-            known: layout.patches.iter().map(|patch| patch.name.clone()).collect(),
+        let patch_index = layout.chosen_patch(patch).ok_or_else(|| match patch {
+            Some(name) if !layout.patches.is_empty() => TrialError::UnknownPatch {
+                found: name.to_owned(),
+                known: layout.patches.iter().map(|patch| patch.name.clone()).collect(),
+            },
+            _ => TrialError::NoPatch,
         })?;
         let patch = layout.patches[patch_index].clone();
         let count = patch.taxels.len();

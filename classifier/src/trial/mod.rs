@@ -31,8 +31,8 @@ pub enum Labels {
 /// How trials are cut from a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrialOptions {
-    /// Name of the patch; the paper classifies on the forearm only.
-    pub patch: String,
+    /// Name of the patch; the skin's first if `None`. The paper classifies on the forearm only, Cody's first patch.
+    pub patch: Option<String>,
     /// A taxel is in contact where its sensed force is above this, N. The authors' threshold is not published. 0.03 by
     /// choice: far over the noise (2 mN), and low enough for the touch of a leaf; with it a reach has about as many
     /// trials as the paper's.
@@ -55,7 +55,7 @@ pub struct TrialOptions {
 impl Default for TrialOptions {
     fn default() -> Self {
         TrialOptions {
-            patch: "forearm".into(),
+            patch: None,
             threshold_n: 0.03,
             min_samples: 1,
             wrap: None,
@@ -91,6 +91,9 @@ pub enum TrialError {
         /// The names there are.
         known: Vec<String>,
     },
+    /// A skin without patches.
+    #[error("the skin has no patch, so there is nothing to classify; use an arm with a skin")]
+    NoPatch,
     /// Components need a grid.
     #[error(
         "the taxels of patch {patch} form no grid of rows × columns ({found}); cut its trials by taxel, or give its grid"
@@ -141,12 +144,12 @@ pub struct ContactTrial {
 /// # Errors
 /// [`TrialError`] where the patch is unknown, an option makes no sense, or a frame does not fit the layout.
 pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec<ContactTrial>, TrialError> {
-    let mut image = PatchImage::new(&recording.layout, &options.patch, options.threshold_n)?;
+    let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     // Regions need neighbours; without a grid trials come without them.
     let grid = tracking::grid(&image, options.wrap).ok();
     let mut regions: Vec<Option<Region>> = vec![None; image.patch().taxels.len()];
     let mut open: Vec<Option<OpenTrial>> = vec![None; image.patch().taxels.len()];
-    let mut trials = TrialList::new(recording, options);
+    let mut trials = TrialList::new(recording, options, &image.patch().name);
     for (index, frame) in recording.frames.iter().enumerate() {
         image.read(index, frame)?;
         for component in grid.iter().flat_map(|grid| components(&image, *grid)) {
@@ -233,6 +236,7 @@ impl OpenTrial {
 struct TrialList<'a> {
     recording: &'a Recording,
     options: &'a TrialOptions,
+    patch: String,
     /// The category of all trials, where the environment gives it.
     environment: Option<Category>,
     /// With the sort key first frame, taxel.
@@ -240,10 +244,11 @@ struct TrialList<'a> {
 }
 
 impl<'a> TrialList<'a> {
-    fn new(recording: &'a Recording, options: &'a TrialOptions) -> Self {
+    fn new(recording: &'a Recording, options: &'a TrialOptions, patch: &str) -> Self {
         TrialList {
             recording,
             options,
+            patch: patch.to_owned(),
             environment: (options.labels == Labels::Environment)
                 .then(|| environment(recording))
                 .flatten(),
@@ -275,7 +280,7 @@ impl<'a> TrialList<'a> {
                 .or(record.map(|record| record.category))
                 .map(|category| category.name().to_owned()),
             reach: Some(self.recording.reach_index),
-            patch: Some(self.options.patch.clone()),
+            patch: Some(self.patch.clone()),
             taxel: u32::try_from(trial.taxel).ok(),
             samples: trial.samples,
         };

@@ -30,10 +30,10 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
             allowed,
         });
     }
-    let mut image = PatchImage::new(&recording.layout, &options.patch, options.threshold_n)?;
+    let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     let grid = grid(&image, options.wrap)?;
     let mut tracks: Vec<Track> = Vec::new();
-    let mut trials = TrialList::new(recording, options);
+    let mut trials = TrialList::new(recording, options, &image.patch().name);
     for (index, frame) in recording.frames.iter().enumerate() {
         image.read(index, frame)?;
         let found = components(&image, grid);

@@ -38,6 +38,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod trials;
+mod unfinished;
 mod whole_file;
 
 pub use dataset::{
@@ -47,3 +48,5 @@ pub use dataset::{
 pub use error::DiskError;
 pub use recording_file::{is_recording, read_recording, write_recording};
 pub use trials::{read_trials, write_trials};
+pub use unfinished::abandon_unfinished_files;
+pub use whole_file::{remove_leftovers, write_file};

@@ -12,9 +12,9 @@ use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReader,
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use tempfile::NamedTempFile;
 
-use super::{DiskError, seal, whole_file};
+use super::whole_file::{self, TemporaryFile};
+use super::{DiskError, seal};
 use crate::InputError;
 
 /// Rows that are encoded or decoded together: 453 taxels make about 15 MB of dense columns of them.
@@ -23,7 +23,7 @@ pub(super) const ROWS_PER_BATCH: usize = 1024;
 /// A Parquet file (zstd) in the making; it appears under its name when closed.
 pub(super) struct ParquetFile {
     path: PathBuf,
-    writer: ArrowWriter<NamedTempFile>,
+    writer: ArrowWriter<TemporaryFile>,
     /// Whether it gets a hash of itself.
     sealed: bool,
 }

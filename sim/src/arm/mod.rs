@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::{Pose, SharedShape};
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, SkinLayout};
 
 mod at_start;
 pub mod engine;
@@ -197,6 +197,25 @@ impl Arm {
     /// Index of the link called `name`.
     pub fn link_index(&self, name: &str) -> Option<usize> {
         self.links.iter().position(|link| link.name == name)
+    }
+}
+
+/// Where the taxels of a skin are, from the TOML file of an arm or from a skin file alone.
+///
+/// From an arm's file a patch's frame is that of the moving link that carries it, as in recordings of the arm; from a
+/// skin file it is that of the link which the file names.
+///
+/// # Errors
+/// As for [`Arm::load`]; of a skin file only what it says itself is checked.
+pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
+    let source = source::Source {
+        path: path.as_ref().to_path_buf(),
+        text: source::read_from_disk(path.as_ref())?,
+    };
+    let keys: toml::Table = source.toml("give the file of an arm, which names a urdf, or a skin file")?;
+    match keys.contains_key("urdf") {
+        true => Ok(Arm::load(path)?.skin.layout),
+        false => skin_file::read_layout(&source),
     }
 }
 

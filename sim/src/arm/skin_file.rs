@@ -61,49 +61,103 @@ struct TaxelTable {
     area_m2: Option<f64>,
 }
 
-/// Reads the skin file of an arm with this chain.
-pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputError> {
+/// Reads where the taxels of a skin file are, without the arm that wears it: positions are in the frames of the links
+/// that the file names.
+pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
+    let mut layout = SkinLayout::default();
+    for table in &read_file(source)?.patch {
+        let PatchTaxels { grid, taxels, .. } = patch_taxels(source, table, &layout, &Pose::IDENTITY)?;
+        layout.patches.push(Patch {
+            name: table.get_ref().name.clone(),
+            link: table.get_ref().link.clone(),
+            grid,
+            taxels,
+        });
+    }
+    Ok(layout)
+}
+
+fn read_file(source: &Source) -> Result<SkinFile, InputError> {
     let file: SkinFile = source.toml("compare with the skin file of `cody`, which ships with underbrush")?;
     source.check(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
     if file.patch.len() > MOST_PATCHES {
         let found = format!("{} patches", file.patch.len());
         return Err(source.fault_after(0, "patch", found, format!("at most {MOST_PATCHES} patches")));
     }
+    Ok(file)
+}
+
+/// A patch as its table says it.
+struct PatchTaxels {
+    form: SurfaceForm,
+    grid: Option<Grid>,
+    taxels: Vec<Taxel>,
+    /// Where each taxel stands in the file, for errors.
+    offsets: Vec<usize>,
+}
+
+/// The taxels of a patch in the frame that the file names; the form in that of the link, where that frame has `pose`.
+/// Its name must differ from those of `earlier` patches.
+fn patch_taxels(
+    source: &Source,
+    table: &Spanned<PatchTable>,
+    earlier: &SkinLayout,
+    pose: &Pose,
+) -> Result<PatchTaxels, InputError> {
+    let start = table.span().start;
+    let table = table.get_ref();
+    if table.name.is_empty() || earlier.patch_index(&table.name).is_some() {
+        return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), "a unique name"));
+    }
+    let (form, grid, taxels, offsets) = match (&table.cylinder, &table.points) {
+        (Some(cylinder), None) => {
+            let (form, grid, taxels) = cylinder_taxels(source, cylinder, pose)?;
+            let offsets = vec![cylinder.span().start; taxels.len()];
+            (form, grid, taxels, offsets)
+        }
+        (None, Some(points)) => {
+            let entries = points.get_ref().taxels.iter();
+            let offsets = entries.map(|taxel| taxel.span().start).collect();
+            (SurfaceForm::Points, None, point_taxels(source, points)?, offsets)
+        }
+        _ => {
+            let allowed = "either [patch.cylinder] or [patch.points]";
+            return Err(source.fault_after(start, "patch", format!("both or none in {:?}", table.name), allowed));
+        }
+    };
+    let count = earlier.taxel_count() + taxels.len();
+    if !(1..=MOST_TAXELS).contains(&count) {
+        let allowed = format!("1 to {MOST_TAXELS} taxels on all patches together");
+        return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
+    }
+    Ok(PatchTaxels {
+        form,
+        grid,
+        taxels,
+        offsets,
+    })
+}
+
+/// Reads the skin file of an arm with this chain.
+pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputError> {
+    let file = read_file(source)?;
     let mut skin = Skin {
         layout: SkinLayout { patches: Vec::new() },
         surfaces: Vec::new(),
         stiffness_n_per_m3: file.stiffness_n_per_m3,
     };
     for table in &file.patch {
-        let start = table.span().start;
+        let Some((link, pose)) = chain.frames.get(&table.get_ref().link).copied() else {
+            let found = &table.get_ref().link;
+            return Err(source.fault_after(table.span().start, "patch.link", found, known_links(chain)));
+        };
+        let PatchTaxels {
+            form,
+            grid,
+            mut taxels,
+            offsets,
+        } = patch_taxels(source, table, &skin.layout, &pose)?;
         let table = table.get_ref();
-        if table.name.is_empty() || skin.layout.patch_index(&table.name).is_some() {
-            return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), "a unique name"));
-        }
-        let Some((link, pose)) = chain.frames.get(&table.link).copied() else {
-            return Err(source.fault_after(start, "patch.link", &table.link, known_links(chain)));
-        };
-        let (form, grid, mut taxels, offsets) = match (&table.cylinder, &table.points) {
-            (Some(cylinder), None) => {
-                let (form, grid, taxels) = cylinder_taxels(source, cylinder, &pose)?;
-                let offsets = vec![cylinder.span().start; taxels.len()];
-                (form, grid, taxels, offsets)
-            }
-            (None, Some(points)) => {
-                let entries = points.get_ref().taxels.iter();
-                let offsets = entries.map(|taxel| taxel.span().start).collect();
-                (SurfaceForm::Points, None, point_taxels(source, points)?, offsets)
-            }
-            _ => {
-                let allowed = "either [patch.cylinder] or [patch.points]";
-                return Err(source.fault_after(start, "patch", format!("both or none in {:?}", table.name), allowed));
-            }
-        };
-        let count = skin.layout.taxel_count() + taxels.len();
-        if !(1..=MOST_TAXELS).contains(&count) {
-            let allowed = format!("1 to {MOST_TAXELS} taxels on all patches together");
-            return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
-        }
         for taxel in &mut taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
             taxel.normal_link = pose.rotation * taxel.normal_link;

@@ -43,7 +43,7 @@ use self::results::{Campaigns, Timing};
 use self::timing::Stages;
 use crate::dataset::Written;
 use crate::failure::Failure;
-use crate::{audit, output, progress};
+use crate::{audit, interrupt, output, progress};
 
 /// Options of `underbrush reproduce`.
 #[derive(Args)]
@@ -80,6 +80,15 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let (quick, seed) = (*quick, *seed);
     let mut stages = Stages::begin();
     plan::Plan::new(seed, quick).settle(out, options.fresh)?;
+    let command = if options.fresh {
+        "the same command without --fresh"
+    } else {
+        "the same command"
+    };
+    interrupt::hint(format!(
+        "what is finished is kept in {}; run {command} to go on (it needs no --resume)",
+        out.display()
+    ));
 
     let dataset = stages.run("Training reaches", || make_or_reuse(out, seed, quick))?;
     audit::warn(dataset.episodes());

@@ -58,7 +58,7 @@ struct Index {
 impl Wanted {
     fn is(self, recording: &Recording) -> Result<bool, Failure> {
         let options = data::trial_options();
-        let forearm = recording.layout.patch_index(&options.patch);
+        let forearm = recording.layout.chosen_patch(options.patch.as_deref());
         // Contacts are sorted by their first frame.
         let touched: Vec<Category> = recording
             .contacts

@@ -63,7 +63,9 @@ pub fn take(
     if let Some(error) = fault {
         return Err(error.into());
     }
-    let patch = layout.patch_index(&data::trial_options().patch).unwrap_or_default();
+    let patch = layout
+        .chosen_patch(data::trial_options().patch.as_deref())
+        .unwrap_or_default();
     Ok(taken.map(|(snapshot, verdicts)| Moment {
         pressed: pressed(&snapshot.frame, patch),
         snapshot,

@@ -26,7 +26,7 @@ fn models() -> ModelSet {
 
 fn options(rule: Rule) -> OnlineOptions {
     OnlineOptions {
-        patch: "forearm".into(),
+        patch: None,
         threshold_n: 0.0,
         score: ScoreKind::Forward,
         decision: Decision::new(rule),

@@ -192,7 +192,7 @@ fn bad_input_is_named() {
     // Pins the errors for unknown patches, missing grids, bad options and frames that do not fit.
     let sound = recording(&[(0.0, &[(0, 1.0, Some(0))])]);
     let unknown = TrialOptions {
-        patch: "elbow".into(),
+        patch: Some("elbow".into()),
         ..any_force()
     };
     assert!(matches!(

@@ -5,6 +5,7 @@ mod finish;
 mod flips;
 mod recording;
 mod trials;
+mod whole_file;
 
 use std::collections::BTreeMap;
 

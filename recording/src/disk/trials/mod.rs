@@ -15,6 +15,7 @@ use std::path::Path;
 
 use super::DiskError;
 use super::check::{Violation, require};
+use super::whole_file::remove_leftovers;
 use crate::{InputError, Trial};
 
 /// The columns in the order in which they are written.
@@ -113,7 +114,9 @@ pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Tri
         Ok(()) => Ok(trial),
         Err(violation) => Err(violation.unwritable(path)),
     });
-    match format_of(path)? {
+    let format = format_of(path)?;
+    remove_leftovers(path);
+    match format {
         Format::Csv => csv_table::write(path, checked),
         Format::Parquet => parquet_table::write(path, checked),
     }

@@ -1,0 +1,75 @@
+//! Files that appear only when they are whole, and what killed processes leave of them.
+
+use std::fs::{self, File};
+use std::path::Path;
+
+use crate::disk::{DiskError, write_file, write_trials};
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().to_str().unwrap().to_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+/// A temporary file as a killed process leaves it while it writes `output`: no one holds its lock.
+fn leftover(folder: &Path, output: &str, end: &str) -> String {
+    let hash = blake3::hash(output.as_bytes()).to_hex();
+    let name = format!(".underbrush-unfinished-{}-{end}", &hash[..16]);
+    fs::write(folder.join(&name), "half of it").unwrap();
+    name
+}
+
+/// Pins that writing an output removes what killed processes have left of the same output, and nothing else: neither
+/// what is left of another output, nor what a living process still writes, nor files of other programs.
+#[test]
+fn leftovers_of_an_output_go_with_its_next_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    leftover(folder, "trials.csv", "abandoned");
+    leftover(folder, "trials.csv", "too");
+    let others = leftover(folder, "other.csv", "abandoned");
+    let living = leftover(folder, "trials.csv", "living");
+    fs::write(folder.join(".hidden"), "of another program").unwrap();
+    let writer = File::open(folder.join(&living)).unwrap();
+    writer.lock().unwrap();
+
+    write_trials(folder.join("trials.csv"), []).unwrap();
+    let mut expected = vec![".hidden".to_owned(), others.clone(), living, "trials.csv".to_owned()];
+    expected.sort();
+    assert_eq!(names(folder), expected);
+
+    drop(writer);
+    write_file(&folder.join("trials.csv"), b"anew").unwrap();
+    assert_eq!(names(folder), [".hidden".to_owned(), others, "trials.csv".to_owned()]);
+    assert_eq!(fs::read(folder.join("trials.csv")).unwrap(), b"anew");
+}
+
+/// Pins that what is there and no file, such as a folder or a device, is refused and not replaced.
+#[test]
+fn only_files_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("model.json");
+    fs::create_dir(&inner).unwrap();
+    assert!(matches!(write_file(&inner, b"{}"), Err(DiskError::Io { path, .. }) if path == inner));
+    assert_eq!(names(folder.path()), ["model.json"]);
+    if cfg!(unix) {
+        assert!(write_file(Path::new("/dev/null"), b"{}").is_err());
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}
+
+/// Pins that names as long as the file system allows, and names that are not UTF-8, can be written.
+#[cfg(unix)]
+#[test]
+fn any_name_can_be_written() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    for name in [&b"\xff\xfe.json"[..], &[b'x'; 255][..]] {
+        let path = folder.path().join(std::ffi::OsStr::from_bytes(name));
+        write_file(&path, b"whole").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
+    }
+}

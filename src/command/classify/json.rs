@@ -1,0 +1,224 @@
+//! JSON taken apart key by key, so that an error can name the field and quote what stands there.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value};
+
+use super::line::LineError;
+
+/// A value with its path in the line.
+#[derive(Clone)]
+pub struct Spot<'a> {
+    pub path: String,
+    value: &'a Value,
+}
+
+/// An object with its path in the line.
+pub struct Object<'a> {
+    path: String,
+    entries: &'a Map<String, Value>,
+}
+
+/// A value in which no object has a key twice: of two values it would be unknown which is meant.
+struct Unique(Value);
+
+impl<'de> Deserialize<'de> for Unique {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AnyValue;
+        impl<'de> Visitor<'de> for AnyValue {
+            type Value = Unique;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("JSON")
+            }
+
+            fn visit_unit<E: Error>(self) -> Result<Unique, E> {
+                Ok(Unique(Value::Null))
+            }
+
+            fn visit_bool<E: Error>(self, value: bool) -> Result<Unique, E> {
+                Ok(Unique(value.into()))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Unique, E> {
+                Ok(Unique(value.into()))
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Unique, E> {
+                Ok(Unique(value.into()))
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Unique, E> {
+                Ok(Unique(value.into()))
+            }
+
+            fn visit_str<E: Error>(self, value: &str) -> Result<Unique, E> {
+                Ok(Unique(value.into()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Unique, A::Error> {
+                let mut values = Vec::new();
+                while let Some(Unique(value)) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(Unique(values.into()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Unique, A::Error> {
+                let mut entries = Map::new();
+                while let Some((key, Unique(value))) = map.next_entry::<String, Unique>()? {
+                    if entries.contains_key(&key) {
+                        return Err(A::Error::custom(format!("key {:?} more than once", quoted(&key))));
+                    }
+                    entries.insert(key, value);
+                }
+                Ok(Unique(entries.into()))
+            }
+        }
+        deserializer.deserialize_any(AnyValue)
+    }
+}
+
+/// Longest quotation of a line in an error, characters.
+const MOST_QUOTED: usize = 60;
+
+/// The start of a text.
+fn quoted(text: &str) -> String {
+    let mut quoted: String = text.chars().take(MOST_QUOTED).collect();
+    if text.chars().nth(MOST_QUOTED).is_some() {
+        quoted.push('…');
+    }
+    quoted
+}
+
+/// The value that a whole line is.
+pub fn parse(text: &str) -> Result<Value, LineError> {
+    let parsed: Result<Unique, serde_json::Error> = serde_json::from_str(text);
+    parsed.map(|Unique(value)| value).map_err(|error| {
+        let message = error.to_string();
+        // There is one line only; its number in the stream is told beside the error.
+        let cause = message.rsplit_once(" at line ").map_or(&*message, |(cause, _)| cause);
+        LineError {
+            field: "line".into(),
+            found: format!("{cause} at byte {} of {}", error.column(), quoted(text)),
+            allowed: "one JSON object, each key once".into(),
+        }
+    })
+}
+
+impl<'a> Object<'a> {
+    /// The value of a key, `None` where there is none or it is null.
+    pub fn get(&self, key: &str) -> Option<Spot<'a>> {
+        let value = self.entries.get(key).filter(|value| !value.is_null())?;
+        Some(Spot {
+            path: self.path_of(key),
+            value,
+        })
+    }
+
+    /// The value of a key that must be there.
+    pub fn need(&self, key: &str, allowed: &str) -> Result<Spot<'a>, LineError> {
+        self.get(key).ok_or_else(|| LineError {
+            field: self.path_of(key),
+            found: "nothing".into(),
+            allowed: allowed.into(),
+        })
+    }
+
+    /// All keys.
+    pub fn keys(&self) -> impl Iterator<Item = &'a String> {
+        self.entries.keys()
+    }
+
+    /// The error for a key that should not be there.
+    pub fn unknown(&self, key: &str, allowed: String) -> LineError {
+        LineError {
+            field: self.path.clone(),
+            found: format!("key {:?}", quoted(key)),
+            allowed,
+        }
+    }
+
+    fn path_of(&self, key: &str) -> String {
+        let dot = if self.path.is_empty() { "" } else { "." };
+        format!("{}{dot}{key}", self.path)
+    }
+}
+
+impl<'a> Spot<'a> {
+    /// The value of a whole line.
+    pub fn of_line(value: &'a Value) -> Self {
+        Spot {
+            path: String::new(),
+            value,
+        }
+    }
+
+    /// The value as an object.
+    pub fn object(&self, allowed: &str) -> Result<Object<'a>, LineError> {
+        let entries = self.value.as_object().ok_or_else(|| self.error(allowed))?;
+        Ok(Object {
+            path: self.path.clone(),
+            entries,
+        })
+    }
+
+    /// The value as a list.
+    pub fn list(&self, allowed: &str) -> Result<Vec<Spot<'a>>, LineError> {
+        let values = self.value.as_array().ok_or_else(|| self.error(allowed))?;
+        let spot = |(index, value)| Spot {
+            path: format!("{}[{index}]", self.path),
+            value,
+        };
+        Ok(values.iter().enumerate().map(spot).collect())
+    }
+
+    /// The value as a list of as many numbers.
+    pub fn numbers<const N: usize>(&self, allowed: &str) -> Result<[f64; N], LineError> {
+        let numbers = self.value.as_array().and_then(|values| {
+            let numbers: Option<Vec<f64>> = values.iter().map(Value::as_f64).collect();
+            numbers?.try_into().ok()
+        });
+        numbers.ok_or_else(|| self.error(allowed))
+    }
+
+    /// The value as a number, `None` where it is something else.
+    pub fn number(&self) -> Option<f64> {
+        self.value.as_f64()
+    }
+
+    /// The value as a whole number from 0, `None` where it is something else.
+    pub fn index(&self) -> Option<usize> {
+        usize::try_from(self.value.as_u64()?).ok()
+    }
+
+    /// The value as text, `None` where it is something else.
+    pub fn text(&self) -> Option<&'a str> {
+        self.value.as_str()
+    }
+
+    /// Whether the value is an object.
+    pub fn is_object(&self) -> bool {
+        self.value.is_object()
+    }
+
+    /// Whether the value is `true`.
+    pub fn is_true(&self) -> bool {
+        *self.value == Value::Bool(true)
+    }
+
+    /// The error for this value.
+    pub fn error(&self, allowed: impl Into<String>) -> LineError {
+        LineError {
+            field: if self.path.is_empty() {
+                "line".into()
+            } else {
+                self.path.clone()
+            },
+            found: quoted(&self.value.to_string()),
+            allowed: allowed.into(),
+        }
+    }
+}

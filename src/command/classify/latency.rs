@@ -1,0 +1,84 @@
+//! How long answers take, in memory that does not grow with the stream.
+
+use std::time::Instant;
+
+/// Steps of the histogram in each doubling of time: a quantile is told to within 9 %.
+const STEPS_PER_DOUBLING: f64 = 8.0;
+/// Doublings from one microsecond on: 2^40 µs are two weeks.
+const DOUBLINGS: usize = 40;
+
+/// From a frame's line, or from the frame where it is read from a file, until its answer is written.
+pub struct Latency {
+    /// Answers by the logarithm of their time.
+    counts: Vec<u64>,
+    most_us: f64,
+}
+
+impl Latency {
+    /// No answer yet.
+    pub fn new() -> Self {
+        Latency {
+            counts: vec![0; DOUBLINGS * STEPS_PER_DOUBLING as usize],
+            most_us: 0.0,
+        }
+    }
+
+    /// Counts an answer that is written now.
+    pub fn add(&mut self, since: Instant) {
+        self.add_us(1e6 * since.elapsed().as_secs_f64());
+    }
+
+    fn add_us(&mut self, time_us: f64) {
+        // Less than a microsecond counts as one.
+        let step = (STEPS_PER_DOUBLING * time_us.max(1.0).log2()) as usize;
+        let last = self.counts.len() - 1;
+        self.counts[step.min(last)] += 1;
+        self.most_us = self.most_us.max(time_us);
+    }
+
+    /// For a person; `None` without answers.
+    pub fn text(&self) -> Option<String> {
+        let answers: u64 = self.counts.iter().sum();
+        (answers > 0).then(|| {
+            format!(
+                "{answers} frames answered: median {:.0} µs, 99 % within {:.0} µs, at most {:.0} µs",
+                self.quantile_us(0.5, answers),
+                self.quantile_us(0.99, answers),
+                self.most_us
+            )
+        })
+    }
+
+    /// The time within which a share of the answers was given: the upper end of its step.
+    fn quantile_us(&self, share: f64, answers: u64) -> f64 {
+        let mut left = (share * answers as f64).ceil() as u64;
+        for (step, count) in self.counts.iter().enumerate() {
+            if *count >= left {
+                return ((step as f64 + 1.0) / STEPS_PER_DOUBLING).exp2().min(self.most_us);
+            }
+            left -= count;
+        }
+        self.most_us
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pins the quantiles of known times to the 9 % that a step of the histogram is wide, from above.
+    #[test]
+    fn quantiles_are_near_the_true_ones() {
+        let mut latency = Latency::new();
+        assert_eq!(latency.text(), None);
+        (1..=10_000).for_each(|time| latency.add_us(f64::from(time)));
+        for (share, expected) in [(0.5, 5000.0), (0.99, 9900.0), (1.0, 10_000.0), (0.0001, 1.0)] {
+            let found = latency.quantile_us(share, 10_000);
+            assert!((expected..1.0906 * expected).contains(&found), "{share}: {found}");
+        }
+        for extreme in [0.0, 1e18, f64::INFINITY] {
+            latency.add_us(extreme);
+        }
+        assert!(latency.text().unwrap().starts_with("10003 frames answered: median 5"));
+    }
+}

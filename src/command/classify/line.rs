@@ -1,0 +1,249 @@
+//! One line of the live stream: a frame of the skin, checked as far as the model uses it.
+
+use glam::{DQuat, DVec3};
+use serde::Serialize;
+use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
+
+use super::json::{self, Object, Spot};
+
+/// What is wrong with a line, as its answer says it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LineError {
+    /// Where, for instance `taxels[3].sensed_force_n`.
+    pub field: String,
+    /// What stands there.
+    pub found: String,
+    /// What is allowed there.
+    pub allowed: String,
+}
+
+/// What a line says.
+#[derive(Debug, PartialEq)]
+pub enum Message {
+    /// A frame of the skin; of its other fields all are empty or zero.
+    Frame(Frame),
+    /// A new reach begins: no contact of the last one goes on, and time may begin anew.
+    Reset,
+}
+
+/// Times that clocks show, s: those of Unix time and far beyond. A double still tells 2 µs apart there.
+const TIME_S: std::ops::RangeInclusive<f64> = -1e10..=1e10;
+/// Forces that a taxel may sense, N. Choice: nothing pulls on skin, and no tactile skin survives a tonne.
+const FORCE_N: std::ops::RangeInclusive<f64> = 0.0..=1e4;
+/// Coordinates of a patch, m. Choice: those of a map of the world; motion is a difference of them, to a nanometre.
+const POSITION_M: std::ops::RangeInclusive<f64> = -1e8..=1e8;
+/// How far the length of a quaternion may be from 1. Choice: that of one written with three digits.
+const QUATERNION_TOLERANCE: f64 = 2e-3;
+/// A quaternion nearer to length 1 than this is taken as it is, others are normalized: so that a recording that is sent
+/// as lines gives the same scores, bit for bit, as its file.
+const QUATERNION_ROUNDING: f64 = 1e-9;
+
+/// Reads the lines of one stream.
+#[derive(Clone, Debug)]
+pub struct LineParser {
+    layout: SkinLayout,
+    /// The patch whose pose is needed; `None` for models that do not use motion.
+    pose_of: Option<usize>,
+    /// Time and number of the last good line.
+    last: Option<(f64, usize)>,
+}
+
+impl LineParser {
+    /// A parser for streams of this skin; `pose_of` is the patch whose pose the models need.
+    pub fn new(layout: SkinLayout, pose_of: Option<usize>) -> Self {
+        LineParser {
+            layout,
+            pose_of,
+            last: None,
+        }
+    }
+
+    /// The length that a line may have, bytes. Choice: a reading with its ground truth takes some 200 bytes.
+    pub fn most_bytes(&self) -> usize {
+        65_536 + 1024 * self.layout.taxel_count()
+    }
+
+    /// Reads the line of this number. After an error all is as if the line had not been there.
+    pub fn parse(&mut self, number: usize, text: &str) -> Result<Message, LineError> {
+        let value = json::parse(text)?;
+        let line = Spot::of_line(&value).object("one JSON object")?;
+        if let Some(reset) = line.get("reset") {
+            if !reset.is_true() || line.keys().count() > 1 {
+                return Err(reset.error("true, in a line of its own"));
+            }
+            self.last = None;
+            return Ok(Message::Reset);
+        }
+        let time_s = self.time_s(&line)?;
+        let taxels = self.readings(&line)?;
+        let patch_pose_world = self.poses(&line)?;
+        self.last = Some((time_s, number));
+        Ok(Message::Frame(Frame {
+            time_s,
+            joint_angle_rad: Vec::new(),
+            joint_velocity_rad_per_s: Vec::new(),
+            equilibrium_angle_rad: Vec::new(),
+            joint_torque_nm: Vec::new(),
+            tip_pose_world: NO_POSE,
+            goal_position_world: DVec3::ZERO,
+            goal_index: 0,
+            patch_pose_world,
+            contact_force_world: Vec::new(),
+            taxels,
+        }))
+    }
+
+    fn time_s(&self, line: &Object<'_>) -> Result<f64, LineError> {
+        let spot = line.need("time_s", "the time of the frame in seconds")?;
+        let time_s = number(&spot, TIME_S, "s")?;
+        match self.last {
+            Some((last_s, last_line)) if time_s <= last_s => Err(spot.error(format!(
+                "later than {last_s} s, the time of line {last_line}; for a new reach send {{\"reset\":true}} first"
+            ))),
+            _ => Ok(time_s),
+        }
+    }
+
+    /// The readings, sorted by patch and taxel.
+    fn readings(&self, line: &Object<'_>) -> Result<Vec<TaxelReading>, LineError> {
+        let allowed = "a list of readings, empty where nothing is felt";
+        let list = line.need("taxels", allowed)?.list(allowed)?;
+        let mut readings = Vec::with_capacity(list.len());
+        for spot in list {
+            let reading = spot.object("an object with patch, taxel and sensed_force_n")?;
+            let patch = self.patch(&reading)?;
+            let last_taxel = self.layout.patches[patch].taxels.len().saturating_sub(1);
+            let allowed = format!(
+                "a taxel of patch {}: 0 to {last_taxel}",
+                self.layout.patches[patch].name
+            );
+            let taxel_spot = reading.need("taxel", &allowed)?;
+            let taxel = taxel_spot.index().filter(|taxel| *taxel <= last_taxel);
+            let place = (u16::try_from(patch), taxel.map(u16::try_from));
+            let (Ok(patch), Some(Ok(taxel))) = place else {
+                return Err(taxel_spot.error(allowed));
+            };
+            let force = reading.need("sensed_force_n", "the normal force in newtons")?;
+            let reading = TaxelReading {
+                patch,
+                taxel,
+                true_normal_force_n: 0.0,
+                true_shear_force_n: [0.0; 2],
+                sensed_force_n: number(&force, FORCE_N, "N")?,
+                object: None,
+            };
+            readings.push((reading, taxel_spot));
+        }
+        readings.sort_by_key(|(reading, _)| (reading.patch, reading.taxel));
+        let place = |reading: &TaxelReading| (reading.patch, reading.taxel);
+        if let Some(pair) = readings.windows(2).find(|pair| place(&pair[0].0) == place(&pair[1].0)) {
+            let twice = &pair[1].1;
+            return Err(twice.error(format!("each taxel once; {} names it, too", pair[0].1.path)));
+        }
+        Ok(readings.into_iter().map(|(reading, _)| reading).collect())
+    }
+
+    /// The patch of a reading, by name or index; the only one where there is one and none is named.
+    fn patch(&self, reading: &Object<'_>) -> Result<usize, LineError> {
+        let patches = &self.layout.patches;
+        let known: Vec<String> = patches
+            .iter()
+            .enumerate()
+            .map(|(index, patch)| format!("{index} or {:?}", patch.name))
+            .collect();
+        let allowed = format!("a patch of the skin: {}", known.join(", "));
+        let spot = match reading.get("patch") {
+            None if patches.len() == 1 => return Ok(0),
+            None => reading.need("patch", &allowed)?,
+            Some(spot) => spot,
+        };
+        let index = match spot.text() {
+            Some(name) => self.layout.patch_index(name),
+            None => spot.index(),
+        };
+        index
+            .filter(|index| *index < patches.len())
+            .ok_or_else(|| spot.error(allowed))
+    }
+
+    /// A pose for each patch; only the one that the models need is read, the others stay at the origin.
+    fn poses(&self, line: &Object<'_>) -> Result<Vec<Pose>, LineError> {
+        let patches = &self.layout.patches;
+        let mut poses = vec![NO_POSE; patches.len()];
+        let Some(needed) = self.pose_of else {
+            return Ok(poses);
+        };
+        let name = &patches[needed].name;
+        let allowed = format!(
+            "the pose of patch {name}, as this model uses motion: {{{name:?}: pose}}, or a list of {} poses in the \
+             order of the patches",
+            patches.len()
+        );
+        let spot = line.need("patch_pose_world", &allowed)?;
+        let pose = if spot.is_object() {
+            let by_name = spot.object(&allowed)?;
+            if let Some(unknown) = by_name.keys().find(|key| self.layout.patch_index(key).is_none()) {
+                let names: Vec<&str> = patches.iter().map(|patch| patch.name.as_str()).collect();
+                return Err(by_name.unknown(unknown, format!("names of patches: {}", names.join(", "))));
+            }
+            by_name.need(name, &allowed)?
+        } else {
+            let list = spot.list(&allowed)?;
+            if list.len() != patches.len() {
+                return Err(spot.error(allowed));
+            }
+            list[needed].clone()
+        };
+        poses[needed] = read_pose(&pose)?;
+        Ok(poses)
+    }
+}
+
+/// The pose of what no model looks at.
+const NO_POSE: Pose = Pose {
+    position: DVec3::ZERO,
+    orientation: DQuat::IDENTITY,
+};
+
+fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
+    let allowed = "an object with position and orientation";
+    let pose = spot.object(allowed)?;
+    let allowed = "x, y and z in metres";
+    let position = pose.need("position", allowed)?;
+    let coordinates: [f64; 3] = position.numbers(allowed)?;
+    if !coordinates.iter().all(|value| POSITION_M.contains(value)) {
+        return Err(position.error(format!(
+            "{allowed}, each from {:e} to {:e}",
+            POSITION_M.start(),
+            POSITION_M.end()
+        )));
+    }
+    let allowed = "a quaternion x, y, z, w of length 1, from the patch's frame to the world's";
+    let orientation = pose.need("orientation", allowed)?;
+    let quaternion = DQuat::from_array(orientation.numbers(allowed)?);
+    let error = (quaternion.length() - 1.0).abs();
+    if error <= QUATERNION_ROUNDING {
+        return Ok(Pose {
+            position: DVec3::from_array(coordinates),
+            orientation: quaternion,
+        });
+    }
+    // Not so where the length is infinite.
+    if !error.is_finite() || error > QUATERNION_TOLERANCE {
+        return Err(orientation.error(allowed));
+    }
+    Ok(Pose {
+        position: DVec3::from_array(coordinates),
+        orientation: quaternion.normalize(),
+    })
+}
+
+fn number(spot: &Spot<'_>, range: std::ops::RangeInclusive<f64>, unit: &str) -> Result<f64, LineError> {
+    let allowed = format!("a number from {:e} to {:e} {unit}", range.start(), range.end());
+    spot.number()
+        .filter(|value| range.contains(value))
+        .ok_or_else(|| spot.error(allowed))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,104 @@
+//! Lines of a stream, none longer than a bound: whatever comes in, memory stays bounded.
+
+use std::io::{self, BufRead};
+
+use super::line::LineError;
+
+/// The lines of a stream with their numbers.
+pub struct Lines<R> {
+    reader: R,
+    most_bytes: usize,
+    number: usize,
+    buffer: Vec<u8>,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// The lines of a reader; a longer one than `most_bytes` is skipped and becomes an error.
+    pub fn new(reader: R, most_bytes: usize) -> Self {
+        Lines {
+            reader,
+            most_bytes,
+            number: 0,
+            buffer: Vec::new(),
+        }
+    }
+
+    /// The next line that is not blank, with its number from 1, without its end; `None` at the end of the stream.
+    pub fn next(&mut self) -> io::Result<Option<(usize, Result<&str, LineError>)>> {
+        let result = loop {
+            self.buffer.clear();
+            // One byte more than allowed tells a long line from one that just fits.
+            let most = self.most_bytes as u64 + 1;
+            let read = io::Read::take(&mut self.reader, most).read_until(b'\n', &mut self.buffer)?;
+            if read == 0 {
+                return Ok(None);
+            }
+            self.number += 1;
+            let whole = self.buffer.last() == Some(&b'\n');
+            if !whole && self.buffer.len() > self.most_bytes {
+                self.reader.skip_until(b'\n')?;
+                break Err(LineError {
+                    field: "line".into(),
+                    found: format!("more than {} bytes", self.most_bytes),
+                    allowed: format!("at most {} bytes for this skin", self.most_bytes),
+                });
+            }
+            if !self.buffer.trim_ascii().is_empty() {
+                break Ok(());
+            }
+        };
+        let text = result.and_then(|()| {
+            std::str::from_utf8(self.buffer.trim_ascii()).map_err(|error| LineError {
+                field: "line".into(),
+                found: format!("bytes that are no UTF-8 after byte {}", error.valid_up_to()),
+                allowed: "JSON in UTF-8".into(),
+            })
+        });
+        Ok(Some((self.number, text)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::BufReader;
+
+    use super::*;
+
+    fn read(bytes: &[u8], most_bytes: usize) -> Vec<(usize, Result<String, String>)> {
+        // A small buffer: lines do not end where reads do.
+        let mut lines = Lines::new(BufReader::with_capacity(3, bytes), most_bytes);
+        let mut found = Vec::new();
+        while let Some((number, line)) = lines.next().unwrap() {
+            found.push((number, line.map(str::to_owned).map_err(|error| error.found)));
+            assert!(lines.buffer.capacity() <= 2 * (most_bytes + 1), "the buffer grows");
+        }
+        found
+    }
+
+    /// Pins that blank lines are skipped but counted, that the last line needs no end, and that both ends of lines do.
+    #[test]
+    fn lines_keep_their_numbers() {
+        let found = read(b"a\n\n \t\r\nb\r\n  c  \nd", 100);
+        let expected = [(1, "a"), (4, "b"), (5, "c"), (6, "d")];
+        assert_eq!(found, expected.map(|(number, text)| (number, Ok(text.to_owned()))));
+    }
+
+    /// Pins that a line over the bound and bytes that are no UTF-8 are errors of that line alone, and that no more than
+    /// the bound is kept in memory.
+    #[test]
+    fn a_bad_line_ends_at_its_end() {
+        let long = "x".repeat(1_000_000);
+        let bytes = [b"12345\n", long.as_bytes(), b"\n\xff\xfe\n123456\nend"].concat();
+        let too_long = || Err("more than 5 bytes".to_owned());
+        assert_eq!(
+            read(&bytes, 5),
+            [
+                (1, Ok("12345".to_owned())),
+                (2, too_long()),
+                (3, Err("bytes that are no UTF-8 after byte 0".to_owned())),
+                (4, too_long()),
+                (5, Ok("end".to_owned())),
+            ]
+        );
+    }
+}

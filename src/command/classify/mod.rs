@@ -1,0 +1,170 @@
+//! `underbrush classify`: a verdict for each trial, or for each taxel in contact as frames come in.
+
+mod json;
+mod latency;
+mod line;
+mod lines;
+mod online;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::{Decision, Rule, Verdict};
+use underbrush_classifier::hmm::ScoreKind;
+
+use super::score::Score;
+use crate::failure::Failure;
+use crate::input::{self, TrialArguments};
+use crate::output;
+
+/// What `underbrush classify --help` says of the stream.
+const PROTOCOL: &str = "\
+The live stream: with `-` as input each line on stdin is one frame as a JSON object, and each is answered by one line on \
+stdout before the next is read. docs/live-stream.md describes all of it.
+
+  in   {\"time_s\":0.01,\"taxels\":[{\"patch\":\"forearm\",\"taxel\":18,\"sensed_force_n\":0.4}]}
+  out  {\"time_s\":0.01,\"taxels\":[{\"taxel\":18,\"samples\":1,\"verdict\":\"leaf\",\"scores\":{\"leaf\":3.0,\"trunk\":1.3}}]}
+
+A patch is named, or given by its index in the skin. Taxels that feel nothing may be left out. Models that use motion \
+need the pose of the link under the patch, too:
+
+  in   {…,\"patch_pose_world\":{\"forearm\":{\"position\":[0.3,-0.2,0.1],\"orientation\":[0,0,0,1]}}}
+
+Other fields, such as those of a recording's frame, are ignored. A bad line is answered by its number and what is wrong, \
+and the stream goes on as if it had not been there:
+
+  out  {\"line\":12,\"error\":{\"field\":\"taxels[0].sensed_force_n\",\"found\":\"-5\",\"allowed\":\"a number from 0 to 1e4 N\"}}
+
+A new reach begins with {\"reset\":true}: contacts end, and time may begin anew.";
+
+/// Options of `underbrush classify`.
+#[derive(Args)]
+#[command(after_help = PROTOCOL)]
+pub struct Options {
+    /// Model file
+    model: PathBuf,
+    /// Data set (folder), recording, table of trials, or `-`: frames as JSON lines on stdin, each answered before the
+    /// next is read
+    input: PathBuf,
+    /// Give a verdict for each taxel in contact in each frame, as JSON lines
+    #[arg(long)]
+    online: bool,
+    /// With `-`: the skin, from a data set, a recording, the file of an arm or a skin file; Cody's if not given
+    #[arg(long, value_name = "PATH")]
+    skin: Option<PathBuf>,
+    /// With `-`: end with exit status 2 at the first bad line
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    decision: DecisionArguments,
+    /// Score; the model's own if not given
+    #[arg(long, value_enum)]
+    score: Option<Score>,
+    #[command(flatten)]
+    cut: TrialArguments,
+}
+
+/// How scores become verdicts.
+#[derive(Args)]
+pub struct DecisionArguments {
+    /// From log-likelihoods to verdicts; the model's own if not given (train --false-positive-rate), argmax if it has none
+    #[arg(long, value_enum)]
+    decision: Option<DecisionName>,
+    /// With `--decision uncertain`: least lead of the best category, nats
+    #[arg(long, value_name = "NATS", default_value_t = 15.0)]
+    lead: f64,
+    /// Prior of a category, such as leaf=0.7; the model's own if none is given, all alike if it has none
+    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
+    prior: Vec<(String, f64)>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum DecisionName {
+    /// The best category
+    Argmax,
+    /// The best category, uncertain below a lead
+    Uncertain,
+    /// The paper's thresholds: lead over 80 a category, 15 to 80 an outlier, under 15 uncertain
+    Paper,
+}
+
+fn prior(text: &str) -> Result<(String, f64), String> {
+    let parse = || {
+        let (category, value) = text.split_once('=')?;
+        Some((category.to_string(), value.parse::<f64>().ok()?))
+    };
+    parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
+}
+
+impl DecisionArguments {
+    /// The decision for models that come with this one.
+    pub fn decision(&self, own: Option<&Decision>) -> Decision {
+        let own = own.cloned().unwrap_or(Decision::argmax());
+        let rule = match self.decision {
+            None => own.rule,
+            Some(DecisionName::Argmax) => Decision::argmax().rule,
+            Some(DecisionName::Uncertain) => Rule::UncertainBelow { lead: self.lead },
+            Some(DecisionName::Paper) => Decision::paper().rule,
+        };
+        let prior = match self.prior.is_empty() {
+            true => own.prior,
+            false => self.prior.iter().cloned().collect(),
+        };
+        Decision { prior, rule }
+    }
+}
+
+#[derive(Serialize)]
+struct TrialVerdict {
+    trial: u64,
+    verdict: Verdict,
+    truth: Option<String>,
+    scores: BTreeMap<String, f64>,
+}
+
+impl Options {
+    fn reads_stdin(&self) -> bool {
+        self.input == Path::new("-")
+    }
+}
+
+/// Classifies.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let models = ModelSet::load(&options.model)?;
+    let kind = options.score.map_or(models.score_kind(), ScoreKind::from);
+    if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
+        let message =
+            "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";
+        return Err(Failure::usage(message));
+    }
+    if options.online || options.reads_stdin() {
+        return online::run(&options, models, kind);
+    }
+    let judge = options
+        .decision
+        .decision(models.decision.as_ref())
+        .prepare(&models.categories())?;
+    let trials = input::trials(&options.input, &options.cut)?;
+    let scores = models
+        .score_all(&trials.iter().collect::<Vec<_>>(), kind)
+        .map_err(|error| Failure::from(error).about(&options.input))?;
+    let categories = models.categories();
+    let verdicts = trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
+        trial: trial.trial,
+        verdict: judge.verdict(judge.choose(&scores)),
+        truth: trial.category.clone(),
+        scores: categories.iter().cloned().zip(scores).collect(),
+    });
+    let verdicts: Vec<TrialVerdict> = verdicts.collect();
+    if json {
+        return output::result(true, &serde_json::json!({ "verdicts": verdicts }), String::new);
+    }
+    let rows = verdicts.into_iter().map(|row| {
+        let truth = row.truth.unwrap_or_default();
+        vec![row.trial.to_string(), row.verdict.to_string(), truth]
+    });
+    output::csv(&["trial", "verdict", "truth"], rows)
+}

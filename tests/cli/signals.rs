@@ -1,0 +1,123 @@
+//! SIGINT, SIGTERM and SIGKILL.
+
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use crate::support::fixture::fixture;
+use crate::support::{assert_same_trees, scenes, tree, underbrush};
+
+/// Starts the program, sends it `signal` as soon as `ready` holds, and waits for its end; `None` where it ended before.
+fn interrupted(arguments: &[PathBuf], signal: &str, ready: impl Fn() -> bool) -> Option<Output> {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_underbrush"))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !ready() {
+        if program.try_wait().unwrap().is_some() {
+            return None;
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    let kill = Command::new("kill")
+        .arg(format!("-{signal}"))
+        .arg(program.id().to_string());
+    let mut kill = kill;
+    kill.status().unwrap();
+    Some(program.wait_with_output().unwrap())
+}
+
+/// The temporary files below a folder.
+fn unfinished(folder: &Path) -> Vec<PathBuf> {
+    let is_unfinished = |path: &PathBuf| path.to_string_lossy().contains(".underbrush-unfinished-");
+    tree(folder).into_keys().filter(is_unfinished).collect()
+}
+
+/// Pins that an interrupted `generate` ends by the signal that it got (130 and 143 for a shell), says how to go on, keeps
+/// what is staged and leaves no temporary file; and that it then goes on to the same bytes.
+#[test]
+fn generate_can_be_interrupted_and_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let generate = |set: &Path, reaches: &str| -> Vec<PathBuf> {
+        let options = ["--reaches", reaches, "--jobs", "1", "--out"].map(PathBuf::from);
+        [&["generate".into(), scene.clone()], &options[..], &[set.to_path_buf()]].concat()
+    };
+    for (name, number) in [("INT", 2), ("TERM", 15)] {
+        let set = folder.path().join(name);
+        let first = set.join("incomplete/reach-000000.json");
+        // Far more reaches than are done when the first one is.
+        let output = interrupted(&generate(&set, "200"), name, || first.exists()).unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.signal(), Some(number), "{stderr}");
+        assert!(output.stdout.is_empty());
+        assert!(
+            stderr.contains("--resume") && stderr.contains(&set.display().to_string()),
+            "{stderr}"
+        );
+        assert!(first.exists() && set.join("incomplete/reach-000000.parquet").exists());
+        assert_eq!(unfinished(&set), Vec::<PathBuf>::new());
+    }
+    // The same with few reaches, to its end.
+    let [whole, resumed] = ["whole", "resumed"].map(|name| folder.path().join(name));
+    let first = resumed.join("incomplete/reach-000000.json");
+    if let Some(output) = interrupted(&generate(&resumed, "4"), "TERM", || first.exists()) {
+        assert_eq!(output.status.signal(), Some(15));
+    }
+    underbrush!["generate", scene, "--reaches", "4", "--out", resumed, "--resume"].success();
+    underbrush!["generate", scene, "--reaches", "4", "--out", whole].success();
+    assert_same_trees(&whole, &resumed);
+}
+
+/// A table long enough to be seen while it is written.
+fn long_table(folder: &Path) -> PathBuf {
+    let path = folder.join("long.csv");
+    let rows = (0..400_000).map(|row| format!("{},{},0.25\n", row / 100, f64::from(row) / 100.0));
+    std::fs::write(&path, "trial,time_s,force_n\n".to_owned() + &rows.collect::<String>()).unwrap();
+    path
+}
+
+/// Pins that `trials` leaves no temporary file when SIGINT or SIGTERM ends it, that SIGKILL leaves one, and that the
+/// next run of the same output removes it.
+#[test]
+fn trials_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let (table, out) = (long_table(folder.path()), outputs.path().join("out.csv"));
+    let trials: [PathBuf; 4] = ["trials".into(), table, "--out".into(), out.clone()];
+    let at_work = || !unfinished(outputs.path()).is_empty();
+    // The writing takes a good part of a second; where the machine did not look in time, it looks again.
+    let interrupt = |signal: &str| (0..20).find_map(|_| interrupted(&trials, signal, at_work)).unwrap();
+    for (name, number) in [("INT", 2), ("TERM", 15)] {
+        assert_eq!(interrupt(name).status.signal(), Some(number));
+        assert_eq!(unfinished(outputs.path()), Vec::<PathBuf>::new(), "after SIG{name}");
+    }
+    interrupt("KILL");
+    assert_eq!(unfinished(outputs.path()).len(), 1, "SIGKILL cannot be answered");
+    let small = fixture().table_csv();
+    underbrush!["trials", small, "--out", out].success();
+    assert_eq!(
+        tree(outputs.path()).into_keys().collect::<Vec<_>>(),
+        [PathBuf::from("out.csv")]
+    );
+}
+
+/// Pins that a shell sees 130.
+#[test]
+fn a_shell_sees_the_signal() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let set = folder.path().join("set");
+    let script = "\"$1\" generate \"$2\" --reaches 200 --out \"$3\" --jobs 1 2>/dev/null & \
+                  until [ -e \"$3/incomplete/plan.json\" ]; do sleep 0.01; done; kill -INT $!; wait $!; echo $?";
+    let output = Command::new("sh")
+        .args(["-c", script, "sh", env!("CARGO_BIN_EXE_underbrush")])
+        .args([&scene, &set])
+        .output()
+        .unwrap();
+    assert_eq!(String::from_utf8(output.stdout).unwrap().trim(), "130");
+}
