@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions};
-use underbrush_recording::disk::write_recording;
+use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_sim::controller;
 use underbrush_sim::reach::ReachPlan;
@@ -109,6 +109,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let wall_s = start.elapsed().as_secs_f64();
     // What was computed is written before it is summed up.
     if let Some(path) = &options.out {
+        remove_leftovers(path);
         write_recording(path, &recording)?;
     }
     if let (Some(path), Some(snapshot)) = (&options.picture, &best) {
@@ -120,6 +121,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             snapshot,
             &recording.layout,
             &input::object_categories(&recording),
+            &plan.scene.file.workspace,
             &caption,
         );
         output::write_file(path, svg.as_bytes())?;

@@ -147,41 +147,6 @@ fn priors_and_rules_change_verdicts() {
     assert_eq!(count(&doubtful, "uncertain"), even.len());
 }
 
-#[test]
-fn each_frame_is_answered_before_the_next_is_sent() {
-    // Pins the protocol with a robot on the other end: the answer to a frame comes while stdin stays open and no further
-    // frame was written; a broken line ends it with its number.
-    use std::io::{BufRead, BufReader, Read, Write};
-    use std::process::{Command, Stdio};
-    let folder = tempfile::tempdir().unwrap();
-    let recording = folder.path().join("reach.parquet");
-    recording_with_trials(&fixture().trunk_scene(), &recording);
-    let frames = read_recording(&recording).unwrap().frames;
-    let mut robot = Command::new(env!("CARGO_BIN_EXE_underbrush"))
-        .args(["classify".as_ref(), fixture().model().as_os_str(), "-".as_ref()])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = robot.stdin.take().unwrap();
-    let mut stdout = BufReader::new(robot.stdout.take().unwrap());
-    for frame in &frames[..5] {
-        writeln!(stdin, "{}", serde_json::to_string(frame).unwrap()).unwrap();
-        stdin.flush().unwrap();
-        let mut answer = String::new();
-        stdout.read_line(&mut answer).unwrap();
-        let answer: Value = serde_json::from_str(&answer).unwrap();
-        assert_eq!(answer["time_s"], frame.time_s);
-    }
-    writeln!(stdin, "{{\"time_s\": ").unwrap();
-    drop(stdin);
-    let mut stderr = String::new();
-    robot.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
-    assert_eq!(robot.wait().unwrap().code(), Some(2));
-    assert!(stderr.contains(":6"), "{stderr}");
-}
-
 /// Pins that names which CSV cannot hold as they are come back from `score` and `classify` as they were.
 #[test]
 fn names_are_quoted_in_csv() {

@@ -5,6 +5,7 @@ mod evaluate;
 mod flips;
 mod generate;
 mod inspect;
+mod live;
 mod oracle;
 #[cfg(unix)]
 mod paths;

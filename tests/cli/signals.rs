@@ -23,11 +23,11 @@ fn interrupted(arguments: &[PathBuf], signal: &str, ready: impl Fn() -> bool) ->
         }
         std::thread::sleep(Duration::from_micros(200));
     }
-    let kill = Command::new("kill")
+    Command::new("kill")
         .arg(format!("-{signal}"))
-        .arg(program.id().to_string());
-    let mut kill = kill;
-    kill.status().unwrap();
+        .arg(program.id().to_string())
+        .status()
+        .unwrap();
     Some(program.wait_with_output().unwrap())
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
+use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
 use super::json::{self, Object, Spot};
@@ -21,17 +22,15 @@ pub struct LineError {
 #[derive(Debug, PartialEq)]
 pub enum Message {
     /// A frame of the skin; of its other fields all are empty or zero.
-    Frame(Frame),
+    Frame(Box<Frame>),
     /// A new reach begins: no contact of the last one goes on, and time may begin anew.
     Reset,
 }
 
-/// Times that clocks show, s: those of Unix time and far beyond. A double still tells 2 µs apart there.
-const TIME_S: std::ops::RangeInclusive<f64> = -1e10..=1e10;
-/// Forces that a taxel may sense, N. Choice: nothing pulls on skin, and no tactile skin survives a tonne.
-const FORCE_N: std::ops::RangeInclusive<f64> = 0.0..=1e4;
-/// Coordinates of a patch, m. Choice: those of a map of the world; motion is a difference of them, to a nanometre.
-const POSITION_M: std::ops::RangeInclusive<f64> = -1e8..=1e8;
+/// Force that a taxel senses. Nothing pulls on skin; a zero that drifts below 0 is sent as 0, or its taxel is left out.
+const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.most, "N");
+/// Coordinates of a patch. Choice: those of a map of the world; motion is a difference of them, to some nanometres.
+const POSITION_M: Limits = Limits::new(-1e8, 1e8, "m");
 /// How far the length of a quaternion may be from 1. Choice: that of one written with three digits.
 const QUATERNION_TOLERANCE: f64 = 2e-3;
 /// A quaternion nearer to length 1 than this is taken as it is, others are normalized: so that a recording that is sent
@@ -78,7 +77,7 @@ impl LineParser {
         let taxels = self.readings(&line)?;
         let patch_pose_world = self.poses(&line)?;
         self.last = Some((time_s, number));
-        Ok(Message::Frame(Frame {
+        Ok(Message::Frame(Box::new(Frame {
             time_s,
             joint_angle_rad: Vec::new(),
             joint_velocity_rad_per_s: Vec::new(),
@@ -90,12 +89,12 @@ impl LineParser {
             patch_pose_world,
             contact_force_world: Vec::new(),
             taxels,
-        }))
+        })))
     }
 
     fn time_s(&self, line: &Object<'_>) -> Result<f64, LineError> {
         let spot = line.need("time_s", "the time of the frame in seconds")?;
-        let time_s = number(&spot, TIME_S, "s")?;
+        let time_s = number(&spot, limits::TIME_S)?;
         match self.last {
             Some((last_s, last_line)) if time_s <= last_s => Err(spot.error(format!(
                 "later than {last_s} s, the time of line {last_line}; for a new reach send {{\"reset\":true}} first"
@@ -129,7 +128,7 @@ impl LineParser {
                 taxel,
                 true_normal_force_n: 0.0,
                 true_shear_force_n: [0.0; 2],
-                sensed_force_n: number(&force, FORCE_N, "N")?,
+                sensed_force_n: number(&force, FORCE_N)?,
                 object: None,
             };
             readings.push((reading, taxel_spot));
@@ -211,12 +210,8 @@ fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
     let allowed = "x, y and z in metres";
     let position = pose.need("position", allowed)?;
     let coordinates: [f64; 3] = position.numbers(allowed)?;
-    if !coordinates.iter().all(|value| POSITION_M.contains(value)) {
-        return Err(position.error(format!(
-            "{allowed}, each from {:e} to {:e}",
-            POSITION_M.start(),
-            POSITION_M.end()
-        )));
+    if !coordinates.iter().all(|value| POSITION_M.hold(*value)) {
+        return Err(position.error(format!("{allowed}, each from {POSITION_M}")));
     }
     let allowed = "a quaternion x, y, z, w of length 1, from the patch's frame to the world's";
     let orientation = pose.need("orientation", allowed)?;
@@ -238,11 +233,10 @@ fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
     })
 }
 
-fn number(spot: &Spot<'_>, range: std::ops::RangeInclusive<f64>, unit: &str) -> Result<f64, LineError> {
-    let allowed = format!("a number from {:e} to {:e} {unit}", range.start(), range.end());
+fn number(spot: &Spot<'_>, limits: Limits) -> Result<f64, LineError> {
     spot.number()
-        .filter(|value| range.contains(value))
-        .ok_or_else(|| spot.error(allowed))
+        .filter(|value| limits.hold(*value))
+        .ok_or_else(|| spot.error(format!("a number from {limits}")))
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ fn with_motion() -> LineParser {
 #[track_caller]
 fn frame(parser: &mut LineParser, text: &str) -> Frame {
     match parser.parse(1, text) {
-        Ok(Message::Frame(frame)) => frame,
+        Ok(Message::Frame(frame)) => *frame,
         other => panic!("{text}: {other:?}"),
     }
 }
@@ -287,7 +287,7 @@ fn every_fault_is_named() {
             pose("[1,2,1e300]", unit),
             "patch_pose_world.sleeve.position",
             "[1,2,1e300]",
-            "from -1e8 to 1e8",
+            "from -1e8 to 1e8 m",
         ),
         (
             pose("[1,2,3]", "[0,0,0,0]"),
