@@ -62,7 +62,6 @@ fn each_line_is_answered_before_the_next_is_sent() {
     assert_eq!(ask(&robots_line(&frames[3]))["time_s"], frames[3].time_s);
     assert_eq!(ask("{\"reset\": true}"), json!({ "line": 6, "reset": true }));
     assert_eq!(ask(&robots_line(&frames[0]))["time_s"], frames[0].time_s);
-    drop(ask);
     drop(stdin);
     assert!(robot.wait().unwrap().success());
 }

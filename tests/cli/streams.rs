@@ -73,7 +73,12 @@ fn the_loss_of_stderr_changes_no_result() {
     let sets = [("sound", Stdio::piped()), ("closed", closed()), ("full", full())].map(|(name, stderr)| {
         let set = folder.path().join(name);
         let options = ["--reaches", "2", "--out"].map(PathBuf::from);
-        let arguments = [&["generate".into(), scene.clone()], &options[..], &[set.clone()]].concat();
+        let arguments = [
+            &["generate".into(), scene.clone()],
+            &options[..],
+            std::slice::from_ref(&set),
+        ]
+        .concat();
         assert_eq!(call(&arguments, stderr).status.code(), Some(0));
         set
     });
