@@ -46,7 +46,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
     );
     add(
         format!("<path d=\"M-8 0h16\" stroke=\"{TABLE_EDGE}\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\"/>"),
-        "area in which objects stand",
+        "area for the feet of objects",
     );
     let felt = || {
         let taxels = snapshot.frame.taxels.iter();
@@ -65,7 +65,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
         );
     }
     if felt().next().is_some() {
-        add(taxel_mark(DVec2::ZERO, 0.05, "#ffffff"), "0.05 N");
+        add(taxel_mark(DVec2::ZERO, 0.05, "#ffffff"), "a taxel that reports 0.05 N");
         add(taxel_mark(DVec2::ZERO, 1.0, "#ffffff"), "1 N");
         add(taxel_mark(DVec2::ZERO, 5.0, "#ffffff"), "5 N");
     }

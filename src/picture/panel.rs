@@ -119,7 +119,7 @@ impl Panel {
         point.dot(self.near)
     }
 
-    /// The table: from the side what is under its top, from above the area in which objects may stand.
+    /// The table: from the side what is under its top, from above the area for the feet of objects.
     pub fn table(&self, svg: &mut String, view: &View, workspace: &Workspace) {
         let size = view.size_px();
         if self.up == DVec3::Z {

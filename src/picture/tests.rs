@@ -135,7 +135,7 @@ fn every_mark_is_explained() {
         "arm",
         "goal of the moment",
         "table",
-        "area in which objects stand",
+        "area for the feet of objects",
         "filled as what it touches",
         "touches nothing",
         "1 N",

@@ -121,7 +121,7 @@ fn every_fault_is_named() {
         (
             r#"{"time_s":1e300,"taxels":[]}"#.into(),
             "time_s",
-            "1e300",
+            "1e+300",
             "a number from",
         ),
         (
@@ -243,7 +243,7 @@ fn every_fault_is_named() {
         (
             reading(r#"{"patch":0,"taxel":1,"sensed_force_n":1e300}"#),
             "taxels[1].sensed_force_n",
-            "1e300",
+            "1e+300",
             "a number from 0",
         ),
         (
@@ -286,7 +286,7 @@ fn every_fault_is_named() {
         (
             pose("[1,2,1e300]", unit),
             "patch_pose_world.sleeve.position",
-            "[1,2,1e300]",
+            "[1,2,1e+300]",
             "from -1e8 to 1e8 m",
         ),
         (
@@ -304,7 +304,7 @@ fn every_fault_is_named() {
         (
             pose("[1,2,3]", "[1e200,1e200,0,0]"),
             "patch_pose_world.sleeve.orientation",
-            "1e200",
+            "1e+200",
             "of length 1",
         ),
         (
