@@ -37,6 +37,13 @@ pub(super) struct TemporaryFile {
     _registered: Registered,
 }
 
+impl TemporaryFile {
+    /// The file itself, to change what is written already.
+    pub(super) fn as_file_mut(&mut self) -> &mut File {
+        self.file.as_file_mut()
+    }
+}
+
 impl Write for TemporaryFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)
