@@ -1,7 +1,7 @@
 //! An accuracy, and what it must be read beside.
 
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::Evaluation;
+use underbrush_classifier::evaluate::{self, Evaluation};
 
 /// An accuracy with its interval, the majority baseline and the balanced accuracy; all in per cent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +16,30 @@ pub struct Accuracy {
     pub balanced_accuracy: f64,
     /// What the same verdict for every trial would reach: the share of the more frequent category.
     pub majority_baseline: f64,
+    /// Of the trials in which something truly touched the skin; `None` where there are none.
+    pub touched: Option<Part>,
+    /// Of those in which nothing did (strays, creep, crosstalk).
+    pub untouched: Option<Part>,
+}
+
+/// The figures of a part of the trials, per cent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    pub trials: usize,
+    pub accuracy: f64,
+    pub balanced_accuracy: f64,
+    pub majority_baseline: f64,
+}
+
+impl Part {
+    fn of(own: evaluate::Accuracy) -> Self {
+        Part {
+            trials: own.trials,
+            accuracy: 100.0 * own.accuracy,
+            balanced_accuracy: 100.0 * own.balanced_accuracy.unwrap_or(f64::NAN),
+            majority_baseline: 100.0 * own.majority_baseline,
+        }
+    }
 }
 
 impl Accuracy {
@@ -30,6 +54,8 @@ impl Accuracy {
             high: 100.0 * interval.high,
             balanced_accuracy: 100.0 * evaluation.balanced_accuracy.unwrap_or(f64::NAN),
             majority_baseline: 100.0 * evaluation.majority_baseline,
+            touched: evaluation.by_touch.and_then(|split| split.touched).map(Part::of),
+            untouched: evaluation.by_touch.and_then(|split| split.untouched).map(Part::of),
         }
     }
 }

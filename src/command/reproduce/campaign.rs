@@ -23,8 +23,6 @@ use crate::progress;
 pub struct Trials {
     pub component: Vec<Trial>,
     pub taxel: Vec<Trial>,
-    /// Whether something touched the taxel of each of these: the others stray.
-    pub touched: Vec<bool>,
 }
 
 /// A cell of Table I with the name of its recipe.
@@ -75,17 +73,14 @@ pub fn changed_campaign(seed: u64, reaches: [u64; 2], change: impl Fn(&mut Scene
 impl Trials {
     pub fn cut(recording: &Recording, options: &TrialOptions) -> Result<Self, TrialError> {
         let plain = |found: Vec<ContactTrial>| found.into_iter().map(|contact| contact.trial).collect();
-        let taxel = taxel_trials(recording, options)?;
         Ok(Trials {
             component: plain(component_trials(recording, options)?),
-            touched: taxel.iter().map(|contact| contact.object.is_some()).collect(),
-            taxel: plain(taxel),
+            taxel: plain(taxel_trials(recording, options)?),
         })
     }
 
     /// Appends the trials of the reach at a place of the campaign, numbered on.
     pub fn append(&mut self, place: usize, other: Trials) {
-        self.touched.extend(other.touched);
         for (all, more) in [(&mut self.component, other.component), (&mut self.taxel, other.taxel)] {
             for trial in more {
                 let number = all.len() as u64;
@@ -131,7 +126,6 @@ impl Trials {
     /// Those of at least so many samples, numbered anew: the same as cut with [`TrialOptions::min_samples`].
     pub fn lasting(&self, min_samples: usize) -> Self {
         let long = |trial: &&Trial| trial.samples.len() >= min_samples;
-        let pairs = self.taxel.iter().zip(&self.touched);
         let renumbered = |trials: &[Trial]| {
             let own = trials.iter().filter(long).zip(0..);
             own.map(|(trial, number)| Trial {
@@ -142,10 +136,6 @@ impl Trials {
         };
         Trials {
             component: renumbered(&self.component),
-            touched: pairs
-                .filter(|(trial, _)| long(trial))
-                .map(|(_, touched)| *touched)
-                .collect(),
             taxel: renumbered(&self.taxel),
         }
     }
@@ -166,10 +156,12 @@ impl Trials {
                 let category = training.category.name();
                 let own = |trial: &&Trial| trial.category.as_deref() == Some(category);
                 let trials = self.of(by).iter().filter(own).count();
+                let untouched = |trial: &&Trial| trial.touched() == Some(false);
                 rows.push(TrialsPerReach {
                     by,
                     category: category.into(),
                     trials,
+                    untouched: self.of(by).iter().filter(own).filter(untouched).count(),
                     per_reach: trials as f64 / reaches as f64,
                     paper,
                 });

@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::ModelError;
 use underbrush_classifier::baseline::{Logistic, NaiveBayes, NearestNeighbours, RecursiveRegression};
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::evaluate::{AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, cross_validate};
+use underbrush_classifier::evaluate::{
+    AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
+};
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::learner::{Classifier, Learner};
+use underbrush_classifier::learner::Learner;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
@@ -94,29 +95,13 @@ pub fn run(taxel_trials: &[Trial]) -> Result<Vec<Compared>, Failure> {
 /// each classifier learns from the same trials in both cases.
 pub fn speeds(taxel_trials: &[Trial], contacts: &[Trial]) -> Result<Vec<Speed>, Failure> {
     let measure = |(classifier, learner): &Named| {
-        let learner = LearnsFromLasting {
-            learner: learner.as_ref(),
-            min_samples: data::trial_options().min_samples,
-        };
+        let (learner, least) = (learner.as_ref(), data::trial_options().min_samples);
         Ok(Speed {
             classifier,
-            lasting_contacts: accuracy_by_samples(taxel_trials, &learner, FOLDS)?,
-            all_contacts: accuracy_by_samples(contacts, &learner, FOLDS)?,
+            lasting_contacts: accuracy_by_samples(taxel_trials, learner, FOLDS)?,
+            all_contacts: accuracy_by_samples_of_all(contacts, learner, FOLDS, least)?,
         })
     };
     let speeds: Vec<Result<Speed, Failure>> = learners().par_iter().map(measure).collect();
     speeds.into_iter().collect()
-}
-
-/// Learns from the longer trials alone, whatever it is tested on.
-struct LearnsFromLasting<'a> {
-    learner: &'a dyn Learner,
-    min_samples: usize,
-}
-
-impl Learner for LearnsFromLasting<'_> {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let lasting = trials.iter().filter(|trial| trial.samples.len() >= self.min_samples);
-        self.learner.learn(&lasting.copied().collect::<Vec<_>>())
-    }
 }

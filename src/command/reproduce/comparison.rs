@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 
-use super::accuracy::{Accuracy, Spread};
+use super::accuracy::{Accuracy, Part, Spread};
 use super::measurement::{Cell, CellKey, ClassifierAccuracy, OneOfMany, TrialsPerReach, features_name, unit_name};
-use super::results::{CampaignCell, CampaignClassifier, CampaignFigures, CampaignTrials, Campaigns, Ordering};
+use super::results::{
+    CampaignCell, CampaignClassifier, CampaignFigures, CampaignPart, CampaignTrials, Campaigns, Ordering,
+};
 use crate::failure::Failure;
 
 /// Mean absolute difference from the paper by recipe, of (recipe, accuracy, paper).
@@ -172,12 +174,22 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
 
 impl CampaignFigures {
     fn of(accuracies: &[&Accuracy]) -> Self {
-        let over =
-            |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
+        let over = |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
+        let part = |of: fn(&Accuracy) -> Option<&Part>| {
+            let parts: Vec<&Part> = accuracies.iter().filter_map(|own| of(own)).collect();
+            let over = |value: fn(&Part) -> f64| Spread::of(&parts.iter().map(|own| value(own)).collect::<Vec<_>>());
+            (!parts.is_empty()).then(|| CampaignPart {
+                accuracy: over(|own| own.accuracy),
+                balanced_accuracy: over(|own| own.balanced_accuracy),
+                majority_baseline: over(|own| own.majority_baseline),
+            })
+        };
         CampaignFigures {
             accuracy: over(|own| own.accuracy),
             balanced_accuracy: over(|own| own.balanced_accuracy),
             majority_baseline: over(|own| own.majority_baseline),
+            touched: part(|own| own.touched.as_ref()),
+            untouched: part(|own| own.untouched.as_ref()),
         }
     }
 }

@@ -40,19 +40,16 @@ fn motion_m(trial: &Trial) -> f64 {
 }
 
 /// The trials of a category in which something touched the taxel.
-fn touched_trials<'a>(category: Category, taxel_trials: &'a [Trial], touched: &[bool]) -> Vec<&'a Trial> {
-    let pairs = taxel_trials.iter().zip(touched);
-    pairs
-        .filter(|(trial, touched)| **touched && trial.category.as_deref() == Some(category.name()))
-        .map(|(trial, _)| trial)
-        .collect()
+fn touched_trials(category: Category, taxel_trials: &[Trial]) -> Vec<&Trial> {
+    let own = |trial: &&Trial| trial.touched() == Some(true) && trial.category.as_deref() == Some(category.name());
+    taxel_trials.iter().filter(own).collect()
 }
 
 /// The trials that Fig. 5 shows: of each category, among those of a touched taxel that last a second or more (or all, if
 /// none lasts so long) the one whose peak force is the median. An ordinary trial, and long enough to be looked at.
-pub fn examples(taxel_trials: &[Trial], touched: &[bool]) -> Vec<Example> {
+pub fn examples(taxel_trials: &[Trial]) -> Vec<Example> {
     let example = |category: Category| {
-        let mut trials = touched_trials(category, taxel_trials, touched);
+        let mut trials = touched_trials(category, taxel_trials);
         if trials.iter().any(|trial| trial.samples.len() >= 100) {
             trials.retain(|trial| trial.samples.len() >= 100);
         }
@@ -72,9 +69,9 @@ pub fn examples(taxel_trials: &[Trial], touched: &[bool]) -> Vec<Example> {
 }
 
 /// Medians over all touched trials of each category.
-pub fn medians(taxel_trials: &[Trial], touched: &[bool]) -> Vec<Typical> {
+pub fn medians(taxel_trials: &[Trial]) -> Vec<Typical> {
     let typical = |category: Category| {
-        let trials = touched_trials(category, taxel_trials, touched);
+        let trials = touched_trials(category, taxel_trials);
         let over = |value: fn(&Trial) -> f64| median(trials.iter().map(|trial| value(trial)).collect());
         // Trials have 20 samples at least, at 100 Hz; the first is contact itself.
         let early = |trial: &Trial| trial.samples.get(10).map_or(f64::NAN, |sample| sample.force_n);

@@ -35,6 +35,8 @@ pub struct TrialsPerReach {
     pub by: TableOneUnit,
     pub category: String,
     pub trials: usize,
+    /// Trials in which nothing truly touched the skin.
+    pub untouched: usize,
     pub per_reach: f64,
     pub paper: f64,
 }

@@ -96,6 +96,17 @@ pub struct CampaignFigures {
     pub accuracy: Spread,
     pub balanced_accuracy: Spread,
     pub majority_baseline: Spread,
+    /// Of the trials in which something truly touched the skin; `None` where no campaign has any.
+    pub touched: Option<CampaignPart>,
+    pub untouched: Option<CampaignPart>,
+}
+
+/// The figures of a part of the trials over campaigns, per cent.
+#[derive(Serialize)]
+pub struct CampaignPart {
+    pub accuracy: Spread,
+    pub balanced_accuracy: Spread,
+    pub majority_baseline: Spread,
 }
 
 /// A classifier on whole taxel trials, two folds by whole reaches.

@@ -13,7 +13,7 @@ mod trials;
 
 pub use beyond::{ALL_CONTACTS, LASTING_CONTACTS, ablation, classifiers, speeds, splits};
 pub use online::{chosen_rule_online, roc, thresholds};
-pub use trials::{baselines, campaigns, figure_5, orderings, table_1, trials, truncation};
+pub use trials::{baselines, campaigns, figure_5, orderings, table_1, trials, truncation, untouched};
 
 /// For a terminal.
 pub fn text(results: &Results, out: &Path) -> String {
@@ -37,9 +37,10 @@ pub fn text(results: &Results, out: &Path) -> String {
             .collect();
         text += &format!("{}\n{}\n", table.caption, output::table(&header, &rows));
     };
-    add(&tables::trials_per_reach(results), 4);
+    add(&tables::trials_per_reach(results), 5);
     add(&tables::table_1(results, AUTHORS), 9);
     add(&tables::table_1(results, MODERN), 9);
+    add(&tables::table_1_by_touch(results), 9);
     add(
         &tables::orderings("orderings", "The paper's orderings", &results.orderings),
         5,
@@ -56,6 +57,7 @@ pub fn text(results: &Results, out: &Path) -> String {
         );
     }
     add(&tables::classifiers(results), 7);
+    add(&tables::classifiers_by_touch(results), 9);
     if let Some(table) = tables::campaign_classifiers(results) {
         add(&table, 10);
     }

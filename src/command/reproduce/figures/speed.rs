@@ -5,7 +5,7 @@ use underbrush_classifier::report::{Axis, Chart, Dash, Layer, Mark, Point, Shape
 
 use super::super::classifiers::{PAPER_BEST, Speed};
 use super::super::results::Results;
-use super::{AUTHORS_STYLE, CORRECT, INK, OUTLIER, TRUNK, UNCERTAIN, WRONG, told};
+use super::{AUTHORS_STYLE, CORRECT, INK, MAJORITY, OUTLIER, TRUNK, UNCERTAIN, WRONG, told};
 
 const STYLES: [Style; 7] = [
     AUTHORS_STYLE,
@@ -52,6 +52,13 @@ fn chart(
             .collect();
         description += &format!(" {}: {}.", speed.classifier, told(&names, &points));
         layers.push(Layer::new(speed.classifier, style, Shape::Points(points)));
+    }
+    // The same at every count: all trials are judged.
+    if let Some(point) = points_of(results.speeds.first()?).first() {
+        let majority = 100.0 * point.majority_baseline;
+        description += &format!(" Majority baseline: {majority:.1}.");
+        let ends = [-0.5, names.len() as f64 - 0.5].map(|x| (x, majority));
+        layers.push(Layer::new("majority", MAJORITY, Shape::Line(ends.to_vec())));
     }
     let level = |place: usize| (place as f64, PAPER_BEST);
     let ends = vec![level(0), level(names.len() - 1)];

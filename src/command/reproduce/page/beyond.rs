@@ -18,9 +18,12 @@ impl Report<'_> {
         );
         self.page.paragraph(&words::classifiers(self.results));
         self.table(tables::classifiers(self.results));
-        if let Some(table) = tables::campaign_classifiers(self.results) {
-            self.table(table);
-        }
+        self.table(tables::classifiers_by_touch(self.results));
+        let campaigns = [
+            tables::campaign_classifiers(self.results),
+            tables::campaign_classifiers_by_touch(self.results),
+        ];
+        campaigns.into_iter().flatten().for_each(|table| self.table(table));
         self.page.paragraph(
             "The charts ask for a verdict after a number of samples since contact; a contact that ended before keeps its last \
              verdict. The first chart is of the trials of Table I, which last 20 samples or more. Its points before 20 are \

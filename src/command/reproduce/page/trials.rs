@@ -20,6 +20,7 @@ impl Report<'_> {
             reaches.ends.touched_text()
         ));
         self.page.paragraph(&words::trials(self.results));
+        self.page.paragraph(&words::untouched(&self.results.measurement.trials_per_reach));
         self.table(tables::trials_per_reach(self.results));
     }
 
@@ -50,6 +51,7 @@ impl Report<'_> {
             self.page.table(&tables::table_1(self.results, recipe));
         }
         self.tables.push(tables::table_1_all(self.results));
+        self.table(tables::table_1_by_touch(self.results));
         self.page.paragraph("The paper's orderings:");
         self.page.list(&words::orderings(&self.results.orderings));
         self.numbers(tables::orderings(
@@ -89,6 +91,9 @@ impl Report<'_> {
             }
         }
         self.tables.extend(tables::campaigns_all(self.results));
+        if let Some(table) = tables::campaigns_by_touch(self.results) {
+            self.table(table);
+        }
         if let Some(table) = tables::campaign_trials(self.results) {
             self.table(table);
         }
@@ -103,9 +108,17 @@ impl Report<'_> {
             ("figure_7", "Fig. 7: force and motion", &self.results.figure_7),
         ];
         for (name, caption, matrix) in captions {
+            let figures = matrix.accuracy().map_or(String::new(), |own| {
+                format!(
+                    ": accuracy {:.1} %, balanced {:.1} %, majority baseline {:.1} %",
+                    100.0 * own.accuracy,
+                    100.0 * own.balanced_accuracy.unwrap_or(f64::NAN),
+                    100.0 * own.majority_baseline
+                )
+            });
             self.table(tables::confusion(
                 name,
-                &format!("{caption}, trials, the authors' recipe"),
+                &format!("{caption}, trials, the authors' recipe{figures}"),
                 matrix,
             ));
         }
@@ -147,5 +160,6 @@ impl Report<'_> {
         let caption = "Fig. 13: taxels, force, the authors' recipe; whiskers are the 95 % intervals by reach.";
         self.page.figure(caption, &[figures::figure_13(self.results)]);
         self.table(tables::figure_13(self.results));
+        self.table(tables::figure_13_by_touch(self.results));
     }
 }

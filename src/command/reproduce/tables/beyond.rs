@@ -70,9 +70,14 @@ pub fn by_samples(results: &Results) -> Table {
         "accuracy / %",
         "from",
         "to",
+        "balanced / %",
+        "majority / %",
         "trials lasting so long",
         "accuracy on these / %",
+        "balanced on these / %",
+        "majority on these / %",
     ];
+    let percent = |fraction: Option<f64>| Cell::optional(fraction.map(|fraction| 100.0 * fraction), 1);
     let mut table = Table::new("accuracy_by_samples", "Accuracy by samples since contact", &columns);
     for speed in &results.speeds {
         for (contacts, points) in [
@@ -88,8 +93,12 @@ pub fn by_samples(results: &Results) -> Table {
                     Cell::Number(100.0 * point.accuracy, 1),
                     Cell::optional(interval.map(|interval| 100.0 * interval.low), 1),
                     Cell::optional(interval.map(|interval| 100.0 * interval.high), 1),
+                    percent(point.balanced_accuracy),
+                    percent(Some(point.majority_baseline)),
                     point.lasting.into(),
-                    Cell::optional(point.accuracy_of_lasting.map(|accuracy| 100.0 * accuracy), 1),
+                    percent(point.accuracy_of_lasting),
+                    percent(point.balanced_accuracy_of_lasting),
+                    percent(point.majority_baseline_of_lasting),
                 ]);
             }
         }

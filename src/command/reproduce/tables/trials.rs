@@ -9,7 +9,7 @@ use super::super::words;
 use super::{accuracy, campaign_figures};
 
 pub fn trials_per_reach(results: &Results) -> Table {
-    let columns = ["trials", "count", "per reach", "paper"];
+    let columns = ["trials", "count", "per reach", "paper", "never touched"];
     let mut table = Table::new("trials_per_reach", "Contact trials", &columns);
     for row in &results.measurement.trials_per_reach {
         table.rows.push(vec![
@@ -17,6 +17,7 @@ pub fn trials_per_reach(results: &Results) -> Table {
             row.trials.into(),
             Cell::Number(row.per_reach, 1),
             Cell::Number(row.paper, 1),
+            row.untouched.into(),
         ]);
     }
     table

@@ -2,7 +2,7 @@ use underbrush_classifier::evaluate::{TABLE_ONE_PAPER, TableOneUnit};
 use underbrush_classifier::feature::FeatureSet;
 
 use super::super::ablation::Ablated;
-use super::super::accuracy::Accuracy;
+use super::super::accuracy::{Accuracy, Part};
 use super::super::comparison;
 use super::super::measurement::{Cell, CellKey, ClassifierAccuracy, Measurement, OneOfMany};
 use super::super::results::Campaigns;
@@ -16,6 +16,13 @@ fn around(accuracy: f64) -> Accuracy {
         high: 100.0,
         balanced_accuracy: accuracy - 5.0,
         majority_baseline: 0.5 * accuracy,
+        touched: Some(Part {
+            trials: 60,
+            accuracy: accuracy + 10.0,
+            balanced_accuracy: accuracy + 8.0,
+            majority_baseline: 55.0,
+        }),
+        untouched: None,
     }
 }
 
@@ -90,6 +97,10 @@ fn campaigns_have_mean_and_spread() {
     assert!((own.balanced_accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
     assert_eq!(own.majority_baseline.mean, 38.0);
     assert!((own.majority_baseline.standard_deviation.unwrap() - deviation / 2.0).abs() < 1e-12);
+    let touched = own.touched.as_ref().unwrap();
+    assert_eq!((touched.accuracy.mean, touched.balanced_accuracy.mean), (86.0, 84.0));
+    assert!((touched.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
+    assert!(own.untouched.is_none());
     assert!((found.mean_absolute_difference_points["authors"] - 4.24).abs() < 1e-9);
     let some = &found.classifiers[0].figures.accuracy;
     assert_eq!((some.mean, some.least, some.most), (77.0, 71.0, 85.0));

@@ -5,6 +5,7 @@ use super::super::online::Detection;
 use super::super::words;
 use super::campaigns::cell;
 use super::*;
+use underbrush_recording::Trial;
 
 /// Pins that the page says of a run on which seeds something was chosen, and of the default seed and the README's that
 /// nothing was.
@@ -114,6 +115,42 @@ fn longer_trials_are_those_cut_with_a_minimum() {
     }
     let lasting = all.lasting(data::trial_options().min_samples);
     assert!(!cut.taxel.is_empty() && all.taxel.len() > cut.taxel.len());
-    assert_eq!((lasting.taxel, lasting.touched), (cut.taxel, cut.touched));
+    assert_eq!(lasting.taxel, cut.taxel);
     assert_eq!(lasting.component, cut.component);
+}
+
+/// Pins that trials in which nothing touched the skin are counted by category, and that the page names the counts.
+#[test]
+fn trials_that_nothing_touched_are_counted() {
+    let trial = |category: &str, touched: &[bool]| {
+        let sample = |touched: &bool| underbrush_recording::Sample {
+            time_s: 0.0,
+            force_n: 0.1,
+            motion_m: None,
+            region: None,
+            touched: Some(*touched),
+        };
+        Trial {
+            trial: 0,
+            category: Some(category.into()),
+            reach: Some(0),
+            patch: None,
+            taxel: None,
+            samples: touched.iter().map(sample).collect(),
+        }
+    };
+    let trials = Trials {
+        component: Vec::new(),
+        taxel: vec![
+            trial("leaf", &[false, true]),
+            trial("leaf", &[false, false]),
+            trial("trunk", &[false]),
+        ],
+    };
+    let rows = trials.per_reach([1, 1]);
+    let counts: Vec<(usize, usize)> = rows.iter().map(|row| (row.trials, row.untouched)).collect();
+    assert_eq!(counts, [(0, 0), (0, 0), (2, 1), (1, 1)]);
+    let text = words::untouched(&rows);
+    let expected = "They are 1 of 2 by taxel of leaf (50 %), 1 of 1 by taxel of trunk (100 %).";
+    assert!(text.contains(expected) && !text.contains("NaN"), "{text}");
 }

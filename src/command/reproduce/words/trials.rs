@@ -5,7 +5,7 @@ use underbrush_classifier::evaluate::TableOneUnit;
 use super::super::accuracy::Accuracy;
 use super::super::data;
 use super::super::example::Typical;
-use super::super::measurement::{Cell, unit_name};
+use super::super::measurement::{Cell, TrialsPerReach, unit_name};
 use super::super::results::{Ordering, Results};
 use super::possessive;
 
@@ -224,5 +224,29 @@ pub fn figure_5(medians: &[Typical]) -> String {
         agreement(trunk.motion_m < leaf.motion_m),
         100.0 * trunk.motion_m,
         100.0 * leaf.motion_m
+    )
+}
+
+/// How many trials came of the sensor alone.
+pub fn untouched(rows: &[TrialsPerReach]) -> String {
+    let parts: Vec<String> = rows
+        .iter()
+        .filter(|row| row.trials > 0)
+        .map(|row| {
+            format!(
+                "{} of {} by {} of {} ({:.0} %)",
+                row.untouched,
+                row.trials,
+                unit_name(row.by),
+                row.category,
+                100.0 * row.untouched as f64 / row.trials as f64
+            )
+        })
+        .collect();
+    format!(
+        "Nothing ever touched the skin in some trials: they come of strays, creep or crosstalk and carry the label of their \
+         environment, as they would on the robot. They are {}. Accuracies are also given for touched and untouched trials \
+         apart.",
+        parts.join(", ")
     )
 }
