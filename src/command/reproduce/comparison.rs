@@ -174,7 +174,8 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
 
 impl CampaignFigures {
     fn of(accuracies: &[&Accuracy]) -> Self {
-        let over = |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
+        let over =
+            |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
         let part = |of: fn(&Accuracy) -> Option<&Part>| {
             let parts: Vec<&Part> = accuracies.iter().filter_map(|own| of(own)).collect();
             let over = |value: fn(&Part) -> f64| Spread::of(&parts.iter().map(|own| value(own)).collect::<Vec<_>>());

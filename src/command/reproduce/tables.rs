@@ -8,7 +8,9 @@ mod trials;
 use underbrush_classifier::report::{Cell, Table};
 
 pub use beyond::{ablation, by_samples, campaign_classifiers, classifiers, roc, splits, splits_of};
-pub use by_touch::{campaign_classifiers_by_touch, campaigns_by_touch, classifiers_by_touch, figure_13_by_touch, table_1_by_touch};
+pub use by_touch::{
+    campaign_classifiers_by_touch, campaigns_by_touch, classifiers_by_touch, figure_13_by_touch, table_1_by_touch,
+};
 pub use online::{detection, figure_8_times, figure_11, figure_15, figures_9_and_10};
 pub use trials::{
     campaign_trials, campaigns, campaigns_all, confusion, figure_5, figure_13, orderings, table_1, table_1_all,

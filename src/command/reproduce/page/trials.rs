@@ -20,7 +20,8 @@ impl Report<'_> {
             reaches.ends.touched_text()
         ));
         self.page.paragraph(&words::trials(self.results));
-        self.page.paragraph(&words::untouched(&self.results.measurement.trials_per_reach));
+        self.page
+            .paragraph(&words::untouched(&self.results.measurement.trials_per_reach));
         self.table(tables::trials_per_reach(self.results));
     }
 

@@ -83,11 +83,7 @@ pub fn campaign_classifiers_by_touch(results: &Results) -> Option<Table> {
     ))
 }
 
-fn split_campaigns<'a>(
-    name: &str,
-    what: &str,
-    rows: impl Iterator<Item = (String, &'a CampaignFigures)>,
-) -> Table {
+fn split_campaigns<'a>(name: &str, what: &str, rows: impl Iterator<Item = (String, &'a CampaignFigures)>) -> Table {
     let columns = [
         "",
         "touched, mean / %",
