@@ -111,6 +111,8 @@ fn recording(reach: u64) -> Recording {
             object("leaf", Category::Leaf, 0.4),
             object("trunk", Category::Trunk, 0.5),
         ],
+        // Nothing watches where the arm and the objects are.
+        bodies: Vec::new(),
         goals: vec![GoalRecord {
             position_world: DVec3::new(0.5, -0.2, 0.1),
             start_time_s: 0.0,

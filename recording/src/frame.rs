@@ -3,17 +3,17 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// A rigid pose in the world frame.
+/// A rigid pose, in the frame that the field's name ends with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
-    /// Origin, m, world frame.
+    /// Origin, m.
     pub position: DVec3,
-    /// Rotation from the local to the world frame (unit quaternion, x y z w).
+    /// Rotation from the local frame (unit quaternion, x y z w).
     pub orientation: DQuat,
 }
 
 impl Pose {
-    /// A local point in the world frame, m.
+    /// A local point in the pose's frame, m.
     pub fn transform_point(&self, point_local: DVec3) -> DVec3 {
         self.position + self.orientation * point_local
     }

@@ -6,6 +6,7 @@
 //! The disk formats (Parquet, JSON, CSV) sit apart, behind the feature `disk`.
 
 pub mod audit;
+pub mod body;
 pub mod category;
 #[cfg(feature = "disk")]
 pub mod disk;
@@ -18,6 +19,7 @@ pub mod reach;
 pub mod trial;
 
 pub use audit::{Audit, AuditField};
+pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
 pub use category::Category;
 pub use frame::{Frame, Pose, TaxelReading};
 pub use input_error::InputError;

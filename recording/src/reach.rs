@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Audit, Category, Frame, GoalOutcomes, NamedStop, Outcome, SafetyStop, SkinLayout};
+use crate::{Audit, Body, Category, Frame, GoalOutcomes, NamedStop, Outcome, SafetyStop, SkinLayout};
 
 /// One object of the clutter, as ground truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,6 +74,8 @@ pub struct Recording {
     pub layout: SkinLayout,
     /// The objects of the clutter.
     pub objects: Vec<ObjectRecord>,
+    /// The links of the arm and the bodies of the objects; none where nothing is known of them.
+    pub bodies: Vec<Body>,
     /// The goals in the order in which they were tried.
     pub goals: Vec<GoalRecord>,
     /// Contacts sorted by first frame, then patch, then link, then object.

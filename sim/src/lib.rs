@@ -12,6 +12,7 @@
 
 pub mod arm;
 pub mod audit;
+mod body_log;
 pub mod campaign;
 pub mod clutter;
 mod cone;

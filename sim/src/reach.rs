@@ -4,6 +4,7 @@ use glam::DVec3;
 use underbrush_recording::{Audit, Frame, GoalRecord, InputError, Outcome, Pose, Recording, SafetyStop};
 
 use crate::arm::{Arm, ArmAtStart};
+use crate::body_log::BodyLog;
 use crate::clutter::Clutter;
 use crate::contact_log::ContactLog;
 use crate::controller::{self, Controller, ControllerInput, Goal, ModelPredictive, Preset, TaxelContact};
@@ -103,6 +104,7 @@ struct Reach<'a> {
     contacts: ContactLog,
     /// What ended the last way, if its force passed the stop force.
     safety_stop: Option<SafetyStop>,
+    bodies: BodyLog,
     recording: Recording,
     /// Frames between two calls of the controller.
     control_period: usize,
@@ -133,15 +135,18 @@ impl<'a> Reach<'a> {
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: plan.arm.skin.layout.clone(),
             objects: clutter.objects.iter().map(|standing| standing.record()).collect(),
+            bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),
             frames: Vec::new(),
             audit: Audit::default(),
         };
+        let world = World::new(&plan.arm, &posture, clutter, physics.options(), physics.dormancy);
         Reach {
             plan,
             patches: SkinPatch::of_arm(&plan.arm),
-            world: World::new(&plan.arm, &posture, clutter, physics.options(), physics.dormancy),
+            bodies: BodyLog::new(&plan.arm, clutter, &world),
+            world,
             control_period: (1.0 / FRAME_PERIOD_S / controller.preset().rate_hz).round().max(1.0) as usize,
             controller,
             sensor: Sensor::new(&scene.file.sensor, &plan.arm.skin, plan.seed, &scene.name, reach_index),
@@ -174,6 +179,7 @@ impl<'a> Reach<'a> {
                 break;
             }
         }
+        self.recording.bodies = self.bodies.finish();
         let links = &self.plan.arm.links;
         self.recording.contacts = self.contacts.finish(|link| links[usize::from(link)].name.clone());
         self.recording.audit = self.world.auditor.audit();
@@ -285,6 +291,7 @@ impl<'a> Reach<'a> {
     fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {
         let number = self.recording.frames.len();
         self.contacts.observe(number as u32, &touch.pairs);
+        self.bodies.observe(number as u32, &self.world);
         self.world.audit_frame(&self.plan.arm, touch);
         let pose = |pose: rapier3d::prelude::Pose| Pose {
             position: pose.translation,

@@ -1,9 +1,12 @@
-//! The columns of a recording: names, types and widths, as LeRobotDataset v3.0 calls for them.
+//! The columns of frames: names, types and widths, as LeRobotDataset v3.0 calls for them.
 
 use std::sync::Arc;
 
+use arrow_array::{Array, ArrayRef, FixedSizeListArray, Float64Array};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use parquet::errors::ParquetError;
 
+use super::dictionary::{FRAMES, RECORDING_TRUTH};
 use crate::SkinLayout;
 
 /// What the numbers of a pose column are.
@@ -47,13 +50,17 @@ impl Feature {
             Ok(width) if width > 1 => DataType::FixedSizeList(Arc::new(self.element()), width),
             _ => self.number.clone(),
         };
-        Field::new(&self.name, data_type, true)
+        let metadata = FRAMES
+            .metadata(&self.name)
+            .or_else(|| RECORDING_TRUTH.metadata(&self.name));
+        Field::new(&self.name, data_type, true).with_metadata(metadata.unwrap_or_default())
     }
 }
 
-/// All columns of a recording in file order; `frames.rs` fills them in the same order.
+/// The columns of the frames of a data set and of a recording in file order: what a robot could know. `frames.rs` fills
+/// them in the same order.
 pub(super) fn features(joint_names: &[String], layout: &SkinLayout) -> Vec<Feature> {
-    use DataType::{Float32, Float64, Int8, Int16, Int32, Int64};
+    use DataType::{Float32, Float64, Int32, Int64};
     let joints = joint_names.len();
     let mut features = vec![
         Feature::new("timestamp", Float32, 1),
@@ -76,14 +83,27 @@ pub(super) fn features(joint_names: &[String], layout: &SkinLayout) -> Vec<Featu
         features.extend([
             Feature::new(name(PatchFeature::Pose), Float64, 7).named(&POSE_NAMES),
             Feature::new(name(PatchFeature::Tactile), Float64, count),
+        ]);
+    }
+    features
+}
+
+/// The columns of ground truth that follow in the file of a single recording; `truth_columns.rs` fills them in the same
+/// order.
+pub(super) fn truth_features(layout: &SkinLayout) -> Vec<Feature> {
+    use DataType::{Float64, Int8, Int16};
+    let patches = layout.patches.iter().flat_map(|patch| {
+        let name = |feature: PatchFeature| feature.column(&patch.name);
+        let count = patch.taxels.len();
+        [
             Feature::new(name(PatchFeature::NormalForce), Float64, count),
             Feature::new(name(PatchFeature::ShearForce), Float64, 2 * count),
             Feature::new(name(PatchFeature::Object), Int16, count),
             Feature::new(name(PatchFeature::Category), Int8, count),
             Feature::new(name(PatchFeature::ContactForce), Float64, 3).named(&["x_n", "y_n", "z_n"]),
-        ]);
-    }
-    features
+        ]
+    });
+    patches.collect()
 }
 
 /// The columns that every patch has.
@@ -121,7 +141,57 @@ impl PatchFeature {
     }
 }
 
+/// The Arrow fields of the columns.
+pub(super) fn fields(features: &[Feature]) -> Vec<Field> {
+    features.iter().map(Feature::field).collect()
+}
+
 /// The Arrow schema of the columns.
 pub(super) fn schema(features: &[Feature]) -> SchemaRef {
-    Arc::new(Schema::new(features.iter().map(Feature::field).collect::<Vec<_>>()))
+    Arc::new(Schema::new(fields(features)))
+}
+
+/// Arrays of columns in the order of their features.
+pub(super) struct ColumnBuilder {
+    features: std::vec::IntoIter<Feature>,
+    columns: Vec<ArrayRef>,
+}
+
+impl ColumnBuilder {
+    /// Begins with the first of the features.
+    pub(super) fn new(features: Vec<Feature>) -> Self {
+        ColumnBuilder {
+            columns: Vec::with_capacity(features.len()),
+            features: features.into_iter(),
+        }
+    }
+
+    /// Adds the next column from its numbers, row by row.
+    pub(super) fn push(&mut self, numbers: impl Array + 'static) -> Result<(), ParquetError> {
+        let numbers: ArrayRef = Arc::new(numbers);
+        let column = match self.features.next() {
+            Some(feature) if feature.width > 1 => {
+                let width = i32::try_from(feature.width).map_err(|error| ParquetError::General(error.to_string()))?;
+                Arc::new(FixedSizeListArray::try_new(
+                    Arc::new(feature.element()),
+                    width,
+                    numbers,
+                    None,
+                )?)
+            }
+            _ => numbers,
+        };
+        self.columns.push(column);
+        Ok(())
+    }
+
+    /// Adds the next column of double precision from its numbers, row by row.
+    pub(super) fn push_f64(&mut self, numbers: impl IntoIterator<Item = f64>) -> Result<(), ParquetError> {
+        self.push(Float64Array::from_iter_values(numbers))
+    }
+
+    /// The arrays.
+    pub(super) fn finish(self) -> Vec<ArrayRef> {
+        self.columns
+    }
 }

@@ -1,55 +1,27 @@
-//! Frames to dense columns and back.
+//! Frames as rows of columns and back: what a robot could know.
 //!
-//! A frame lists only the taxels that feel or report something; a column holds every taxel of its patch, with 0 N
-//! and −1 for the silent ones. A silent taxel is never listed (see `check.rs`), so the way back is exact.
+//! A frame lists only the taxels that feel or report something; a column holds every taxel of its patch, with 0 N for the
+//! others. What they truly feel is stored beside the frames (`truth_columns.rs` in a recording, `truth/` in a data set).
 
-use std::sync::Arc;
-
-use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type};
-use arrow_array::{
-    Array, ArrayRef, FixedSizeListArray, Float32Array, Float64Array, Int8Array, Int16Array, Int32Array, Int64Array,
-    RecordBatch,
-};
+use arrow_array::types::{Float64Type, Int32Type, Int64Type};
+use arrow_array::{ArrayRef, Float32Array, Float64Array, Int32Array, Int64Array};
 use glam::{DQuat, DVec3};
 use parquet::errors::ParquetError;
 
 use super::DiskError;
-use super::features::{Feature, PatchFeature, features, schema};
-use super::table::Columns;
+use super::features::{ColumnBuilder, PatchFeature, features};
+use super::table::{Columns, Rows};
 use crate::{Frame, Pose, Recording, TaxelReading};
 
-/// "No object" and "no category" in the ground-truth columns.
-const NONE: i8 = -1;
-
-/// Columns in the order of [`features`].
-struct Builder {
-    features: std::vec::IntoIter<Feature>,
-    columns: Vec<ArrayRef>,
-}
-
-impl Builder {
-    /// Adds the next column from its numbers, row by row.
-    fn push(&mut self, numbers: impl Array + 'static) -> Result<(), ParquetError> {
-        let numbers: ArrayRef = Arc::new(numbers);
-        let column = match self.features.next() {
-            Some(feature) if feature.width > 1 => {
-                let width = i32::try_from(feature.width).map_err(|error| ParquetError::General(error.to_string()))?;
-                Arc::new(FixedSizeListArray::try_new(
-                    Arc::new(feature.element()),
-                    width,
-                    numbers,
-                    None,
-                )?)
-            }
-            _ => numbers,
-        };
-        self.columns.push(column);
-        Ok(())
-    }
-
-    fn push_f64(&mut self, numbers: impl IntoIterator<Item = f64>) -> Result<(), ParquetError> {
-        self.push(Float64Array::from_iter_values(numbers))
-    }
+/// Where a reach has its place among others; the default is that of a reach alone.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Numbering {
+    /// The episode.
+    pub(super) episode: usize,
+    /// Index of its first frame among all.
+    pub(super) first_index: usize,
+    /// The task.
+    pub(super) task: i64,
 }
 
 fn pose_numbers(pose: &Pose) -> [f64; 7] {
@@ -58,24 +30,23 @@ fn pose_numbers(pose: &Pose) -> [f64; 7] {
     [x, y, z, qx, qy, qz, qw]
 }
 
-/// A run of frames of a checked recording as rows, numbered as a recording of its own: episode 0, task 0.
-pub(super) fn frame_rows(recording: &Recording, first: usize, count: usize) -> Result<RecordBatch, ParquetError> {
-    let features = features(&recording.joint_names, &recording.layout);
-    let schema = schema(&features);
-    let mut builder = Builder {
-        columns: Vec::with_capacity(features.len()),
-        features: features.into_iter(),
-    };
+/// The columns of a run of frames of a checked recording.
+pub(super) fn frame_columns(
+    recording: &Recording,
+    first: usize,
+    count: usize,
+    numbering: Numbering,
+) -> Result<Vec<ArrayRef>, ParquetError> {
+    let mut builder = ColumnBuilder::new(features(&recording.joint_names, &recording.layout));
     let frames = &recording.frames[first..first + count];
-    let index = || Int64Array::from_iter_values((first..first + count).map(|index| index as i64));
-    let zeros = || Int64Array::from_value(0, count);
+    let index = |start: usize| Int64Array::from_iter_values((start..start + count).map(|index| index as i64));
     // LeRobot defines the time stamp by the frame rate; the measured time stands beside it in full precision.
     let timestamps = (first..first + count).map(|index| (index as f64 / recording.rate_hz) as f32);
     builder.push(Float32Array::from_iter_values(timestamps))?;
-    builder.push(index())?;
-    builder.push(zeros())?;
-    builder.push(index())?;
-    builder.push(zeros())?;
+    builder.push(index(first))?;
+    builder.push(Int64Array::from_value(numbering.episode as i64, count))?;
+    builder.push(index(numbering.first_index + first))?;
+    builder.push(Int64Array::from_value(numbering.task, count))?;
     builder.push_f64(frames.iter().map(|frame| frame.time_s))?;
     for joints in [
         |frame: &Frame| frame.joint_angle_rad.clone(),
@@ -90,106 +61,27 @@ pub(super) fn frame_rows(recording: &Recording, first: usize, count: usize) -> R
     builder.push(Int32Array::from_iter_values(
         frames.iter().map(|frame| i32::from(frame.goal_index)),
     ))?;
-    for patch in 0..recording.layout.patches.len() {
-        push_patch(&mut builder, recording, frames, patch)?;
-    }
-    Ok(RecordBatch::try_new(schema, builder.columns)?)
-}
-
-fn push_patch(
-    builder: &mut Builder,
-    recording: &Recording,
-    frames: &[Frame],
-    patch: usize,
-) -> Result<(), ParquetError> {
-    let taxels = recording.layout.patches[patch].taxels.len();
-    let cells = frames.len() * taxels;
-    let (mut sensed, mut normal, mut shear) = (vec![0.0; cells], vec![0.0; cells], vec![0.0; 2 * cells]);
-    let (mut object, mut category) = (vec![i16::from(NONE); cells], vec![NONE; cells]);
-    for (row, frame) in frames.iter().enumerate() {
-        for reading in frame
-            .taxels
-            .iter()
-            .filter(|reading| usize::from(reading.patch) == patch)
-        {
-            let cell = row * taxels + usize::from(reading.taxel);
-            sensed[cell] = reading.sensed_force_n;
-            normal[cell] = reading.true_normal_force_n;
-            shear[2 * cell..2 * cell + 2].copy_from_slice(&reading.true_shear_force_n);
-            if let Some(index) = reading.object {
-                object[cell] = i16::try_from(index).map_err(|error| ParquetError::General(error.to_string()))?;
-                category[cell] = recording.objects[usize::from(index)].category.code();
+    for (patch, part) in recording.layout.patches.iter().enumerate() {
+        let poses = frames.iter().map(|frame| pose_numbers(&frame.patch_pose_world[patch]));
+        builder.push_f64(poses.flatten())?;
+        let mut sensed = vec![0.0; frames.len() * part.taxels.len()];
+        for (row, frame) in frames.iter().enumerate() {
+            for reading in readings_of(frame, patch) {
+                sensed[row * part.taxels.len() + usize::from(reading.taxel)] = reading.sensed_force_n;
             }
         }
+        builder.push(Float64Array::from(sensed))?;
     }
-    builder.push_f64(
-        frames
-            .iter()
-            .flat_map(|frame| pose_numbers(&frame.patch_pose_world[patch])),
-    )?;
-    builder.push(Float64Array::from(sensed))?;
-    builder.push(Float64Array::from(normal))?;
-    builder.push(Float64Array::from(shear))?;
-    builder.push(Int16Array::from(object))?;
-    builder.push(Int8Array::from(category))?;
-    builder.push_f64(
-        frames
-            .iter()
-            .flat_map(|frame| frame.contact_force_world[patch].to_array()),
-    )
+    Ok(builder.finish())
 }
 
-/// One column with its width, read row by row.
-struct Rows<'a, T> {
-    numbers: &'a [T],
-    width: usize,
+/// The readings of the taxels of a patch.
+pub(super) fn readings_of(frame: &Frame, patch: usize) -> impl Iterator<Item = &TaxelReading> {
+    let of_patch = move |reading: &&TaxelReading| usize::from(reading.patch) == patch;
+    frame.taxels.iter().filter(of_patch)
 }
 
-impl<'a, T> Rows<'a, T> {
-    fn new<P: ArrowPrimitiveType<Native = T>>(
-        columns: &Columns<'a>,
-        name: &str,
-        width: usize,
-    ) -> Result<Self, DiskError> {
-        Ok(Rows {
-            numbers: columns.rows::<P>(name, width)?,
-            width,
-        })
-    }
-
-    fn row(&self, row: usize) -> &'a [T] {
-        &self.numbers[row * self.width..(row + 1) * self.width]
-    }
-}
-
-/// The columns of one patch.
-struct PatchColumns<'a> {
-    pose: Rows<'a, f64>,
-    sensed: Rows<'a, f64>,
-    normal: Rows<'a, f64>,
-    shear: Rows<'a, f64>,
-    object: Rows<'a, i16>,
-    category: Rows<'a, i8>,
-    contact_force: Rows<'a, f64>,
-}
-
-impl<'a> PatchColumns<'a> {
-    fn new(columns: &Columns<'a>, patch: &crate::Patch) -> Result<Self, DiskError> {
-        let taxels = patch.taxels.len();
-        let name = |feature: PatchFeature| feature.column(&patch.name);
-        Ok(PatchColumns {
-            pose: Rows::new::<Float64Type>(columns, &name(PatchFeature::Pose), 7)?,
-            sensed: Rows::new::<Float64Type>(columns, &name(PatchFeature::Tactile), taxels)?,
-            normal: Rows::new::<Float64Type>(columns, &name(PatchFeature::NormalForce), taxels)?,
-            shear: Rows::new::<Float64Type>(columns, &name(PatchFeature::ShearForce), 2 * taxels)?,
-            object: Rows::new::<Int16Type>(columns, &name(PatchFeature::Object), taxels)?,
-            category: Rows::new::<Int8Type>(columns, &name(PatchFeature::Category), taxels)?,
-            contact_force: Rows::new::<Float64Type>(columns, &name(PatchFeature::ContactForce), 3)?,
-        })
-    }
-}
-
-fn vector(numbers: &[f64]) -> DVec3 {
+pub(super) fn vector(numbers: &[f64]) -> DVec3 {
     DVec3::new(numbers[0], numbers[1], numbers[2])
 }
 
@@ -200,7 +92,8 @@ fn pose(numbers: &[f64]) -> Pose {
     }
 }
 
-/// Appends the rows of a batch to the frames of a recording whose other fields are known.
+/// Appends the rows of a batch to the frames of a recording whose other fields are known. They have no ground truth yet:
+/// only taxels that report a force, without object and true force.
 pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Result<(), DiskError> {
     let joints = recording.joint_names.len();
     let wide = |name: &str, width: usize| Rows::new::<Float64Type>(columns, name, width);
@@ -213,12 +106,12 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
     let tip_pose = wide("observation.tip_pose", 7)?;
     let goal_position = wide("goal_position", 3)?;
     let goal_index = columns.numbers::<Int32Type>("goal_index")?;
-    let patches = recording
-        .layout
-        .patches
-        .iter()
-        .map(|patch| PatchColumns::new(columns, patch));
-    let patches = patches.collect::<Result<Vec<_>, _>>()?;
+    let patches = recording.layout.patches.iter().map(|patch| {
+        let pose = wide(&PatchFeature::Pose.column(&patch.name), 7)?;
+        let sensed = wide(&PatchFeature::Tactile.column(&patch.name), patch.taxels.len())?;
+        Ok((pose, sensed))
+    });
+    let patches = patches.collect::<Result<Vec<_>, DiskError>>()?;
     for row in 0..columns.batch.num_rows() {
         if usize::try_from(frame_index[row]) != Ok(recording.frames.len()) {
             let allowed = format!("{}: rows in the order of the frames", recording.frames.len());
@@ -227,8 +120,20 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
         let goal_index = u16::try_from(goal_index[row])
             .map_err(|_| columns.error("goal_index", goal_index[row].to_string(), "0 to 65535"))?;
         let mut taxels = Vec::new();
-        for (patch, patch_columns) in patches.iter().enumerate() {
-            read_taxels(columns, recording, patch, patch_columns, row, &mut taxels)?;
+        for (patch, (_, sensed)) in patches.iter().enumerate() {
+            for (taxel, &sensed_force_n) in sensed.row(row).iter().enumerate() {
+                if !is_nothing(sensed_force_n) {
+                    taxels.push(TaxelReading {
+                        // The layout was checked: both fit.
+                        patch: patch as u16,
+                        taxel: taxel as u16,
+                        true_normal_force_n: 0.0,
+                        true_shear_force_n: [0.0; 2],
+                        sensed_force_n,
+                        object: None,
+                    });
+                }
+            }
         }
         recording.frames.push(Frame {
             time_s: time[row],
@@ -239,66 +144,65 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
             tip_pose_world: pose(tip_pose.row(row)),
             goal_position_world: vector(goal_position.row(row)),
             goal_index,
-            patch_pose_world: patches.iter().map(|patch| pose(patch.pose.row(row))).collect(),
-            contact_force_world: patches
-                .iter()
-                .map(|patch| vector(patch.contact_force.row(row)))
-                .collect(),
+            patch_pose_world: patches.iter().map(|(poses, _)| pose(poses.row(row))).collect(),
+            contact_force_world: vec![DVec3::ZERO; patches.len()],
             taxels,
         });
     }
     Ok(())
 }
 
-fn read_taxels(
-    columns: &Columns,
-    recording: &Recording,
-    patch: usize,
-    patch_columns: &PatchColumns,
-    row: usize,
-    taxels: &mut Vec<TaxelReading>,
-) -> Result<(), DiskError> {
-    let name = &recording.layout.patches[patch].name;
-    let (sensed, normal) = (patch_columns.sensed.row(row), patch_columns.normal.row(row));
-    let (shear, object, category) = (
-        patch_columns.shear.row(row),
-        patch_columns.object.row(row),
-        patch_columns.category.row(row),
-    );
-    for taxel in 0..sensed.len() {
-        let forces = [normal[taxel], shear[2 * taxel], shear[2 * taxel + 1], sensed[taxel]];
-        if object[taxel] == i16::from(NONE) && forces == [0.0; 4] {
-            continue;
-        }
-        let found = match object[taxel] {
-            none if none == i16::from(NONE) => None,
-            index => {
-                let object = usize::try_from(index)
-                    .ok()
-                    .and_then(|index| recording.objects.get(index));
-                let Some(object) = object else {
-                    let allowed = format!(
-                        "−1 or an object from 0 to {}",
-                        recording.objects.len().saturating_sub(1)
-                    );
-                    return Err(columns.error(&PatchFeature::Object.column(name), index.to_string(), allowed));
-                };
-                if object.category.code() != category[taxel] {
-                    let allowed = format!("{}, the category of object {index}", object.category.code());
-                    let column = PatchFeature::Category.column(name);
-                    return Err(columns.error(&column, category[taxel].to_string(), allowed));
-                }
-                u16::try_from(index).ok()
-            }
-        };
-        taxels.push(TaxelReading {
-            patch: patch as u16,
-            taxel: taxel as u16,
-            true_normal_force_n: normal[taxel],
-            true_shear_force_n: [shear[2 * taxel], shear[2 * taxel + 1]],
-            sensed_force_n: sensed[taxel],
-            object: found,
-        });
+/// Whether a number is what a column holds for a taxel that is not listed: 0, but not −0, so that the way back is exact.
+pub(super) fn is_nothing(number: f64) -> bool {
+    number.to_bits() == 0
+}
+
+/// What is true of one taxel in one frame.
+pub(super) struct TaxelTruth {
+    /// Patch and taxel by index.
+    pub(super) place: (u16, u16),
+    /// Force along the inward normal, N.
+    pub(super) normal_force_n: f64,
+    /// Force along the two tangents, N.
+    pub(super) shear_force_n: [f64; 2],
+    /// The object that presses most.
+    pub(super) object: Option<u16>,
+}
+
+impl TaxelTruth {
+    /// Of a reading, where there is anything to tell.
+    pub(super) fn of(reading: &TaxelReading) -> Option<Self> {
+        let [first_shear, second_shear] = reading.true_shear_force_n;
+        let forces = [reading.true_normal_force_n, first_shear, second_shear];
+        let touched = reading.object.is_some() || !forces.into_iter().all(is_nothing);
+        touched.then_some(TaxelTruth {
+            place: (reading.patch, reading.taxel),
+            normal_force_n: reading.true_normal_force_n,
+            shear_force_n: reading.true_shear_force_n,
+            object: reading.object,
+        })
     }
-    Ok(())
+
+    /// Adds it to a frame that was read without ground truth.
+    pub(super) fn add_to(self, frame: &mut Frame) {
+        let found = frame
+            .taxels
+            .binary_search_by_key(&self.place, |reading| (reading.patch, reading.taxel));
+        let position = found.unwrap_or_else(|position| {
+            let silent = TaxelReading {
+                patch: self.place.0,
+                taxel: self.place.1,
+                true_normal_force_n: 0.0,
+                true_shear_force_n: [0.0; 2],
+                sensed_force_n: 0.0,
+                object: None,
+            };
+            frame.taxels.insert(position, silent);
+            position
+        });
+        let reading = &mut frame.taxels[position];
+        reading.true_normal_force_n = self.normal_force_n;
+        reading.true_shear_force_n = self.shear_force_n;
+        reading.object = self.object;
+    }
 }

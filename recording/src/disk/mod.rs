@@ -28,6 +28,7 @@
 mod check;
 mod check_physics;
 mod dataset;
+mod dictionary;
 mod error;
 mod features;
 mod frames;
@@ -38,6 +39,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod trials;
+mod truth_columns;
 mod unfinished;
 mod whole_file;
 

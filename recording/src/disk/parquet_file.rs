@@ -6,12 +6,15 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use arrow_array::RecordBatch;
-use arrow_schema::SchemaRef;
+use arrow_schema::{DataType, SchemaRef};
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
-use parquet::basic::{Compression, ZstdLevel};
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
+};
+use parquet::basic::{Compression, Encoding, ZstdLevel};
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
+use parquet::schema::types::ColumnPath;
 
 use super::whole_file::{self, TemporaryFile};
 use super::{DiskError, seal};
@@ -19,6 +22,34 @@ use crate::InputError;
 
 /// Rows that are encoded or decoded together: 453 taxels make about 15 MB of dense columns of them.
 pub(super) const ROWS_PER_BATCH: usize = 1024;
+
+/// The column that says which episode a row belongs to.
+pub(super) const EPISODE_COLUMN: &str = "episode_index";
+
+/// How the columns of a schema are encoded before they are compressed: whole numbers, which are mostly counted up, as
+/// differences; text by dictionary, as it repeats; numbers in single precision, which are poses that change little from
+/// row to row, byte by byte.
+fn encodings(schema: &SchemaRef) -> WriterPropertiesBuilder {
+    let mut builder = WriterProperties::builder();
+    for field in schema.fields() {
+        let (number, path) = match field.data_type() {
+            DataType::List(item) | DataType::FixedSizeList(item, _) => {
+                let path = vec![field.name().clone(), "list".into(), item.name().clone()];
+                (item.data_type(), ColumnPath::new(path))
+            }
+            plain => (plain, ColumnPath::new(vec![field.name().clone()])),
+        };
+        builder = match number {
+            DataType::Int8 | DataType::Int16 | DataType::Int32 | DataType::Int64 => {
+                builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED)
+            }
+            DataType::Float32 => builder.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
+            DataType::Utf8 => builder.set_column_dictionary_enabled(path, true),
+            _ => builder,
+        };
+    }
+    builder
+}
 
 /// A Parquet file (zstd) in the making; it appears under its name when closed.
 pub(super) struct ParquetFile {
@@ -40,12 +71,14 @@ impl ParquetFile {
             .map(|(key, value)| KeyValue::new(key.to_string(), value))
             .collect();
         let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
-        let properties = WriterProperties::builder()
+        let properties = encodings(&schema)
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             // Columns are forces and angles that hardly repeat but for zeros, which zstd takes care of.
             .set_dictionary_enabled(false)
-            // Least and largest value of a column of lists help no reader, and take time and room in the footer.
+            // Least and largest value of a column of lists help no reader, and take time and room in the footer. Those of
+            // the episode let a reader skip all row groups but the one that it wants.
             .set_statistics_enabled(EnabledStatistics::None)
+            .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
             // Row groups end where the caller ends them, so that one holds one episode however long.
             .set_max_row_group_row_count(None)
             .set_key_value_metadata(Some(key_values))
@@ -125,6 +158,11 @@ pub(super) fn open_input(path: &Path) -> Result<File, DiskError> {
     Ok(file)
 }
 
+/// Reads the footer of a Parquet file.
+pub(super) fn read_footer(path: &Path, file: &File) -> Result<ArrowReaderMetadata, DiskError> {
+    decode(path, || ArrowReaderMetadata::load(file, ArrowReaderOptions::default()))
+}
+
 /// Opens a Parquet file for reading.
 pub(super) fn open(
     path: &Path,
@@ -164,22 +202,6 @@ impl Iterator for Batches {
         }
         batch.transpose()
     }
-}
-
-/// The batches of the rows `first..first + count` of a table.
-pub(super) fn read_rows(path: &Path, first: usize, count: usize) -> Result<Vec<RecordBatch>, DiskError> {
-    let builder = open(path, ArrowReaderOptions::default())?
-        .with_offset(first)
-        .with_limit(count);
-    let batches = Batches::new(path, builder)?.collect::<Result<Vec<_>, _>>()?;
-    let found: usize = batches.iter().map(RecordBatch::num_rows).sum();
-    if found != count {
-        return Err(broken(
-            path,
-            format!("{found} rows from row {first} on where {count} are expected"),
-        ));
-    }
-    Ok(batches)
 }
 
 /// The value of a metadata key of a Parquet file.

@@ -1,15 +1,20 @@
 //! One recording in one Parquet file: one row a frame; what is not per frame as JSON in the metadata.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use arrow_array::RecordBatch;
+use arrow_schema::Schema;
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
+use parquet::errors::ParquetError;
 
 use super::check::{check_layout, check_recording};
-use super::features::{features, schema};
-use super::frames::{append_frames, frame_rows};
+use super::features::{features, fields, truth_features};
+use super::frames::{Numbering, append_frames, frame_columns};
 use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open};
 use super::table::Columns;
 use super::{DiskError, seal};
+use super::truth_columns::{add_moves, add_taxel_truth, moved_columns, moved_fields, moves, taxel_columns};
 use crate::{InputError, Recording};
 
 /// Metadata key of the format's version.
@@ -30,6 +35,8 @@ fn without_frames(recording: &Recording) -> Recording {
         joint_names: recording.joint_names.clone(),
         layout: recording.layout.clone(),
         objects: recording.objects.clone(),
+        // Their tracks are not serialized.
+        bodies: recording.bodies.clone(),
         goals: recording.goals.clone(),
         contacts: recording.contacts.clone(),
         frames: Vec::new(),
@@ -50,19 +57,29 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let header = serde_json::to_string(&without_frames(recording))
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
-    let schema = schema(&features(&recording.joint_names, &recording.layout));
+    let mut columns = fields(&features(&recording.joint_names, &recording.layout));
+    columns.extend(fields(&truth_features(&recording.layout)));
+    columns.extend(moved_fields());
+    let schema = Arc::new(Schema::new(columns));
     let mut file = ParquetFile::create(
         path,
-        schema,
+        Arc::clone(&schema),
         [
             (FORMAT_KEY, FORMAT.to_string()),
             (RECORDING_KEY, header),
             seal::unsealed(),
         ],
     )?;
+    let moves = moves(recording);
     for first in (0..recording.frames.len()).step_by(ROWS_PER_BATCH) {
         let count = ROWS_PER_BATCH.min(recording.frames.len() - first);
-        file.write(&frame_rows(recording, first, count).map_err(DiskError::encode(path))?)?;
+        let batch = || -> Result<RecordBatch, ParquetError> {
+            let mut columns = frame_columns(recording, first, count, Numbering::default())?;
+            columns.extend(taxel_columns(recording, first, count)?);
+            columns.extend(moved_columns(&moves, first, count));
+            Ok(RecordBatch::try_new(Arc::clone(&schema), columns)?)
+        };
+        file.write(&batch().map_err(DiskError::encode(path))?)?;
     }
     file.close()
 }
@@ -75,7 +92,7 @@ pub fn is_recording(path: impl AsRef<Path>) -> bool {
 }
 
 /// Opens a recording: everything but its frames, and the batches that hold them.
-pub(super) fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
+fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
     let builder = open(path, ArrowReaderOptions::default())?;
     let format = key_value(path, &builder, FORMAT_KEY)?;
     if format != FORMAT {
@@ -106,7 +123,12 @@ pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
     let (mut recording, batches) = open_recording(path)?;
     check_layout(&recording.layout).map_err(|violation| violation.misread(path))?;
     for batch in batches {
-        append_frames(&Columns { path, batch: &batch? }, &mut recording)?;
+        let batch = batch?;
+        let columns = Columns { path, batch: &batch };
+        let first = recording.frames.len();
+        append_frames(&columns, &mut recording)?;
+        add_taxel_truth(&columns, &mut recording, first)?;
+        add_moves(&columns, &mut recording, first)?;
     }
     check_recording(&recording).map_err(|violation| violation.misread(path))?;
     Ok(recording)

@@ -8,22 +8,56 @@ use arrow_array::types::Float64Type;
 use arrow_array::{
     Array, ArrayRef, ArrowPrimitiveType, FixedSizeListArray, Float64Array, PrimitiveArray, RecordBatch, StringArray,
 };
-use glam::DVec3;
+use arrow_schema::{Field, Schema};
+use glam::{DQuat, DVec3};
 
 use super::DiskError;
+use super::dictionary::Table;
 use crate::InputError;
 
 /// Columns for a table; all are nullable, so that the schema does not depend on the rows.
-#[derive(Default)]
 pub(super) struct TableBuilder {
-    columns: Vec<(String, ArrayRef)>,
+    /// Where the columns are described.
+    table: Option<&'static Table>,
+    fields: Vec<Field>,
+    columns: Vec<ArrayRef>,
 }
 
 impl TableBuilder {
+    /// A table whose columns the data dictionary describes.
+    pub(super) fn new(table: &'static Table) -> Self {
+        TableBuilder {
+            table: Some(table),
+            ..TableBuilder::undescribed()
+        }
+    }
+
+    /// A table that the data dictionary does not list.
+    pub(super) fn undescribed() -> Self {
+        TableBuilder {
+            table: None,
+            fields: Vec::new(),
+            columns: Vec::new(),
+        }
+    }
+
     /// Adds a column.
     pub(super) fn column(mut self, name: impl Into<String>, array: impl Array + 'static) -> Self {
-        self.columns.push((name.into(), Arc::new(array)));
+        let name = name.into();
+        let metadata = self.table.and_then(|table| table.metadata(&name)).unwrap_or_default();
+        let field = Field::new(name, array.data_type().clone(), true).with_metadata(metadata);
+        self.fields.push(field);
+        self.columns.push(Arc::new(array));
         self
+    }
+
+    /// Adds four columns `<name>_x`, `_y`, `_z`, `_w`.
+    pub(super) fn quaternions(self, name: &str, quaternions: impl Iterator<Item = DQuat> + Clone) -> Self {
+        let letters = ["x", "y", "z", "w"].into_iter().enumerate();
+        letters.fold(self, |table, (axis, letter)| {
+            let numbers = quaternions.clone().map(|quaternion| quaternion.to_array()[axis]);
+            table.column(format!("{name}_{letter}"), Float64Array::from_iter_values(numbers))
+        })
     }
 
     /// Adds three columns `<name>_x<unit>`, `_y`, `_z`.
@@ -39,7 +73,7 @@ impl TableBuilder {
 
     /// The table, to be written to `path`.
     pub(super) fn build(self, path: &Path) -> Result<RecordBatch, DiskError> {
-        RecordBatch::try_from_iter_with_nullable(self.columns.into_iter().map(|(name, array)| (name, array, true)))
+        RecordBatch::try_new(Arc::new(Schema::new(self.fields)), self.columns)
             .map_err(|error| DiskError::encode(path)(error.into()))
     }
 }
@@ -58,7 +92,8 @@ impl<'a> Columns<'a> {
         InputError::new(self.path, name, found, allowed, "write or copy the file again").into()
     }
 
-    fn typed<A: Array + 'static>(&self, name: &str, expected: &str) -> Result<&'a A, DiskError> {
+    /// A column, nulls allowed.
+    pub(super) fn typed<A: Array + 'static>(&self, name: &str, expected: &str) -> Result<&'a A, DiskError> {
         let array = self
             .batch
             .column_by_name(name)
@@ -122,6 +157,14 @@ impl<'a> Columns<'a> {
         self.typed(name, "text")
     }
 
+    /// The four columns of [`TableBuilder::quaternions`], as quaternions.
+    pub(super) fn quaternions(&self, name: &str) -> Result<Vec<DQuat>, DiskError> {
+        let axis = |letter: &str| self.numbers::<Float64Type>(&format!("{name}_{letter}"));
+        let (x, y, z, w) = (axis("x")?, axis("y")?, axis("z")?, axis("w")?);
+        let quaternion = |row: usize| DQuat::from_xyzw(x[row], y[row], z[row], w[row]);
+        Ok((0..self.batch.num_rows()).map(quaternion).collect())
+    }
+
     /// The three columns of [`TableBuilder::vectors`], as vectors.
     pub(super) fn vectors(&self, name: &str, unit: &str) -> Result<Vec<DVec3>, DiskError> {
         let axis = |letter: &str| self.numbers::<Float64Type>(&format!("{name}_{letter}{unit}"));
@@ -131,5 +174,30 @@ impl<'a> Columns<'a> {
             .zip(z)
             .map(|((&x, &y), &z)| DVec3::new(x, y, z))
             .collect())
+    }
+}
+
+/// One column with its width, read row by row.
+pub(super) struct Rows<'a, T> {
+    numbers: &'a [T],
+    width: usize,
+}
+
+impl<'a, T> Rows<'a, T> {
+    /// Finds the column.
+    pub(super) fn new<P: ArrowPrimitiveType<Native = T>>(
+        columns: &Columns<'a>,
+        name: &str,
+        width: usize,
+    ) -> Result<Self, DiskError> {
+        Ok(Rows {
+            numbers: columns.rows::<P>(name, width)?,
+            width,
+        })
+    }
+
+    /// The numbers of a row.
+    pub(super) fn row(&self, row: usize) -> &'a [T] {
+        &self.numbers[row * self.width..(row + 1) * self.width]
     }
 }

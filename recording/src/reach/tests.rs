@@ -19,6 +19,7 @@ fn recording(contacts: Vec<Contact>) -> Recording {
             patches: vec![patch("forearm"), patch("flipper")],
         },
         objects: Vec::new(),
+        bodies: vec![],
         goals: Vec::new(),
         contacts,
         frames: Vec::new(),

@@ -96,6 +96,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
         joint_names: vec![],
         layout: layout(),
         objects: vec![object("leaf", Category::Leaf), object("trunk", Category::Trunk)],
+        bodies: vec![],
         goals: vec![],
         contacts: vec![],
         frames,

@@ -116,7 +116,7 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
     for episode in episodes {
         tasks.append_value([Some(&episode.task)]);
     }
-    let table = TableBuilder::default()
+    let table = TableBuilder::undescribed()
         .column("episode_index", Int64Array::from_iter_values(0..episodes.len() as i64))
         .column("tasks", tasks.finish())
         .column("length", count(|episode| episode.frames))
@@ -335,7 +335,7 @@ fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
 pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
     let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
     tasks.sort_unstable();
-    let batch = TableBuilder::default()
+    let batch = TableBuilder::undescribed()
         .column(
             "task_index",
             Int64Array::from_iter_values(tasks.iter().map(|(number, _)| *number)),

@@ -15,7 +15,7 @@ use crate::disk::features::Feature;
 /// The version of LeRobot's layout that this program writes and reads.
 pub(super) const CODEBASE_VERSION: &str = "v3.0";
 /// The version of what this program adds to that layout.
-pub(super) const FORMAT: &str = "underbrush-dataset/2";
+pub(super) const FORMAT: &str = "underbrush-dataset/3";
 /// Size at which a new data file begins, MB: LeRobot's default.
 pub(super) const MEGABYTES_PER_FILE: u64 = 100;
 /// Data files to a folder.

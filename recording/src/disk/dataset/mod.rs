@@ -1,12 +1,13 @@
 //! A data set: many reaches in one folder, in the LeRobotDataset v3.0 layout (plain Parquet and JSON).
 //!
 //! ```text
-//! data/chunk-000/file-000.parquet …             the frames, one row group an episode
+//! README.md                                     the card: how to load it; columns, units and codes
+//! data/chunk-000/file-000.parquet …             the frames, one row group an episode: what a robot could know
+//! truth/TABLE/chunk-000/file-000.parquet …      ground truth: taxels patches objects contacts goals bodies poses
 //! meta/info.json                                features and totals; written last, so a set without it is unfinished
 //! meta/episodes/chunk-000/file-000.parquet      one row an episode: where its frames are, how it ended, its audit
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics
 //! meta/taxels.parquet                           where every taxel is
-//! meta/objects.parquet  goals  contacts         ground truth, one row each
 //! meta/provenance.json  meta/checksums.json     where it comes from, with the text of scenes and arms; BLAKE3 of every file
 //! incomplete/                                   only while reaches are missing: plan.json and the finished reaches
 //! ```
@@ -17,8 +18,12 @@ mod finish;
 mod info;
 mod plan;
 mod reader;
+mod row_groups;
 mod statistics;
+mod table_files;
 mod taxel_table;
+mod truth_bodies;
+mod truth_frames;
 mod truth_tables;
 mod writer;
 
@@ -32,22 +37,21 @@ pub use writer::DatasetWriter;
 mod names {
     /// Folders that hold nothing but files of the set.
     pub(super) const FOLDERS: [&str; 3] = ["data", "truth", "meta"];
+    use crate::disk::dictionary::Table;
+
     pub(super) const INFO: &str = "meta/info.json";
     pub(super) const STATS: &str = "meta/stats.json";
     pub(super) const TASKS: &str = "meta/tasks.parquet";
     pub(super) const EPISODES: &str = "meta/episodes/chunk-000/file-000.parquet";
     pub(super) const TAXELS: &str = "meta/taxels.parquet";
-    pub(super) const OBJECTS: &str = "meta/objects.parquet";
-    pub(super) const GOALS: &str = "meta/goals.parquet";
-    pub(super) const CONTACTS: &str = "meta/contacts.parquet";
     pub(super) const PROVENANCE: &str = "meta/provenance.json";
     pub(super) const CHECKSUMS: &str = "meta/checksums.json";
     pub(super) const INCOMPLETE: &str = "incomplete";
     pub(super) const PLAN: &str = "incomplete/plan.json";
     pub(super) const LOCK: &str = "incomplete/lock";
 
-    /// The path of a data file.
-    pub(super) fn data(chunk: usize, file: usize) -> String {
-        format!("data/chunk-{chunk:03}/file-{file:03}.parquet")
+    /// The path of a file of a table that has many.
+    pub(super) fn table(table: &Table, chunk: usize, file: usize) -> String {
+        format!("{}/chunk-{chunk:03}/file-{file:03}.parquet", table.path)
     }
 }

@@ -4,19 +4,21 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use parquet::arrow::arrow_reader::ArrowReaderOptions;
-
 use super::checksums::Checksums;
 use super::episode_table::{Episode, read_episodes};
 use super::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
+use super::row_groups::Footers;
 use super::taxel_table::read_taxels;
+use super::truth_bodies::{add_poses, read_bodies};
+use super::truth_frames::{add_patches, add_taxels};
 use super::truth_tables::{read_contacts, read_goals, read_objects};
 use super::{DatasetPlan, PlannedEpisode, Provenance, names};
 use crate::disk::DiskError;
 use crate::disk::check::check_recording;
+use crate::disk::dictionary::{
+    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+};
 use crate::disk::frames::append_frames;
-use crate::disk::parquet_file::{Batches, broken, open};
-use crate::disk::table::Columns;
 use crate::{InputError, Recording, SkinLayout};
 
 /// A finished data set on disk; frames are read reach by reach.
@@ -31,6 +33,7 @@ pub struct Dataset {
     checksums: Checksums,
     /// Files whose hash has been checked.
     checked: Mutex<BTreeSet<String>>,
+    footers: Footers,
 }
 
 /// Why a folder is no finished data set, if that shows from the files that are there.
@@ -127,6 +130,7 @@ impl Dataset {
             episodes,
             checksums,
             checked: Mutex::new(checked),
+            footers: Footers::default(),
             dir,
         })
     }
@@ -207,7 +211,8 @@ impl Dataset {
                 count: self.episodes.len(),
             });
         };
-        let first = |count: fn(&Episode) -> usize| self.episodes[..index].iter().map(count).sum::<usize>();
+        let file = |table: &Table| self.file(&names::table(table, episode.chunk_index, episode.file_index));
+        let rows = |table: &Table| self.footers.rows(&file(table)?, index);
         let mut recording = Recording {
             scene: episode.scene.clone(),
             controller: episode.controller.clone(),
@@ -216,46 +221,21 @@ impl Dataset {
             rate_hz: self.info.fps,
             joint_names: self.joint_names.clone(),
             layout: self.layout.clone(),
-            objects: read_objects(&self.file(names::OBJECTS)?, first(|e| e.objects), episode.objects)?,
-            goals: read_goals(
-                &self.file(names::GOALS)?,
-                &self.layout,
-                first(|e| e.goals()),
-                episode.goals(),
-            )?,
-            contacts: read_contacts(
-                &self.file(names::CONTACTS)?,
-                &self.layout,
-                first(|e| e.contacts),
-                episode.contacts,
-            )?,
-            frames: Vec::new(),
+            objects: read_objects(&rows(&TRUTH_OBJECTS)?.expect(episode.objects)?)?,
+            bodies: read_bodies(&rows(&TRUTH_BODIES)?)?,
+            goals: read_goals(&rows(&TRUTH_GOALS)?.expect(episode.goals())?, &self.layout)?,
+            contacts: read_contacts(&rows(&TRUTH_CONTACTS)?.expect(episode.contacts)?, &self.layout)?,
+            frames: Vec::with_capacity(episode.frames),
             audit: episode.audit,
         };
-        let path = self.file(&names::data(episode.chunk_index, episode.file_index))?;
-        self.read_frames(&path, index, &mut recording)?;
+        for columns in rows(&FRAMES)?.expect(episode.frames)?.columns() {
+            append_frames(&columns, &mut recording)?;
+        }
+        add_taxels(&rows(&TRUTH_TAXELS)?, &mut recording)?;
+        add_patches(&rows(&TRUTH_PATCHES)?, &mut recording)?;
+        add_poses(&rows(&TRUTH_POSES)?, &mut recording.bodies)?;
+        let path = file(&FRAMES)?;
         check_recording(&recording).map_err(|violation| violation.misread(&path))?;
         Ok(recording)
-    }
-
-    /// Reads the frames of an episode: its row group is the one whose first row has its place in the data file.
-    fn read_frames(&self, path: &Path, index: usize, recording: &mut Recording) -> Result<(), DiskError> {
-        let episode = &self.episodes[index];
-        let same_file = |e: &&Episode| (e.chunk_index, e.file_index) == (episode.chunk_index, episode.file_index);
-        let row_group = self.episodes[..index].iter().filter(same_file).count();
-        let builder = open(path, ArrowReaderOptions::default())?;
-        let rows = builder
-            .metadata()
-            .row_groups()
-            .get(row_group)
-            .map_or(0, |group| group.num_rows());
-        if usize::try_from(rows) != Ok(episode.frames) {
-            let found = format!("{rows} rows in row group {row_group}, {} expected", episode.frames);
-            return Err(broken(path, found));
-        }
-        for batch in Batches::new(path, builder.with_row_groups(vec![row_group]))? {
-            append_frames(&Columns { path, batch: &batch? }, recording)?;
-        }
-        Ok(())
     }
 }

@@ -8,6 +8,7 @@ use parquet::arrow::arrow_reader::ArrowReaderOptions;
 
 use crate::disk::DiskError;
 use crate::disk::check::check_layout;
+use crate::disk::dictionary::TAXELS;
 use crate::disk::parquet_file::{Batches, broken, key_value, open, write_table};
 use crate::disk::table::{Columns, TableBuilder};
 use crate::{Patch, SkinLayout, Taxel};
@@ -34,7 +35,7 @@ pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
             .collect()
     };
     let taxels = || rows.iter().map(|(.., taxel)| *taxel);
-    let batch = TableBuilder::default()
+    let batch = TableBuilder::new(&TAXELS)
         .column(
             "patch",
             StringArray::from_iter_values(rows.iter().map(|(patch, ..)| &patch.name)),

@@ -1,19 +1,19 @@
-//! Ground truth beside the frames: `meta/objects.parquet`, `meta/goals.parquet`, `meta/contacts.parquet`.
-//!
-//! Rows stand in the order of the episodes, so that counts per episode say where each episode's rows begin.
+//! What is true of a reach as a whole: the tables `truth/objects`, `truth/goals` and `truth/contacts`.
 
 use std::path::Path;
 
 use arrow_array::types::{Float64Type, Int32Type, Int64Type};
 use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};
 
+use super::row_groups::EpisodeRows;
 use crate::disk::DiskError;
-use crate::disk::parquet_file::read_rows;
+use crate::disk::dictionary::{TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, Table};
 use crate::disk::table::{Columns, TableBuilder};
-use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, SafetyStop, SkinLayout};
+use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SafetyStop, SkinLayout};
 
-fn table(episode: usize, rows: usize) -> TableBuilder {
-    TableBuilder::default().column("episode_index", Int64Array::from_value(episode as i64, rows))
+/// Begins with the column of the episode.
+pub(super) fn table(described: &'static Table, episode: usize, rows: usize) -> TableBuilder {
+    TableBuilder::new(described).column("episode_index", Int64Array::from_value(episode as i64, rows))
 }
 
 fn numbering(rows: usize) -> Int32Array {
@@ -29,12 +29,13 @@ fn numbers(values: impl Iterator<Item = f64>) -> Float64Array {
 }
 
 /// An episode's objects; parameters as a JSON object.
-pub(super) fn object_rows(path: &Path, episode: usize, objects: &[ObjectRecord]) -> Result<RecordBatch, DiskError> {
+pub(super) fn object_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let objects = &recording.objects;
     let parameters = objects.iter().map(|object| serde_json::to_string(&object.parameters));
     let parameters = parameters
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
-    table(episode, objects.len())
+    table(&TRUTH_OBJECTS, episode, objects.len())
         .column("object_index", numbering(objects.len()))
         .column("kind", text(objects.iter().map(|object| object.kind.as_str())))
         .column("category", text(objects.iter().map(|object| object.category.name())))
@@ -47,11 +48,10 @@ pub(super) fn object_rows(path: &Path, episode: usize, objects: &[ObjectRecord])
         .build(path)
 }
 
-/// The objects in the rows from `first` on.
-pub(super) fn read_objects(path: &Path, first: usize, count: usize) -> Result<Vec<ObjectRecord>, DiskError> {
+/// The objects of an episode.
+pub(super) fn read_objects(rows: &EpisodeRows) -> Result<Vec<ObjectRecord>, DiskError> {
     let mut objects = Vec::new();
-    for batch in read_rows(path, first, count)? {
-        let columns = Columns { path, batch: &batch };
+    for columns in rows.columns() {
         let (kind, category) = (columns.text("kind")?, columns.text("category")?);
         let parameters = columns.text("parameters")?;
         for (row, position_world) in columns.vectors("position_world", "_m")?.into_iter().enumerate() {
@@ -70,14 +70,10 @@ pub(super) fn read_objects(path: &Path, first: usize, count: usize) -> Result<Ve
 
 /// An episode's goals; the columns of a safety stop are null where there was none, `stop_patch` also where most of the
 /// force fell on a part of the link without skin.
-pub(super) fn goal_rows(
-    path: &Path,
-    episode: usize,
-    goals: &[GoalRecord],
-    layout: &SkinLayout,
-) -> Result<RecordBatch, DiskError> {
+pub(super) fn goal_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let Recording { goals, layout, .. } = recording;
     let stops = || goals.iter().map(|goal| goal.safety_stop.as_ref());
-    table(episode, goals.len())
+    table(&TRUTH_GOALS, episode, goals.len())
         .column("goal_index", numbering(goals.len()))
         .vectors("position_world", "_m", goals.iter().map(|goal| goal.position_world))
         .column("start_time_s", numbers(goals.iter().map(|goal| goal.start_time_s)))
@@ -110,16 +106,10 @@ pub(super) fn goal_rows(
         .build(path)
 }
 
-/// The goals in the rows from `first` on.
-pub(super) fn read_goals(
-    path: &Path,
-    layout: &SkinLayout,
-    first: usize,
-    count: usize,
-) -> Result<Vec<GoalRecord>, DiskError> {
+/// The goals of an episode.
+pub(super) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>, DiskError> {
     let mut goals = Vec::new();
-    for batch in read_rows(path, first, count)? {
-        let columns = Columns { path, batch: &batch };
+    for columns in rows.columns() {
         let start = columns.numbers::<Float64Type>("start_time_s")?;
         let end = columns.numbers::<Float64Type>("end_time_s")?;
         let outcome = columns.text("outcome")?;
@@ -194,19 +184,19 @@ pub(super) fn read_outcome(columns: &Columns, outcome: &StringArray, row: usize)
 }
 
 /// An episode's contacts, one row each; the patch is null for a part of the link without skin.
-pub(super) fn contact_rows(
-    path: &Path,
-    episode: usize,
-    contacts: &[Contact],
-    objects: &[ObjectRecord],
-    layout: &SkinLayout,
-) -> Result<RecordBatch, DiskError> {
+pub(super) fn contact_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let Recording {
+        contacts,
+        objects,
+        layout,
+        ..
+    } = recording;
     let category = |contact: &Contact| {
         let object = objects.get(usize::from(contact.object));
         object.map(|object| object.category.name())
     };
     let frames = |frame: fn(&Contact) -> u32| Int64Array::from_iter_values(contacts.iter().map(frame).map(i64::from));
-    table(episode, contacts.len())
+    table(&TRUTH_CONTACTS, episode, contacts.len())
         .column("link", text(contacts.iter().map(|contact| contact.link.as_str())))
         .column(
             "patch",
@@ -233,16 +223,10 @@ pub(super) fn contact_rows(
         .build(path)
 }
 
-/// The contacts in the rows from `first` on.
-pub(super) fn read_contacts(
-    path: &Path,
-    layout: &SkinLayout,
-    first: usize,
-    count: usize,
-) -> Result<Vec<Contact>, DiskError> {
+/// The contacts of an episode.
+pub(super) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<Contact>, DiskError> {
     let mut contacts = Vec::new();
-    for batch in read_rows(path, first, count)? {
-        let columns = Columns { path, batch: &batch };
+    for columns in rows.columns() {
         let link = columns.text("link")?;
         let patch = columns.text_or_null("patch")?;
         let object = columns.numbers::<Int32Type>("object_index")?;
@@ -252,7 +236,7 @@ pub(super) fn read_contacts(
         ];
         let peak = columns.numbers::<Float64Type>("peak_force_n")?;
         let mean = columns.numbers::<Float64Type>("mean_force_n")?;
-        for row in 0..batch.num_rows() {
+        for row in 0..columns.batch.num_rows() {
             let whole = |name: &str, number: i64| {
                 u32::try_from(number).map_err(|_| columns.error(name, number.to_string(), "0 to 4294967295"))
             };

@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 use crate::{
-    Audit, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SafetyStop,
+    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SafetyStop,
     SkinLayout, Taxel, TaxelReading,
 };
 
@@ -209,6 +209,49 @@ fn physical(mut recording: Recording) -> Recording {
     recording
 }
 
+fn unit_pose() -> impl Strategy<Value = Pose> {
+    ([-2.0..2.0f64, -2.0..2.0, -2.0..2.0], [-3.0..3.0f64, -1.5..1.5, -3.0..3.0]).prop_map(|(position, [a, b, c])| Pose {
+        position: DVec3::from_array(position),
+        orientation: DQuat::from_euler(glam::EulerRot::ZYX, a, b, c),
+    })
+}
+
+fn shape() -> impl Strategy<Value = BodyShape> {
+    prop_oneof![
+        number().prop_map(|radius_m| BodyShape::Sphere { radius_m }),
+        (number(), number()).prop_map(|(radius_m, length_m)| BodyShape::Cylinder { radius_m, length_m }),
+        (number(), number()).prop_map(|(radius_m, length_m)| BodyShape::Capsule { radius_m, length_m }),
+        vector().prop_map(|size_m| BodyShape::Box { size_m }),
+        prop::collection::vec(vector(), 0..5).prop_map(|points_m| BodyShape::Hull { points_m }),
+    ]
+}
+
+/// Bodies that were watched for some frames; those of objects only where there are any.
+fn bodies(objects: usize, frames: usize) -> impl Strategy<Value = Vec<Body>> {
+    let part = (shape(), unit_pose()).prop_map(|(shape, pose_body)| BodyPart { shape, pose_body });
+    let parts = prop::collection::vec(part, 0..3);
+    let poses = prop::collection::vec(prop::option::of(unit_pose()), frames);
+    let body = (prop::option::of(any::<Index>()), parts, unit_pose(), poses);
+    let body = body.prop_map(move |(object, parts, rest_pose_world, poses)| {
+        let object = object.filter(|_| objects > 0);
+        let mut body = Body {
+            owner: object.map_or(BodyOwner::Link("a link".into()), |object| {
+                BodyOwner::Object(object.index(objects) as u16)
+            }),
+            parts,
+            rest_pose_world,
+            track: Vec::new(),
+        };
+        for (frame, pose) in poses.iter().enumerate() {
+            if let Some(pose) = pose {
+                body.observe(frame as u32, pose);
+            }
+        }
+        body
+    });
+    prop::collection::vec(body, 0..4)
+}
+
 /// Any recording that keeps the rules of its types.
 pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
     any_numbers().prop_map(physical)
@@ -228,6 +271,7 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
         for (index, patch) in layout.patches.iter_mut().enumerate() {
             patch.name = format!("patch.{index}");
         }
+        let bodies = bodies(objects.len(), frames);
         let frames = prop::collection::vec(frame(joints, layout.clone(), objects.len()), frames);
         let contact = (
             prop::option::of(any::<Index>()),
@@ -237,14 +281,14 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
         );
         let contacts = prop::collection::vec(contact, 0..4);
         (
-            frames,
+            (frames, bodies),
             contacts,
             any::<(u64, u64)>(),
             1e-3..1e4f64,
             audit(),
             "\\PC{0,8}",
         )
-            .prop_map(move |(frames, contacts, (seed, reach_index), rate_hz, audit, scene)| {
+            .prop_map(move |((frames, bodies), contacts, (seed, reach_index), rate_hz, audit, scene)| {
                 let possible = !objects.is_empty() && !frames.is_empty();
                 let contacts = contacts
                     .into_iter()
@@ -288,12 +332,44 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
                     contacts: contacts.collect(),
                     layout: layout.clone(),
                     objects: objects.clone(),
+                    bodies,
                     goals: goals.collect(),
                     frames,
                     audit,
                 }
             })
     })
+}
+
+/// A link that moves for the first second.
+fn link(offset: f64, frames: usize) -> Body {
+    let pose = |frame: usize| Pose {
+        position: DVec3::new(frame.min(100) as f64 * 0.002, offset, 0.3),
+        orientation: DQuat::from_rotation_z(frame.min(100) as f64 * 0.01),
+    };
+    let mut body = Body {
+        owner: BodyOwner::Link("forearm_link".into()),
+        parts: vec![BodyPart {
+            shape: BodyShape::Capsule {
+                radius_m: 0.046,
+                length_m: 0.2,
+            },
+            pose_body: pose(0),
+        }],
+        rest_pose_world: pose(0),
+        track: Vec::new(),
+    };
+    (0..frames).for_each(|frame| body.observe(frame as u32, &pose(frame)));
+    body
+}
+
+/// The one body of an object, which rests.
+fn stem(object: u16) -> Body {
+    Body {
+        owner: BodyOwner::Object(object),
+        parts: Vec::new(),
+        ..link(0.1 * f64::from(object), 0)
+    }
 }
 
 /// A small smooth reach: two joints, a sleeve of 3 × 4 taxels and a tip of one, `frames` samples at 100 Hz.
@@ -374,6 +450,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             object("trunk", Category::Trunk, 0.2),
             object("leaf", Category::Leaf, 0.3 + offset),
         ],
+        bodies: vec![link(offset, frames), stem(0), stem(1)],
         goals: vec![GoalRecord {
             position_world: DVec3::new(0.5, 0.1, -0.1),
             start_time_s: 0.0,

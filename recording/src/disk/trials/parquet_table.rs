@@ -169,7 +169,7 @@ impl Columns {
             sum,
             touched,
         ] = COLUMNS;
-        TableBuilder::default()
+        TableBuilder::undescribed()
             .column(trial, self.trial.finish())
             .column(category, self.category.finish())
             .column(reach, self.reach.finish())

@@ -1,0 +1,163 @@
+//! The rigid bodies of a reach: their shapes, where they stand at rest and where they are while they move, so that a
+//! reach can be drawn without simulating it again.
+
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::Pose;
+
+/// Stored positions are multiples of this, m. Choice: an eighth of a millimetre cannot be seen in a picture of the
+/// arm, and numbers with so few digits take a quarter of the space. A power of two, so that they are exact in single
+/// precision.
+pub const POSITION_STEP_M: f64 = 1.0 / 8192.0;
+/// Stored components of quaternions are multiples of this. Choice: the end of a body half a metre long is then as far
+/// off as its origin.
+pub const ORIENTATION_STEP: f64 = 1.0 / 8192.0;
+
+/// How far a stored position can be from the true one, m: half a step along each axis.
+pub const POSITION_TOLERANCE_M: f64 = 0.87 * POSITION_STEP_M;
+/// How far a stored orientation can be turned from the true one, rad: four components that are half a step off make a
+/// quaternion that is one step off, and an angle is twice that between its quaternions.
+pub const ORIENTATION_TOLERANCE_RAD: f64 = 2.01 * ORIENTATION_STEP;
+
+/// What a body is part of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BodyOwner {
+    /// The link of the arm with this name.
+    Link(String),
+    /// The object with this index in [`crate::Recording::objects`].
+    Object(u16),
+}
+
+/// A collision shape, centred on its frame; a cylinder and a capsule lie along z.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BodyShape {
+    /// Sphere.
+    Sphere {
+        /// Radius, m.
+        radius_m: f64,
+    },
+    /// Cylinder.
+    Cylinder {
+        /// Radius, m.
+        radius_m: f64,
+        /// Length, m.
+        length_m: f64,
+    },
+    /// Capsule.
+    Capsule {
+        /// Radius, m.
+        radius_m: f64,
+        /// Length of the cylindrical part, m.
+        length_m: f64,
+    },
+    /// Box.
+    Box {
+        /// Full edge lengths, m.
+        size_m: DVec3,
+    },
+    /// Convex hull of points.
+    Hull {
+        /// The points, m.
+        points_m: Vec<DVec3>,
+    },
+}
+
+impl BodyShape {
+    /// All lengths and coordinates, m.
+    pub fn numbers(&self) -> Vec<f64> {
+        match self {
+            BodyShape::Sphere { radius_m } => vec![*radius_m],
+            BodyShape::Cylinder { radius_m, length_m } | BodyShape::Capsule { radius_m, length_m } => {
+                vec![*radius_m, *length_m]
+            }
+            BodyShape::Box { size_m } => size_m.to_array().to_vec(),
+            BodyShape::Hull { points_m } => points_m.iter().flat_map(|point| point.to_array()).collect(),
+        }
+    }
+}
+
+/// One collision shape of a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyPart {
+    /// The shape.
+    pub shape: BodyShape,
+    /// Pose of the shape's frame in the body's frame.
+    pub pose_body: Pose,
+}
+
+/// Where a body is from one frame on, in steps of [`POSITION_STEP_M`] and [`ORIENTATION_STEP`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackPoint {
+    /// The first frame in which the body is there.
+    pub frame: u32,
+    /// Origin of the body, m, world frame.
+    pub position_world_m: [f32; 3],
+    /// Rotation from the body's to the world frame (quaternion x y z w); of unit length but for the rounding.
+    pub orientation_world: [f32; 4],
+}
+
+/// One rigid body: a link of the arm, or a part of an object that moves as one piece.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// What it is part of.
+    pub owner: BodyOwner,
+    /// Its collision shapes.
+    pub parts: Vec<BodyPart>,
+    /// Where it stands before the reach begins: an object as it was built, a link in the arm's start posture.
+    pub rest_pose_world: Pose,
+    /// Where it moves, by frame; it stays where it is between two points.
+    #[serde(skip)]
+    pub track: Vec<TrackPoint>,
+}
+
+impl TrackPoint {
+    /// A pose rounded to the steps. Of the two quaternions of a rotation it takes the one nearer to `near`, so that the
+    /// numbers of a body that turns steadily do not jump.
+    fn new(frame: u32, pose: &Pose, near: DQuat) -> Self {
+        // Adding zero turns −0 into 0.
+        let round = |number: f64, step: f64| ((number / step).round() * step + 0.0) as f32;
+        let sign = if pose.orientation.dot(near) < 0.0 { -1.0 } else { 1.0 };
+        TrackPoint {
+            frame,
+            position_world_m: pose.position.to_array().map(|number| round(number, POSITION_STEP_M)),
+            orientation_world: pose
+                .orientation
+                .to_array()
+                .map(|number| round(sign * number, ORIENTATION_STEP)),
+        }
+    }
+
+    /// The pose, with a quaternion of unit length.
+    pub fn pose(&self) -> Pose {
+        Pose {
+            position: DVec3::from_array(self.position_world_m.map(f64::from)),
+            orientation: self.quaternion().normalize(),
+        }
+    }
+
+    fn quaternion(&self) -> DQuat {
+        DQuat::from_array(self.orientation_world.map(f64::from))
+    }
+}
+
+impl Body {
+    /// Takes the pose in a frame; call it frame after frame. It is kept where it differs from the last one by a step.
+    pub fn observe(&mut self, frame: u32, pose: &Pose) {
+        let last = self.track.last().copied();
+        let last = last.unwrap_or_else(|| TrackPoint::new(0, &self.rest_pose_world, self.rest_pose_world.orientation));
+        let point = TrackPoint::new(frame, pose, last.quaternion());
+        let moved = point.position_world_m != last.position_world_m || point.orientation_world != last.orientation_world;
+        if moved {
+            self.track.push(point);
+        }
+    }
+
+    /// Where the body is in a frame, within [`POSITION_TOLERANCE_M`] and [`ORIENTATION_TOLERANCE_RAD`].
+    pub fn pose_world(&self, frame: u32) -> Pose {
+        let points = self.track.partition_point(|point| point.frame <= frame);
+        points.checked_sub(1).map_or(self.rest_pose_world, |last| self.track[last].pose())
+    }
+}

@@ -1,0 +1,112 @@
+//! Finding the rows of one episode in a table of many: whole row groups are skipped by the least and largest episode in
+//! them, which the footer tells.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use arrow_array::RecordBatch;
+use arrow_array::types::Int64Type;
+use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
+use parquet::file::metadata::ParquetMetaData;
+use parquet::file::statistics::Statistics;
+
+use crate::disk::DiskError;
+use crate::disk::parquet_file::{Batches, EPISODE_COLUMN, broken, open_input, read_footer};
+use crate::disk::table::Columns;
+
+/// The footers of the files that were read so far: parsing one again for every reach would take longer the more reaches a
+/// file holds.
+#[derive(Debug, Default)]
+pub(super) struct Footers {
+    known: Mutex<HashMap<PathBuf, ArrowReaderMetadata>>,
+}
+
+/// The rows of one episode in one table.
+pub(super) struct EpisodeRows {
+    path: PathBuf,
+    batches: Vec<RecordBatch>,
+}
+
+impl EpisodeRows {
+    /// The rows, batch by batch.
+    pub(super) fn columns(&self) -> impl Iterator<Item = Columns<'_>> {
+        self.batches.iter().map(|batch| Columns {
+            path: &self.path,
+            batch,
+        })
+    }
+
+    /// Number of rows.
+    pub(super) fn count(&self) -> usize {
+        self.batches.iter().map(RecordBatch::num_rows).sum()
+    }
+
+    /// An error unless there are as many rows as expected.
+    pub(super) fn expect(self, count: usize) -> Result<Self, DiskError> {
+        if self.count() == count {
+            return Ok(self);
+        }
+        let found = format!("{} rows of an episode that has {count}", self.count());
+        Err(broken(&self.path, found))
+    }
+}
+
+/// The row groups that may hold rows of an episode.
+pub(super) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
+    let may_hold = |group: &usize| {
+        let columns = footer.row_group(*group).columns();
+        let column = columns.iter().find(|column| column.column_path().string() == EPISODE_COLUMN);
+        match column.and_then(|column| column.statistics()) {
+            Some(Statistics::Int64(found)) => {
+                let (least, largest) = (found.min_opt(), found.max_opt());
+                let within = |bound: Option<&i64>, holds: fn(i64, i64) -> bool| {
+                    bound.is_none_or(|bound| holds(*bound, episode as i64))
+                };
+                within(least, |least, episode| least <= episode) && within(largest, |largest, episode| episode <= largest)
+            }
+            // A file that tells nothing has to be read.
+            _ => true,
+        }
+    };
+    (0..footer.num_row_groups()).filter(may_hold).collect()
+}
+
+/// Reads the rows of an episode from a file whose footer is known: only row groups that may hold any.
+pub(super) fn read_rows(path: &Path, file: File, footer: ArrowReaderMetadata, episode: usize) -> Result<EpisodeRows, DiskError> {
+    let groups = row_groups_of(footer.metadata(), episode);
+    let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
+    let mut batches = Vec::new();
+    for batch in Batches::new(path, builder)? {
+        let batch = batch?;
+        let episodes = Columns { path, batch: &batch }.numbers::<Int64Type>(EPISODE_COLUMN)?;
+        // Rows stand in the order of the episodes.
+        let first = episodes.partition_point(|&found| found < episode as i64);
+        let end = episodes.partition_point(|&found| found <= episode as i64);
+        if first < end {
+            batches.push(batch.slice(first, end - first));
+        }
+    }
+    Ok(EpisodeRows {
+        path: path.to_path_buf(),
+        batches,
+    })
+}
+
+impl Footers {
+    /// The rows of an episode in a file.
+    pub(super) fn rows(&self, path: &Path, episode: usize) -> Result<EpisodeRows, DiskError> {
+        let file = open_input(path)?;
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned();
+        let footer = match known {
+            Some(footer) => footer,
+            None => {
+                let footer = read_footer(path, &file)?;
+                let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+                known.entry(path.to_path_buf()).or_insert(footer).clone()
+            }
+        };
+        read_rows(path, file, footer, episode)
+    }
+}

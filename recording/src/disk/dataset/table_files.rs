@@ -1,0 +1,157 @@
+//! Writing the tables that have rows for every episode: `data` and those in `truth/`.
+//!
+//! All begin a new file at the same episode, so that the number of its data file says where everything about an episode
+//! is. Rows go to the disk in row groups of bounded size, and an episode lies in one row group of each table.
+
+use std::path::{Path, PathBuf};
+
+use arrow_array::RecordBatch;
+
+use super::info::FILES_PER_CHUNK;
+use super::names;
+use super::truth_bodies::{body_rows, pose_rows};
+use super::truth_frames::{patch_rows, taxel_rows};
+use super::truth_tables::{contact_rows, goal_rows, object_rows};
+use crate::Recording;
+use crate::disk::DiskError;
+use crate::disk::dictionary::{
+    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+};
+use crate::disk::parquet_file::ParquetFile;
+use crate::disk::whole_file::create_folder;
+
+/// Rows at which a row group of a table of ground truth ends, with the episode. Choice: as many rows of the widest table
+/// are decoded within a few milliseconds, and a group for every episode would cost more than the few goals in it.
+pub(super) const ROWS_PER_GROUP: usize = 4096;
+
+/// Makes the rows of an episode in a table; the path is for errors.
+type RowsOf = fn(&Path, usize, &Recording) -> Result<RecordBatch, DiskError>;
+
+/// The tables of ground truth.
+const TRUTH: [(&Table, RowsOf); 7] = [
+    (&TRUTH_TAXELS, taxel_rows),
+    (&TRUTH_PATCHES, patch_rows),
+    (&TRUTH_OBJECTS, object_rows),
+    (&TRUTH_CONTACTS, contact_rows),
+    (&TRUTH_GOALS, goal_rows),
+    (&TRUTH_BODIES, body_rows),
+    (&TRUTH_POSES, pose_rows),
+];
+
+/// One file of one table.
+struct TableFile {
+    path: PathBuf,
+    /// Begun by the first rows, which know the columns.
+    file: Option<ParquetFile>,
+    rows_per_group: usize,
+    rows: usize,
+}
+
+impl TableFile {
+    fn new(path: PathBuf, rows_per_group: usize) -> Self {
+        TableFile {
+            path,
+            file: None,
+            rows_per_group,
+            rows: 0,
+        }
+    }
+
+    fn write(&mut self, batch: &RecordBatch) -> Result<(), DiskError> {
+        let file = match self.file.take() {
+            Some(file) => file,
+            None => {
+                if let Some(folder) = self.path.parent() {
+                    create_folder(folder)?;
+                }
+                ParquetFile::create(&self.path, batch.schema(), [])?
+            }
+        };
+        self.rows += batch.num_rows();
+        self.file.insert(file).write(batch)
+    }
+
+    fn end_episode(&mut self) -> Result<(), DiskError> {
+        if self.rows < self.rows_per_group {
+            return Ok(());
+        }
+        self.rows = 0;
+        self.file.as_mut().map_or(Ok(()), ParquetFile::end_row_group)
+    }
+
+    fn close(self) -> Result<(), DiskError> {
+        self.file.map_or(Ok(()), ParquetFile::close)
+    }
+}
+
+/// The files of one number, one of each table.
+struct Files {
+    data: TableFile,
+    truth: [TableFile; TRUTH.len()],
+}
+
+/// The files of all tables, one number after the other.
+pub(super) struct TableFiles<'a> {
+    dir: &'a Path,
+    bytes_per_file: u64,
+    files: Option<Files>,
+    staged_bytes: u64,
+    /// Files of each table begun so far.
+    begun: usize,
+}
+
+impl<'a> TableFiles<'a> {
+    /// Nothing yet.
+    pub(super) fn new(dir: &'a Path, bytes_per_file: u64) -> Self {
+        TableFiles {
+            dir,
+            bytes_per_file,
+            files: None,
+            staged_bytes: 0,
+            begun: 0,
+        }
+    }
+
+    /// Makes room for an episode that took so many staged bytes; chunk and number of its files.
+    pub(super) fn begin_episode(&mut self, staged_bytes: u64) -> Result<(usize, usize), DiskError> {
+        if self.files.is_some() && self.staged_bytes + staged_bytes > self.bytes_per_file {
+            self.close()?;
+        }
+        self.staged_bytes += staged_bytes;
+        if self.files.is_none() {
+            self.begun += 1;
+        }
+        let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
+        let path = |table: &Table| self.dir.join(names::table(table, chunk, number));
+        self.files.get_or_insert_with(|| Files {
+            // One row group an episode: its frames are many.
+            data: TableFile::new(path(&FRAMES), 1),
+            truth: TRUTH.map(|(table, _)| TableFile::new(path(table), ROWS_PER_GROUP)),
+        });
+        Ok((chunk, number))
+    }
+
+    /// Appends frames of the episode.
+    pub(super) fn write_frames(&mut self, batch: &RecordBatch) -> Result<(), DiskError> {
+        self.files.as_mut().map_or(Ok(()), |files| files.data.write(batch))
+    }
+
+    /// Writes what is true of the episode, and ends it.
+    pub(super) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
+        let Some(files) = &mut self.files else { return Ok(()) };
+        files.data.end_episode()?;
+        for ((_, rows), file) in TRUTH.iter().zip(&mut files.truth) {
+            file.write(&rows(&file.path, episode, recording)?)?;
+            file.end_episode()?;
+        }
+        Ok(())
+    }
+
+    /// Closes the files of the present number.
+    pub(super) fn close(&mut self) -> Result<(), DiskError> {
+        self.staged_bytes = 0;
+        let Some(files) = self.files.take() else { return Ok(()) };
+        files.data.close()?;
+        files.truth.into_iter().try_for_each(TableFile::close)
+    }
+}

@@ -1,0 +1,305 @@
+//! The bodies of a reach: the tables `truth/bodies`, one row for each collision shape, and `truth/poses`, one row for each
+//! frame in which a body moves.
+
+use std::path::Path;
+
+use arrow_array::builder::{Float64Builder, ListBuilder};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float32Type, Float64Type, Int32Type, Int64Type};
+use arrow_array::{Array, Float32Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};
+use glam::DVec3;
+
+use super::row_groups::EpisodeRows;
+use super::truth_tables::table;
+use crate::disk::DiskError;
+use crate::disk::dictionary::{TRUTH_BODIES, TRUTH_POSES};
+use crate::disk::table::Columns;
+use crate::{Body, BodyOwner, BodyPart, BodyShape, Pose, Recording, TrackPoint};
+
+/// Names of the shapes.
+fn shape_name(shape: &BodyShape) -> &'static str {
+    match shape {
+        BodyShape::Sphere { .. } => "sphere",
+        BodyShape::Cylinder { .. } => "cylinder",
+        BodyShape::Capsule { .. } => "capsule",
+        BodyShape::Box { .. } => "box",
+        BodyShape::Hull { .. } => "hull",
+    }
+}
+
+fn radius_m(shape: &BodyShape) -> Option<f64> {
+    match shape {
+        BodyShape::Sphere { radius_m }
+        | BodyShape::Cylinder { radius_m, .. }
+        | BodyShape::Capsule { radius_m, .. } => Some(*radius_m),
+        _ => None,
+    }
+}
+
+fn length_m(shape: &BodyShape) -> Option<f64> {
+    match shape {
+        BodyShape::Cylinder { length_m, .. } | BodyShape::Capsule { length_m, .. } => Some(*length_m),
+        _ => None,
+    }
+}
+
+/// One row: a shape of a body, or a body without any.
+type Row<'a> = (usize, &'a Body, Option<&'a BodyPart>);
+
+/// The rows of all bodies.
+fn rows_of(bodies: &[Body]) -> Vec<Row<'_>> {
+    let bodies = bodies.iter().enumerate();
+    bodies
+        .flat_map(|(index, body)| {
+            let parts = body.parts.iter().map(move |part| (index, body, Some(part)));
+            let bare = body.parts.is_empty().then_some((index, body, None));
+            parts.chain(bare)
+        })
+        .collect()
+}
+
+/// An episode's bodies.
+pub(super) fn body_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let rows = rows_of(&recording.bodies);
+    let link = |(_, body, _): &Row| match &body.owner {
+        BodyOwner::Link(name) => Some(name.clone()),
+        BodyOwner::Object(_) => None,
+    };
+    let object = |(_, body, _): &Row| match body.owner {
+        BodyOwner::Link(_) => None,
+        BodyOwner::Object(index) => Some(index),
+    };
+    let category = |row: &Row| {
+        let object = recording.objects.get(usize::from(object(row)?))?;
+        Some(object.category.name())
+    };
+    let number = |pick: &dyn Fn(&BodyShape) -> Option<f64>| -> Float64Array {
+        rows.iter().map(|(.., part)| pick(&(*part)?.shape)).collect()
+    };
+    let edge = |axis: usize| {
+        number(&move |shape| match shape {
+            BodyShape::Box { size_m } => Some(size_m[axis]),
+            _ => None,
+        })
+    };
+    let mut points = ListBuilder::new(Float64Builder::new());
+    for (.., part) in &rows {
+        let hull = part.and_then(|part| match &part.shape {
+            BodyShape::Hull { points_m } => Some(points_m),
+            _ => None,
+        });
+        for point in hull.into_iter().flatten() {
+            points.values().append_slice(&point.to_array());
+        }
+        points.append(hull.is_some());
+    }
+    let at_origin = Pose {
+        position: DVec3::ZERO,
+        orientation: glam::DQuat::IDENTITY,
+    };
+    let poses = || rows.iter().map(|(.., part)| part.map_or(at_origin, |part| part.pose_body));
+    let rest = || rows.iter().map(|(_, body, _)| body.rest_pose_world);
+    table(&TRUTH_BODIES, episode, rows.len())
+        .column("body_index", Int32Array::from_iter_values(rows.iter().map(|row| row.0 as i32)))
+        .column("link", rows.iter().map(link).collect::<StringArray>())
+        .column("object_index", rows.iter().map(|row| object(row).map(i32::from)).collect::<Int32Array>())
+        .column("category", rows.iter().map(category).collect::<StringArray>())
+        .column(
+            "shape",
+            rows.iter().map(|(.., part)| part.map(|part| shape_name(&part.shape))).collect::<StringArray>(),
+        )
+        .column("size_x_m", edge(0))
+        .column("size_y_m", edge(1))
+        .column("size_z_m", edge(2))
+        .column("radius_m", number(&radius_m))
+        .column("length_m", number(&length_m))
+        .column("points_m", points.finish())
+        .vectors("position_body", "_m", poses().map(|pose| pose.position))
+        .quaternions("orientation_body", poses().map(|pose| pose.orientation))
+        .vectors("rest_position_world", "_m", rest().map(|pose| pose.position))
+        .quaternions("rest_orientation_world", rest().map(|pose| pose.orientation))
+        .build(path)
+}
+
+/// The columns of a shape, which are null where it does not have such a number.
+struct ShapeColumns<'a> {
+    columns: &'a Columns<'a>,
+    shape: &'a StringArray,
+    edges: [&'a Float64Array; 3],
+    radius: &'a Float64Array,
+    length: &'a Float64Array,
+}
+
+impl<'a> ShapeColumns<'a> {
+    fn new(columns: &'a Columns<'a>) -> Result<Self, DiskError> {
+        let numbers = |name: &str| columns.typed::<Float64Array>(name, "Float64");
+        Ok(ShapeColumns {
+            shape: columns.text_or_null("shape")?,
+            edges: [numbers("size_x_m")?, numbers("size_y_m")?, numbers("size_z_m")?],
+            radius: numbers("radius_m")?,
+            length: numbers("length_m")?,
+            columns,
+        })
+    }
+
+    fn shape(&self, row: usize) -> Result<Option<BodyShape>, DiskError> {
+        if self.shape.is_null(row) {
+            return Ok(None);
+        }
+        let number = |name: &str, column: &Float64Array| match column.is_valid(row) {
+            true => Ok(column.value(row)),
+            false => Err(self.columns.error(name, "nothing", format!("a number for a {}", self.shape.value(row)))),
+        };
+        let radius = || number("radius_m", self.radius);
+        let length = || number("length_m", self.length);
+        Ok(Some(match self.shape.value(row) {
+            "sphere" => BodyShape::Sphere { radius_m: radius()? },
+            "cylinder" => BodyShape::Cylinder {
+                radius_m: radius()?,
+                length_m: length()?,
+            },
+            "capsule" => BodyShape::Capsule {
+                radius_m: radius()?,
+                length_m: length()?,
+            },
+            "box" => BodyShape::Box {
+                size_m: DVec3::new(
+                    number("size_x_m", self.edges[0])?,
+                    number("size_y_m", self.edges[1])?,
+                    number("size_z_m", self.edges[2])?,
+                ),
+            },
+            "hull" => BodyShape::Hull {
+                points_m: self.points(row)?,
+            },
+            other => return Err(self.columns.error("shape", other, "sphere, cylinder, capsule, box or hull")),
+        }))
+    }
+
+    fn points(&self, row: usize) -> Result<Vec<DVec3>, DiskError> {
+        let error = || self.columns.error("points_m", "no list of points", "a list of x y z");
+        let lists = self.columns.batch.column_by_name("points_m");
+        let lists = lists.and_then(|array| array.as_list_opt::<i32>()).filter(|lists| lists.is_valid(row));
+        let list = lists.ok_or_else(error)?.value(row);
+        let numbers = list.as_primitive_opt::<Float64Type>().filter(|numbers| numbers.null_count() == 0);
+        let (points, rest) = numbers.ok_or_else(error)?.values().as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(error());
+        }
+        Ok(points.iter().map(|point| DVec3::from_array(*point)).collect())
+    }
+}
+
+/// The bodies of an episode, which do not move yet.
+pub(super) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
+    let mut bodies: Vec<Body> = Vec::new();
+    for columns in rows.columns() {
+        let index = columns.numbers::<Int32Type>("body_index")?;
+        let links = columns.text_or_null("link")?;
+        let objects = columns.typed::<Int32Array>("object_index", "Int32")?;
+        let shapes = ShapeColumns::new(&columns)?;
+        let positions = columns.vectors("position_body", "_m")?;
+        let orientations = columns.quaternions("orientation_body")?;
+        let rest_positions = columns.vectors("rest_position_world", "_m")?;
+        let rest_orientations = columns.quaternions("rest_orientation_world")?;
+        for row in 0..columns.batch.num_rows() {
+            let next = bodies.len();
+            let same = next > 0 && usize::try_from(index[row]) == Ok(next - 1);
+            if !same && usize::try_from(index[row]) != Ok(next) {
+                let allowed = format!("{next}: bodies in their order");
+                return Err(columns.error("body_index", index[row].to_string(), allowed));
+            }
+            if !same {
+                let owner = if links.is_valid(row) {
+                    BodyOwner::Link(links.value(row).to_string())
+                } else {
+                    let object = objects.is_valid(row).then(|| u16::try_from(objects.value(row)).ok()).flatten();
+                    let error = || columns.error("object_index", "no object and no link", "one of them");
+                    BodyOwner::Object(object.ok_or_else(error)?)
+                };
+                bodies.push(Body {
+                    owner,
+                    parts: Vec::new(),
+                    rest_pose_world: Pose {
+                        position: rest_positions[row],
+                        orientation: rest_orientations[row],
+                    },
+                    track: Vec::new(),
+                });
+            }
+            if let (Some(shape), Some(body)) = (shapes.shape(row)?, bodies.last_mut()) {
+                body.parts.push(BodyPart {
+                    shape,
+                    pose_body: Pose {
+                        position: positions[row],
+                        orientation: orientations[row],
+                    },
+                });
+            }
+        }
+    }
+    Ok(bodies)
+}
+
+/// Names of the seven numbers of a pose.
+const POSE_COLUMNS: [&str; 7] = [
+    "position_world_x_m",
+    "position_world_y_m",
+    "position_world_z_m",
+    "orientation_world_x",
+    "orientation_world_y",
+    "orientation_world_z",
+    "orientation_world_w",
+];
+
+/// An episode's moving bodies, body after body: the numbers of one body change little from row to row, which compresses
+/// well.
+pub(super) fn pose_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let bodies = recording.bodies.iter().enumerate();
+    let rows: Vec<(usize, &TrackPoint)> = bodies
+        .flat_map(|(index, body)| body.track.iter().map(move |point| (index, point)))
+        .collect();
+    let number = |place: usize| {
+        let pick = |point: &TrackPoint| match place.checked_sub(3) {
+            None => point.position_world_m[place],
+            Some(place) => point.orientation_world[place],
+        };
+        Float32Array::from_iter_values(rows.iter().map(|(_, point)| pick(point)))
+    };
+    let start = table(&TRUTH_POSES, episode, rows.len())
+        .column("body_index", Int32Array::from_iter_values(rows.iter().map(|row| row.0 as i32)))
+        .column(
+            "frame_index",
+            Int64Array::from_iter_values(rows.iter().map(|(_, point)| i64::from(point.frame))),
+        );
+    let names = POSE_COLUMNS.iter().enumerate();
+    names
+        .fold(start, |table, (place, name)| table.column(*name, number(place)))
+        .build(path)
+}
+
+/// Adds an episode's poses to its bodies.
+pub(super) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
+    for columns in rows.columns() {
+        let index = columns.numbers::<Int32Type>("body_index")?;
+        let frames = columns.numbers::<Int64Type>("frame_index")?;
+        let numbers = POSE_COLUMNS.map(|name| columns.numbers::<Float32Type>(name));
+        let [x, y, z, qx, qy, qz, qw] = numbers;
+        let (position, orientation) = ([x?, y?, z?], [qx?, qy?, qz?, qw?]);
+        for row in 0..columns.batch.num_rows() {
+            let count = bodies.len();
+            let body = usize::try_from(index[row]).ok().and_then(|index| bodies.get_mut(index));
+            let body = body.ok_or_else(|| {
+                columns.error("body_index", index[row].to_string(), format!("a body below {count}"))
+            })?;
+            let frame = u32::try_from(frames[row]);
+            let frame = frame.map_err(|_| columns.error("frame_index", frames[row].to_string(), "0 to 4294967295"))?;
+            body.track.push(TrackPoint {
+                frame,
+                position_world_m: position.map(|column| column[row]),
+                orientation_world: orientation.map(|column| column[row]),
+            });
+        }
+    }
+    Ok(())
+}
