@@ -149,7 +149,8 @@ impl Body {
         let last = self.track.last().copied();
         let last = last.unwrap_or_else(|| TrackPoint::new(0, &self.rest_pose_world, self.rest_pose_world.orientation));
         let point = TrackPoint::new(frame, pose, last.quaternion());
-        let moved = point.position_world_m != last.position_world_m || point.orientation_world != last.orientation_world;
+        let moved =
+            point.position_world_m != last.position_world_m || point.orientation_world != last.orientation_world;
         if moved {
             self.track.push(point);
         }
@@ -158,6 +159,8 @@ impl Body {
     /// Where the body is in a frame, within [`POSITION_TOLERANCE_M`] and [`ORIENTATION_TOLERANCE_RAD`].
     pub fn pose_world(&self, frame: u32) -> Pose {
         let points = self.track.partition_point(|point| point.frame <= frame);
-        points.checked_sub(1).map_or(self.rest_pose_world, |last| self.track[last].pose())
+        points
+            .checked_sub(1)
+            .map_or(self.rest_pose_world, |last| self.track[last].pose())
     }
 }

@@ -54,15 +54,30 @@ pub(super) const FRAMES: Table = Table {
         column("time_s", "float64", "s", "time since the start of the reach"),
         column("observation.state", "float64 × J", "rad", "joint angles"),
         column("observation.velocity", "float64 × J", "rad/s", "joint velocities"),
-        column("observation.torque", "float64 × J", "N m", "joint torques of springs and dampers, without gravity"),
-        column("action", "float64 × J", "rad", "equilibrium angles of the joints' springs"),
+        column(
+            "observation.torque",
+            "float64 × J",
+            "N m",
+            "joint torques of springs and dampers, without gravity",
+        ),
+        column(
+            "action",
+            "float64 × J",
+            "rad",
+            "equilibrium angles of the joints' springs",
+        ),
         column(
             "observation.tip_pose",
             "float64 × 7",
             "m, 1",
             "pose of the tip in the world frame: x y z, quaternion x y z w",
         ),
-        column("goal_position", "float64 × 3", "m", "the goal of the moment, world frame"),
+        column(
+            "goal_position",
+            "float64 × 3",
+            "m",
+            "the goal of the moment, world frame",
+        ),
         column("goal_index", "int32", "", "its number in the reach, from 0"),
         column(
             "observation.patch_pose.PATCH",
@@ -85,14 +100,24 @@ pub(super) const RECORDING_TRUTH: Table = Table {
     path: "the file of a single recording",
     row: "a frame, as in `data`; these columns follow",
     columns: &[
-        column("truth.normal_force.PATCH", "float64 × n", "N", "true normal force on each taxel, before the sensor"),
+        column(
+            "truth.normal_force.PATCH",
+            "float64 × n",
+            "N",
+            "true normal force on each taxel, before the sensor",
+        ),
         column(
             "truth.shear_force.PATCH",
             "float64 × 2n",
             "N",
             "true shear force along tangent and normal × tangent, taxel by taxel",
         ),
-        column("truth.object.PATCH", "int16 × n", "", "the object on each taxel, by number; −1 for none"),
+        column(
+            "truth.object.PATCH",
+            "int16 × n",
+            "",
+            "the object on each taxel, by number; −1 for none",
+        ),
         column("truth.category.PATCH", "int8 × n", "", "category of that object"),
         column(
             "truth.contact_force.PATCH",
@@ -100,7 +125,12 @@ pub(super) const RECORDING_TRUTH: Table = Table {
             "N",
             "sum of the solver's contact forces on the patch, world frame",
         ),
-        column("truth.moved_body", "list of int32", "", "the bodies that are not where they were in the frame before"),
+        column(
+            "truth.moved_body",
+            "list of int32",
+            "",
+            "the bodies that are not where they were in the frame before",
+        ),
         column(
             "truth.moved_pose",
             "list of float32",
@@ -120,10 +150,30 @@ pub(super) const TRUTH_TAXELS: Table = Table {
         FRAME,
         PATCH,
         TAXEL,
-        column("normal_force_n", "float64", "N", "true force along the inward normal, before the sensor"),
-        column("shear_force_tangent_n", "float64", "N", "true force along the taxel's tangent"),
-        column("shear_force_binormal_n", "float64", "N", "true force along normal × tangent"),
-        column("object_index", "int32", "", "the object that presses most, a row of `truth/objects`; −1 for none"),
+        column(
+            "normal_force_n",
+            "float64",
+            "N",
+            "true force along the inward normal, before the sensor",
+        ),
+        column(
+            "shear_force_tangent_n",
+            "float64",
+            "N",
+            "true force along the taxel's tangent",
+        ),
+        column(
+            "shear_force_binormal_n",
+            "float64",
+            "N",
+            "true force along normal × tangent",
+        ),
+        column(
+            "object_index",
+            "int32",
+            "",
+            "the object that presses most, a row of `truth/objects`; −1 for none",
+        ),
         column("category_code", "int8", "", "category of that object"),
     ],
 };
@@ -153,9 +203,19 @@ pub(super) const TRUTH_BODIES: Table = Table {
     row: "a collision shape of a rigid body (a link, or a part of an object that moves as one piece)",
     columns: &[
         EPISODE,
-        column("body_index", "int32", "", "the body in its reach, from 0: links from the base on, then objects"),
+        column(
+            "body_index",
+            "int32",
+            "",
+            "the body in its reach, from 0: links from the base on, then objects",
+        ),
         column("link", "text", "", "name of the link; null for a body of an object"),
-        column("object_index", "int32", "", "the object, a row of `truth/objects`; null for a link"),
+        column(
+            "object_index",
+            "int32",
+            "",
+            "the object, a row of `truth/objects`; null for a link",
+        ),
         column("category", "text", "", "category of the object; null for a link"),
         column(
             "shape",
@@ -164,18 +224,48 @@ pub(super) const TRUTH_BODIES: Table = Table {
             "`sphere`, `cylinder`, `capsule`, `box` or `hull`; null for a body without a shape",
         ),
         column("size_{xyz}_m", "float64", "m", "full edge lengths of a box; else null"),
-        column("radius_m", "float64", "m", "radius of a sphere, cylinder or capsule; else null"),
+        column(
+            "radius_m",
+            "float64",
+            "m",
+            "radius of a sphere, cylinder or capsule; else null",
+        ),
         column(
             "length_m",
             "float64",
             "m",
             "length along z of a cylinder, or of a capsule without its round ends; else null",
         ),
-        column("points_m", "list of float64", "m", "corners of a convex hull, x y z after each other; else null"),
-        column("position_body_{xyz}_m", "float64", "m", "centre of the shape in the body's frame"),
-        column("orientation_body_{xyzw}", "float64", "1", "rotation from the shape's to the body's frame, quaternion"),
-        column("rest_position_world_{xyz}_m", "float64", "m", "origin of the body before the reach begins, world frame"),
-        column("rest_orientation_world_{xyzw}", "float64", "1", "its rotation to the world frame then, quaternion"),
+        column(
+            "points_m",
+            "list of float64",
+            "m",
+            "corners of a convex hull, x y z after each other; else null",
+        ),
+        column(
+            "position_body_{xyz}_m",
+            "float64",
+            "m",
+            "centre of the shape in the body's frame",
+        ),
+        column(
+            "orientation_body_{xyzw}",
+            "float64",
+            "1",
+            "rotation from the shape's to the body's frame, quaternion",
+        ),
+        column(
+            "rest_position_world_{xyz}_m",
+            "float64",
+            "m",
+            "origin of the body before the reach begins, world frame",
+        ),
+        column(
+            "rest_orientation_world_{xyzw}",
+            "float64",
+            "1",
+            "its rotation to the world frame then, quaternion",
+        ),
     ],
 };
 
@@ -215,7 +305,12 @@ pub(super) const TRUTH_OBJECTS: Table = Table {
         column("kind", "text", "", "its kind in the scene file"),
         column("category", "text", "", "`leaf`, `trunk`, `block` or `outlier`"),
         column("position_world_{xyz}_m", "float64", "m", "its foot, world frame"),
-        column("parameters", "text", "", "its drawn parameters as a JSON object, with SI units in the names"),
+        column(
+            "parameters",
+            "text",
+            "",
+            "its drawn parameters as a JSON object, with SI units in the names",
+        ),
     ],
 };
 
@@ -231,10 +326,30 @@ pub(super) const TRUTH_GOALS: Table = Table {
         column("start_time_s", "float64", "s", "when the arm set out for it"),
         column("end_time_s", "float64", "s", "when it was reached or given up"),
         column("outcome", "text", "", "`reached`, `stuck`, `timed_out` or `aborted`"),
-        column("stop_object_index", "int32", "", "the object whose force ended it, a row of `truth/objects`; else null"),
-        column("stop_link", "text", "", "the link on which that object pressed; else null"),
-        column("stop_patch", "text", "", "the patch on which most of the force fell; null without skin there"),
-        column("stop_force_n", "float64", "N", "that force; null where no force ended the goal"),
+        column(
+            "stop_object_index",
+            "int32",
+            "",
+            "the object whose force ended it, a row of `truth/objects`; else null",
+        ),
+        column(
+            "stop_link",
+            "text",
+            "",
+            "the link on which that object pressed; else null",
+        ),
+        column(
+            "stop_patch",
+            "text",
+            "",
+            "the patch on which most of the force fell; null without skin there",
+        ),
+        column(
+            "stop_force_n",
+            "float64",
+            "N",
+            "that force; null where no force ended the goal",
+        ),
     ],
 };
 
@@ -246,13 +361,23 @@ pub(super) const TRUTH_CONTACTS: Table = Table {
     columns: &[
         EPISODE,
         column("link", "text", "", "name of the link"),
-        column("patch", "text", "", "name of the patch; null for a part of the link without skin"),
+        column(
+            "patch",
+            "text",
+            "",
+            "name of the patch; null for a part of the link without skin",
+        ),
         OBJECT,
         column("category", "text", "", "category of the object"),
         column("first_frame", "int64", "", "first frame in contact"),
         column("last_frame", "int64", "", "last frame in contact"),
         column("peak_force_n", "float64", "N", "largest contact force of a frame"),
-        column("mean_force_n", "float64", "N", "mean of the contact force over the frames"),
+        column(
+            "mean_force_n",
+            "float64",
+            "N",
+            "mean of the contact force over the frames",
+        ),
     ],
 };
 
@@ -268,8 +393,18 @@ pub(super) const TAXELS: Table = Table {
         column("column", "int32", "", "column in the patch's grid; null without a grid"),
         column("link", "text", "", "the link that carries it"),
         column("position_link_{xyz}_m", "float64", "m", "its centre, link frame"),
-        column("normal_link_{xyz}", "float64", "1", "its outward unit normal, link frame"),
-        column("tangent_link_{xyz}", "float64", "1", "its first tangent, link frame; the second is normal × tangent"),
+        column(
+            "normal_link_{xyz}",
+            "float64",
+            "1",
+            "its outward unit normal, link frame",
+        ),
+        column(
+            "tangent_link_{xyz}",
+            "float64",
+            "1",
+            "its first tangent, link frame; the second is normal × tangent",
+        ),
         column("area_m2", "float64", "m²", "its sensitive area"),
     ],
 };
@@ -289,13 +424,31 @@ pub(super) const TABLES: [&Table; 9] = [
 
 /// The codes of `category_code` with their names.
 pub(super) fn category_codes() -> BTreeMap<i8, &'static str> {
-    let codes = Category::ALL.into_iter().map(|category| (category.code(), category.name()));
+    let codes = Category::ALL
+        .into_iter()
+        .map(|category| (category.code(), category.name()));
     codes.chain([(-1, "none")]).collect()
+}
+
+/// A table with its columns in Markdown.
+pub(super) fn describe(table: &Table) -> String {
+    let Table {
+        name,
+        path,
+        row,
+        columns,
+    } = table;
+    let mut text =
+        format!("\n## {name} (`{path}`)\n\nOne row is {row}.\n\n| column | type | unit | what |\n|---|---|---|---|\n");
+    for Column { name, kind, unit, what } in *columns {
+        text += &format!("| `{name}` | {kind} | {unit} | {what} |\n");
+    }
+    text
 }
 
 impl Column {
     /// Whether the entry describes a column of a file.
-    fn covers(&self, name: &str) -> bool {
+    pub(super) fn covers(&self, name: &str) -> bool {
         if let Some(prefix) = self.name.strip_suffix("PATCH") {
             return name.starts_with(prefix);
         }
@@ -320,7 +473,10 @@ impl Table {
         }
         if column.what.contains("category") && column.kind.starts_with("int8") {
             let codes = category_codes();
-            let codes: Vec<_> = codes.iter().map(|(code, name)| format!("\"{code}\": \"{name}\"")).collect();
+            let codes: Vec<_> = codes
+                .iter()
+                .map(|(code, name)| format!("\"{code}\": \"{name}\""))
+                .collect();
             metadata.insert("codes".to_string(), format!("{{{}}}", codes.join(", ")));
         }
         Some(metadata)

@@ -161,13 +161,19 @@ pub(super) fn moved_columns(moves: &[(usize, TrackPoint)], first: usize, count: 
         bodies.append(true);
         poses.append(true);
     }
-    [std::sync::Arc::new(bodies.finish()), std::sync::Arc::new(poses.finish())]
+    [
+        std::sync::Arc::new(bodies.finish()),
+        std::sync::Arc::new(poses.finish()),
+    ]
 }
 
 /// Adds the points of a batch, whose first row is frame `first`, to the tracks of the bodies.
 pub(super) fn add_moves(columns: &Columns, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
     let list = |name: &str| {
-        let array = columns.batch.column_by_name(name).and_then(|array| array.as_list_opt::<i32>());
+        let array = columns
+            .batch
+            .column_by_name(name)
+            .and_then(|array| array.as_list_opt::<i32>());
         array
             .filter(|lists| lists.null_count() == 0 && lists.values().null_count() == 0)
             .ok_or_else(|| columns.error(name, "no column of lists without nulls", "lists of numbers"))
@@ -188,7 +194,9 @@ pub(super) fn add_moves(columns: &Columns, recording: &mut Recording, first: usi
         }
         for (&index, &[x, y, z, qx, qy, qz, qw]) in body.values().iter().zip(numbers) {
             let count = recording.bodies.len();
-            let found = usize::try_from(index).ok().and_then(|index| recording.bodies.get_mut(index));
+            let found = usize::try_from(index)
+                .ok()
+                .and_then(|index| recording.bodies.get_mut(index));
             let Some(found) = found else {
                 let allowed = format!("a body below {count}");
                 return Err(columns.error(MOVED_BODY, index.to_string(), allowed));

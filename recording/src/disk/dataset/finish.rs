@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 
+use super::card::card;
 use super::checksums::{Checksums, FileSum};
 use super::episode_table::{Episode, Place, number_tasks, write_episodes, write_tasks};
 use super::info::{FORMAT, Info, MEGABYTES_PER_FILE, ProvenanceFile};
@@ -88,7 +89,10 @@ pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
 fn finish_with_info(dir: &Path, info: &Info) -> Result<(), DiskError> {
     let path = dir.join(names::INFO);
     let bytes = json_bytes(&path, info)?;
+    let card = card(info);
+    write_bytes(&dir.join(names::CARD), card.as_bytes())?;
     let mut checksums = Checksums::default();
+    checksums.add(names::CARD, FileSum::of_bytes(card.as_bytes()));
     for folder in names::FOLDERS {
         checksums.add_folder(dir, folder)?;
     }

@@ -12,6 +12,7 @@
 //! incomplete/                                   only while reaches are missing: plan.json and the finished reaches
 //! ```
 
+mod card;
 mod checksums;
 mod episode_table;
 mod finish;
@@ -27,6 +28,8 @@ mod truth_frames;
 mod truth_tables;
 mod writer;
 
+#[cfg(test)]
+pub(super) use card::describe_tables;
 pub use episode_table::Episode;
 pub use info::{FeatureInfo, Info};
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
@@ -39,6 +42,7 @@ mod names {
     pub(super) const FOLDERS: [&str; 3] = ["data", "truth", "meta"];
     use crate::disk::dictionary::Table;
 
+    pub(super) const CARD: &str = "README.md";
     pub(super) const INFO: &str = "meta/info.json";
     pub(super) const STATS: &str = "meta/stats.json";
     pub(super) const TASKS: &str = "meta/tasks.parquet";

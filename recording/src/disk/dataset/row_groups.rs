@@ -57,14 +57,17 @@ impl EpisodeRows {
 pub(super) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
     let may_hold = |group: &usize| {
         let columns = footer.row_group(*group).columns();
-        let column = columns.iter().find(|column| column.column_path().string() == EPISODE_COLUMN);
+        let column = columns
+            .iter()
+            .find(|column| column.column_path().string() == EPISODE_COLUMN);
         match column.and_then(|column| column.statistics()) {
             Some(Statistics::Int64(found)) => {
                 let (least, largest) = (found.min_opt(), found.max_opt());
                 let within = |bound: Option<&i64>, holds: fn(i64, i64) -> bool| {
                     bound.is_none_or(|bound| holds(*bound, episode as i64))
                 };
-                within(least, |least, episode| least <= episode) && within(largest, |largest, episode| episode <= largest)
+                within(least, |least, episode| least <= episode)
+                    && within(largest, |largest, episode| episode <= largest)
             }
             // A file that tells nothing has to be read.
             _ => true,
@@ -74,7 +77,12 @@ pub(super) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usi
 }
 
 /// Reads the rows of an episode from a file whose footer is known: only row groups that may hold any.
-pub(super) fn read_rows(path: &Path, file: File, footer: ArrowReaderMetadata, episode: usize) -> Result<EpisodeRows, DiskError> {
+pub(super) fn read_rows(
+    path: &Path,
+    file: File,
+    footer: ArrowReaderMetadata,
+    episode: usize,
+) -> Result<EpisodeRows, DiskError> {
     let groups = row_groups_of(footer.metadata(), episode);
     let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
     let mut batches = Vec::new();

@@ -29,9 +29,9 @@ fn shape_name(shape: &BodyShape) -> &'static str {
 
 fn radius_m(shape: &BodyShape) -> Option<f64> {
     match shape {
-        BodyShape::Sphere { radius_m }
-        | BodyShape::Cylinder { radius_m, .. }
-        | BodyShape::Capsule { radius_m, .. } => Some(*radius_m),
+        BodyShape::Sphere { radius_m } | BodyShape::Cylinder { radius_m, .. } | BodyShape::Capsule { radius_m, .. } => {
+            Some(*radius_m)
+        }
         _ => None,
     }
 }
@@ -97,16 +97,29 @@ pub(super) fn body_rows(path: &Path, episode: usize, recording: &Recording) -> R
         position: DVec3::ZERO,
         orientation: glam::DQuat::IDENTITY,
     };
-    let poses = || rows.iter().map(|(.., part)| part.map_or(at_origin, |part| part.pose_body));
+    let poses = || {
+        rows.iter()
+            .map(|(.., part)| part.map_or(at_origin, |part| part.pose_body))
+    };
     let rest = || rows.iter().map(|(_, body, _)| body.rest_pose_world);
     table(&TRUTH_BODIES, episode, rows.len())
-        .column("body_index", Int32Array::from_iter_values(rows.iter().map(|row| row.0 as i32)))
+        .column(
+            "body_index",
+            Int32Array::from_iter_values(rows.iter().map(|row| row.0 as i32)),
+        )
         .column("link", rows.iter().map(link).collect::<StringArray>())
-        .column("object_index", rows.iter().map(|row| object(row).map(i32::from)).collect::<Int32Array>())
+        .column(
+            "object_index",
+            rows.iter()
+                .map(|row| object(row).map(i32::from))
+                .collect::<Int32Array>(),
+        )
         .column("category", rows.iter().map(category).collect::<StringArray>())
         .column(
             "shape",
-            rows.iter().map(|(.., part)| part.map(|part| shape_name(&part.shape))).collect::<StringArray>(),
+            rows.iter()
+                .map(|(.., part)| part.map(|part| shape_name(&part.shape)))
+                .collect::<StringArray>(),
         )
         .column("size_x_m", edge(0))
         .column("size_y_m", edge(1))
@@ -148,7 +161,9 @@ impl<'a> ShapeColumns<'a> {
         }
         let number = |name: &str, column: &Float64Array| match column.is_valid(row) {
             true => Ok(column.value(row)),
-            false => Err(self.columns.error(name, "nothing", format!("a number for a {}", self.shape.value(row)))),
+            false => Err(self
+                .columns
+                .error(name, "nothing", format!("a number for a {}", self.shape.value(row)))),
         };
         let radius = || number("radius_m", self.radius);
         let length = || number("length_m", self.length);
@@ -172,16 +187,24 @@ impl<'a> ShapeColumns<'a> {
             "hull" => BodyShape::Hull {
                 points_m: self.points(row)?,
             },
-            other => return Err(self.columns.error("shape", other, "sphere, cylinder, capsule, box or hull")),
+            other => {
+                return Err(self
+                    .columns
+                    .error("shape", other, "sphere, cylinder, capsule, box or hull"));
+            }
         }))
     }
 
     fn points(&self, row: usize) -> Result<Vec<DVec3>, DiskError> {
         let error = || self.columns.error("points_m", "no list of points", "a list of x y z");
         let lists = self.columns.batch.column_by_name("points_m");
-        let lists = lists.and_then(|array| array.as_list_opt::<i32>()).filter(|lists| lists.is_valid(row));
+        let lists = lists
+            .and_then(|array| array.as_list_opt::<i32>())
+            .filter(|lists| lists.is_valid(row));
         let list = lists.ok_or_else(error)?.value(row);
-        let numbers = list.as_primitive_opt::<Float64Type>().filter(|numbers| numbers.null_count() == 0);
+        let numbers = list
+            .as_primitive_opt::<Float64Type>()
+            .filter(|numbers| numbers.null_count() == 0);
         let (points, rest) = numbers.ok_or_else(error)?.values().as_chunks::<3>();
         if !rest.is_empty() {
             return Err(error());
@@ -213,7 +236,10 @@ pub(super) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
                 let owner = if links.is_valid(row) {
                     BodyOwner::Link(links.value(row).to_string())
                 } else {
-                    let object = objects.is_valid(row).then(|| u16::try_from(objects.value(row)).ok()).flatten();
+                    let object = objects
+                        .is_valid(row)
+                        .then(|| u16::try_from(objects.value(row)).ok())
+                        .flatten();
                     let error = || columns.error("object_index", "no object and no link", "one of them");
                     BodyOwner::Object(object.ok_or_else(error)?)
                 };
@@ -267,7 +293,10 @@ pub(super) fn pose_rows(path: &Path, episode: usize, recording: &Recording) -> R
         Float32Array::from_iter_values(rows.iter().map(|(_, point)| pick(point)))
     };
     let start = table(&TRUTH_POSES, episode, rows.len())
-        .column("body_index", Int32Array::from_iter_values(rows.iter().map(|row| row.0 as i32)))
+        .column(
+            "body_index",
+            Int32Array::from_iter_values(rows.iter().map(|row| row.0 as i32)),
+        )
         .column(
             "frame_index",
             Int64Array::from_iter_values(rows.iter().map(|(_, point)| i64::from(point.frame))),
@@ -289,9 +318,8 @@ pub(super) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), D
         for row in 0..columns.batch.num_rows() {
             let count = bodies.len();
             let body = usize::try_from(index[row]).ok().and_then(|index| bodies.get_mut(index));
-            let body = body.ok_or_else(|| {
-                columns.error("body_index", index[row].to_string(), format!("a body below {count}"))
-            })?;
+            let body = body
+                .ok_or_else(|| columns.error("body_index", index[row].to_string(), format!("a body below {count}")))?;
             let frame = u32::try_from(frames[row]);
             let frame = frame.map_err(|_| columns.error("frame_index", frames[row].to_string(), "0 to 4294967295"))?;
             body.track.push(TrackPoint {

@@ -35,12 +35,15 @@ pub(super) fn taxel_rows(path: &Path, episode: usize, recording: &Recording) -> 
             truths.map(move |truth| (index, truth))
         })
         .collect();
-    let force = |pick: fn(&TaxelTruth) -> f64| Float64Array::from_iter_values(rows.iter().map(|(_, truth)| pick(truth)));
+    let force =
+        |pick: fn(&TaxelTruth) -> f64| Float64Array::from_iter_values(rows.iter().map(|(_, truth)| pick(truth)));
     let category = |object: u16| recording.objects[usize::from(object)].category.code();
     let patches = &recording.layout.patches;
     let patch = rows.iter().map(|(_, truth)| &patches[usize::from(truth.place.0)].name);
     let taxel = rows.iter().map(|(_, truth)| i32::from(truth.place.1));
-    let object = rows.iter().map(|(_, truth)| truth.object.map_or(i32::from(NONE), i32::from));
+    let object = rows
+        .iter()
+        .map(|(_, truth)| truth.object.map_or(i32::from(NONE), i32::from));
     let categories = rows.iter().map(|(_, truth)| truth.object.map_or(NONE, category));
     table(&TRUTH_TAXELS, episode, rows.len())
         .column("frame_index", frame_column(rows.iter().map(|(frame, _)| *frame)))
@@ -56,7 +59,9 @@ pub(super) fn taxel_rows(path: &Path, episode: usize, recording: &Recording) -> 
 
 /// Frame and patch that a row names, by index.
 fn place(columns: &Columns, recording: &Recording, frame: i64, patch: &str) -> Result<(usize, usize), DiskError> {
-    let found = usize::try_from(frame).ok().filter(|frame| *frame < recording.frames.len());
+    let found = usize::try_from(frame)
+        .ok()
+        .filter(|frame| *frame < recording.frames.len());
     let frame = found.ok_or_else(|| {
         let allowed = format!("a frame of an episode of {}", recording.frames.len());
         columns.error("frame_index", frame.to_string(), allowed)

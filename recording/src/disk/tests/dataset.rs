@@ -25,7 +25,10 @@ pub(super) fn recordings() -> Vec<Recording> {
     quiet.frames.iter_mut().for_each(|frame| frame.taxels.clear());
     quiet.objects.clear();
     quiet.bodies.truncate(1);
-    quiet.frames.iter_mut().for_each(|frame| frame.contact_force_world.fill(glam::DVec3::ZERO));
+    quiet
+        .frames
+        .iter_mut()
+        .for_each(|frame| frame.contact_force_world.fill(glam::DVec3::ZERO));
     quiet.goals.clear();
     quiet.contacts.clear();
     recordings[1].scene = "trunks".into();

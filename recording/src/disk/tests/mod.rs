@@ -1,6 +1,7 @@
 //! Tests of the disk formats, and the recordings that they write.
 
 mod dataset;
+mod dictionary;
 mod finish;
 mod flips;
 mod recording;
@@ -14,8 +15,8 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 use crate::{
-    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose, Recording, SafetyStop,
-    SkinLayout, Taxel, TaxelReading,
+    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome,
+    Patch, Pose, Recording, SafetyStop, SkinLayout, Taxel, TaxelReading,
 };
 
 /// A field's name in an error and a change that spoils it.
@@ -210,10 +211,14 @@ fn physical(mut recording: Recording) -> Recording {
 }
 
 fn unit_pose() -> impl Strategy<Value = Pose> {
-    ([-2.0..2.0f64, -2.0..2.0, -2.0..2.0], [-3.0..3.0f64, -1.5..1.5, -3.0..3.0]).prop_map(|(position, [a, b, c])| Pose {
-        position: DVec3::from_array(position),
-        orientation: DQuat::from_euler(glam::EulerRot::ZYX, a, b, c),
-    })
+    (
+        [-2.0..2.0f64, -2.0..2.0, -2.0..2.0],
+        [-3.0..3.0f64, -1.5..1.5, -3.0..3.0],
+    )
+        .prop_map(|(position, [a, b, c])| Pose {
+            position: DVec3::from_array(position),
+            orientation: DQuat::from_euler(glam::EulerRot::ZYX, a, b, c),
+        })
 }
 
 fn shape() -> impl Strategy<Value = BodyShape> {
@@ -288,56 +293,59 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
             audit(),
             "\\PC{0,8}",
         )
-            .prop_map(move |((frames, bodies), contacts, (seed, reach_index), rate_hz, audit, scene)| {
-                let possible = !objects.is_empty() && !frames.is_empty();
-                let contacts = contacts
-                    .into_iter()
-                    .filter(|_| possible)
-                    .map(|(patch, [object, a, b], peak, mean)| {
-                        let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
-                        let (link, patch, object) = place(&layout, objects.len(), patch, object);
-                        Contact {
-                            link,
-                            patch,
-                            object,
-                            first_frame: a.min(b),
-                            last_frame: a.max(b),
-                            peak_force_n: peak,
-                            mean_force_n: mean,
+            .prop_map(
+                move |((frames, bodies), contacts, (seed, reach_index), rate_hz, audit, scene)| {
+                    let possible = !objects.is_empty() && !frames.is_empty();
+                    let contacts =
+                        contacts
+                            .into_iter()
+                            .filter(|_| possible)
+                            .map(|(patch, [object, a, b], peak, mean)| {
+                                let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
+                                let (link, patch, object) = place(&layout, objects.len(), patch, object);
+                                Contact {
+                                    link,
+                                    patch,
+                                    object,
+                                    first_frame: a.min(b),
+                                    last_frame: a.max(b),
+                                    peak_force_n: peak,
+                                    mean_force_n: mean,
+                                }
+                            });
+                    let goals = goals.iter().map(|(goal, stop)| {
+                        let stop = stop.filter(|_| goal.outcome == Outcome::Aborted && !objects.is_empty());
+                        let safety_stop = stop.map(|(index, force_n)| {
+                            let (link, patch, object) = place(&layout, objects.len(), Some(index), index);
+                            SafetyStop {
+                                object,
+                                link,
+                                patch,
+                                force_n,
+                            }
+                        });
+                        GoalRecord {
+                            safety_stop,
+                            ..goal.clone()
                         }
                     });
-                let goals = goals.iter().map(|(goal, stop)| {
-                    let stop = stop.filter(|_| goal.outcome == Outcome::Aborted && !objects.is_empty());
-                    let safety_stop = stop.map(|(index, force_n)| {
-                        let (link, patch, object) = place(&layout, objects.len(), Some(index), index);
-                        SafetyStop {
-                            object,
-                            link,
-                            patch,
-                            force_n,
-                        }
-                    });
-                    GoalRecord {
-                        safety_stop,
-                        ..goal.clone()
+                    Recording {
+                        scene,
+                        controller: "cody-2013".into(),
+                        seed,
+                        reach_index,
+                        rate_hz,
+                        joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
+                        contacts: contacts.collect(),
+                        layout: layout.clone(),
+                        objects: objects.clone(),
+                        bodies,
+                        goals: goals.collect(),
+                        frames,
+                        audit,
                     }
-                });
-                Recording {
-                    scene,
-                    controller: "cody-2013".into(),
-                    seed,
-                    reach_index,
-                    rate_hz,
-                    joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
-                    contacts: contacts.collect(),
-                    layout: layout.clone(),
-                    objects: objects.clone(),
-                    bodies,
-                    goals: goals.collect(),
-                    frames,
-                    audit,
-                }
-            })
+                },
+            )
     })
 }
 

@@ -1,0 +1,95 @@
+use std::fs::{self, File};
+use std::path::Path;
+
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+use super::dataset::make;
+use super::reach;
+use crate::disk::dictionary::{FRAMES, RECORDING_TRUTH, TABLES, Table};
+use crate::disk::write_recording;
+
+/// The columns of a Parquet file, each with its metadata, in order.
+fn columns(path: &Path) -> Vec<(String, std::collections::HashMap<String, String>)> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+    let fields = builder.schema().fields().iter();
+    fields
+        .map(|field| {
+            let metadata = field.metadata().iter();
+            let metadata = metadata.map(|(key, value)| (key.to_string(), value.to_string()));
+            (field.name().clone(), metadata.collect())
+        })
+        .collect()
+}
+
+/// Demands that the tables together describe all columns of a file, and no others.
+fn described(path: &Path, tables: &[&Table]) {
+    let mut found = columns(path);
+    for column in tables.iter().flat_map(|table| table.columns) {
+        let covered = found.extract_if(.., |(name, metadata)| {
+            let same = column.covers(name);
+            if same {
+                assert_eq!(metadata["description"], column.what, "{name}");
+                assert_eq!(metadata.get("unit").map_or("", String::as_str), column.unit, "{name}");
+            }
+            same
+        });
+        assert!(covered.count() > 0, "{}: no column {}", path.display(), column.name);
+    }
+    assert!(found.is_empty(), "{}: not described: {found:?}", path.display());
+}
+
+/// Pins that every column of every table, and of a recording, is listed with its unit, and nothing else is.
+#[test]
+fn every_column_is_described_in_the_file_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    make(&set);
+    for table in TABLES {
+        let path = set.join(table.path);
+        let file = path.join("chunk-000/file-000.parquet");
+        described(if path.is_file() { &path } else { &file }, &[table]);
+    }
+    let recording = folder.path().join("reach.parquet");
+    write_recording(&recording, &reach(0, 5)).unwrap();
+    described(&recording, &[&FRAMES, &RECORDING_TRUTH]);
+}
+
+/// Pins the codes that stand with the column of the categories.
+#[test]
+fn category_codes_stand_with_their_column() {
+    let folder = tempfile::tempdir().unwrap();
+    make(folder.path());
+    let path = folder.path().join("truth/taxels/chunk-000/file-000.parquet");
+    let columns = columns(&path);
+    let (_, metadata) = columns.iter().find(|(name, _)| name == "category_code").unwrap();
+    let codes: serde_json::Value = serde_json::from_str(&metadata["codes"]).unwrap();
+    let expected = serde_json::json!({"-1": "none", "0": "leaf", "1": "trunk", "2": "block", "3": "outlier"});
+    assert_eq!(codes, expected);
+}
+
+/// Pins that learning code cannot meet ground truth: neither the frames nor the features have any, and the card names the
+/// frames as what is loaded by default.
+#[test]
+fn frames_hold_no_ground_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = make(folder.path());
+    let frames = columns(&folder.path().join("data/chunk-000/file-000.parquet"));
+    let names: Vec<_> = frames.into_iter().map(|(name, _)| name).collect();
+    let mut features: Vec<_> = set.info().features.keys().cloned().collect();
+    assert!(names.iter().all(|name| !name.contains("truth")), "{names:?}");
+    let mut sorted = names;
+    sorted.sort();
+    features.sort();
+    assert_eq!(sorted, features);
+    let card = fs::read_to_string(folder.path().join("README.md")).unwrap();
+    assert!(card.contains("- config_name: frames\n  data_files: data/*/*.parquet\n  default: true\n"));
+}
+
+/// Pins that `docs/data.md` lists the tables as they are; after a change, the failing test's left side is the new text.
+#[test]
+fn the_document_lists_the_tables() {
+    let document = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data.md")).unwrap();
+    let tables: Vec<&Table> = TABLES.into_iter().chain([&RECORDING_TRUTH]).collect();
+    let (_, listed) = document.split_once("<!-- tables -->\n\n").unwrap();
+    assert_eq!(crate::disk::dataset::describe_tables(&tables), listed);
+}
