@@ -167,3 +167,6 @@ fn of_collider(shape: &dyn Shape, pose_body: &Pose) -> BodyPart {
         pose_body: recorded(&(*pose_body * local)),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,6 +34,10 @@ pub use episode_table::Episode;
 pub use info::{FeatureInfo, Info};
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use reader::Dataset;
+#[cfg(test)]
+pub(super) use row_groups::{read_rows, row_groups_of};
+#[cfg(test)]
+pub(super) use table_files::ROWS_PER_GROUP;
 pub use writer::DatasetWriter;
 
 /// Paths in the folder of a data set.

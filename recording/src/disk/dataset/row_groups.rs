@@ -24,7 +24,7 @@ pub(super) struct Footers {
 }
 
 /// The rows of one episode in one table.
-pub(super) struct EpisodeRows {
+pub(in crate::disk) struct EpisodeRows {
     path: PathBuf,
     batches: Vec<RecordBatch>,
 }
@@ -38,8 +38,14 @@ impl EpisodeRows {
         })
     }
 
+    /// The batches, for tests that compare them.
+    #[cfg(test)]
+    pub(in crate::disk) fn batches(&self) -> &[RecordBatch] {
+        &self.batches
+    }
+
     /// Number of rows.
-    pub(super) fn count(&self) -> usize {
+    pub(in crate::disk) fn count(&self) -> usize {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
@@ -54,7 +60,7 @@ impl EpisodeRows {
 }
 
 /// The row groups that may hold rows of an episode.
-pub(super) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
+pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
     let may_hold = |group: &usize| {
         let columns = footer.row_group(*group).columns();
         let column = columns
@@ -77,7 +83,7 @@ pub(super) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usi
 }
 
 /// Reads the rows of an episode from a file whose footer is known: only row groups that may hold any.
-pub(super) fn read_rows(
+pub(in crate::disk) fn read_rows(
     path: &Path,
     file: File,
     footer: ArrowReaderMetadata,
@@ -106,7 +112,12 @@ impl Footers {
     /// The rows of an episode in a file.
     pub(super) fn rows(&self, path: &Path, episode: usize) -> Result<EpisodeRows, DiskError> {
         let file = open_input(path)?;
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned();
+        let known = self
+            .known
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get(path)
+            .cloned();
         let footer = match known {
             Some(footer) => footer,
             None => {

@@ -22,7 +22,7 @@ use crate::disk::whole_file::create_folder;
 
 /// Rows at which a row group of a table of ground truth ends, with the episode. Choice: as many rows of the widest table
 /// are decoded within a few milliseconds, and a group for every episode would cost more than the few goals in it.
-pub(super) const ROWS_PER_GROUP: usize = 4096;
+pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 
 /// Makes the rows of an episode in a table; the path is for errors.
 type RowsOf = fn(&Path, usize, &Recording) -> Result<RecordBatch, DiskError>;

@@ -5,6 +5,7 @@ mod dictionary;
 mod finish;
 mod flips;
 mod recording;
+mod row_groups;
 mod trials;
 mod whole_file;
 

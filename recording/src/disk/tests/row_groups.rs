@@ -1,0 +1,81 @@
+use std::fs::{self, File};
+
+use super::dataset::plan;
+use super::reach;
+use crate::Recording;
+use crate::disk::dataset::{ROWS_PER_GROUP, read_rows, row_groups_of};
+use crate::disk::dictionary::{TABLES, Table};
+use crate::disk::parquet_file::read_footer;
+use crate::disk::{Dataset, DatasetWriter};
+
+/// Reaches of the set; together they fill several row groups of every table but the goals and objects.
+const REACHES: usize = 60;
+
+/// A set of many short reaches in one data file.
+fn make(dir: &std::path::Path) -> (Dataset, Vec<Recording>) {
+    let recordings: Vec<Recording> = (0..REACHES).map(|index| reach(index as u64, 90 + index)).collect();
+    let mut plan = plan();
+    let episode = plan.episodes[0].clone();
+    plan.episodes = recordings
+        .iter()
+        .map(|recording| {
+            let mut episode = episode.clone();
+            episode.reach_index = recording.reach_index;
+            episode
+        })
+        .collect();
+    let writer = DatasetWriter::create(dir, plan, false).unwrap();
+    for (position, recording) in recordings.iter().enumerate() {
+        writer.stage(position, recording).unwrap();
+    }
+    (writer.finish().unwrap(), recordings)
+}
+
+/// The tables with rows for every reach.
+fn tables() -> impl Iterator<Item = &'static Table> {
+    TABLES.into_iter().filter(|table| !table.path.starts_with("meta/"))
+}
+
+/// Pins that a reach lies in one row group of every table, that groups are bounded by a number of rows and one reach, and
+/// that reading it touches no other group: all other groups are overwritten with rubbish, and the reach still comes.
+#[test]
+fn reading_a_reach_touches_its_own_row_groups_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let (set, recordings) = make(folder.path());
+    let mut several = 0;
+    for table in tables() {
+        let path = folder.path().join(table.path).join("chunk-000/file-000.parquet");
+        let footer = read_footer(&path, &File::open(&path).unwrap()).unwrap();
+        let metadata = footer.metadata();
+        several += usize::from(metadata.num_row_groups() > 1);
+        let whole = fs::read(&path).unwrap();
+        for episode in [0, 1, REACHES / 2, REACHES - 1] {
+            let groups = row_groups_of(metadata, episode);
+            assert_eq!(groups.len(), 1, "{}: reach {episode}", table.path);
+            let expected = read_rows(&path, File::open(&path).unwrap(), footer.clone(), episode).unwrap();
+            // A reach has at most three taxels in each of its frames.
+            let longest = 3 * recordings[REACHES - 1].frames.len();
+            let rows = metadata.row_group(groups[0]).num_rows() as usize;
+            assert!(rows < ROWS_PER_GROUP + longest, "{}: {rows} rows", table.path);
+            let mut spoiled = whole.clone();
+            for (index, group) in metadata.row_groups().iter().enumerate() {
+                for column in group.columns().iter().filter(|_| index != groups[0]) {
+                    let (start, length) = column.byte_range();
+                    spoiled[start as usize..(start + length) as usize].fill(0xA5);
+                }
+            }
+            let other = folder.path().join("spoiled.parquet");
+            fs::write(&other, spoiled).unwrap();
+            let found = read_rows(&other, File::open(&other).unwrap(), footer.clone(), episode).unwrap();
+            assert!(
+                found.count() > 0 && found.batches() == expected.batches(),
+                "{}",
+                table.path
+            );
+        }
+    }
+    assert!(several >= 4, "only {several} tables have several row groups");
+    for (index, recording) in recordings.iter().enumerate() {
+        assert_eq!(&set.read_reach(index).unwrap(), recording, "reach {index}");
+    }
+}
