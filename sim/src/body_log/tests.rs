@@ -10,8 +10,11 @@ use underbrush_recording::{Body, BodyOwner, BodyShape, Category, Pose as Recorde
 use crate::reach::ReachPlan;
 use crate::scene::Scene;
 
+/// The engine's poses of the bodies in one frame, by object and number of the body in it.
+type EnginePoses = BTreeMap<(usize, usize), Pose>;
+
 /// The first goal of a shipped scene, with the engine's pose of every body of every object in the engine, frame by frame.
-fn watched(scene: &str) -> (ReachPlan, Recording, Vec<BTreeMap<(usize, usize), Pose>>) {
+fn watched(scene: &str) -> (ReachPlan, Recording, Vec<EnginePoses>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(scene);
     let mut scene = Scene::load(path).unwrap();
     scene.file.goals.count = 1;
