@@ -358,7 +358,6 @@ fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(),
 /// Checks a whole recording.
 pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
     check_header(recording)?;
-    check_bodies(recording)?;
     let count = recording.frames.len();
     for (index, contact) in recording.contacts.iter().enumerate() {
         let inside = usize::try_from(contact.last_frame).is_ok_and(|last| last < count);
@@ -370,5 +369,7 @@ pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
         .iter()
         .enumerate()
         .try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
-    check_physics(recording)
+    check_physics(recording)?;
+    // Last: its tracks speak of frames.
+    check_bodies(recording)
 }

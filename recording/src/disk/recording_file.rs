@@ -13,8 +13,8 @@ use super::features::{features, fields, truth_features};
 use super::frames::{Numbering, append_frames, frame_columns};
 use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open};
 use super::table::Columns;
-use super::{DiskError, seal};
 use super::truth_columns::{add_moves, add_taxel_truth, moved_columns, moved_fields, moves, taxel_columns};
+use super::{DiskError, seal};
 use crate::{InputError, Recording};
 
 /// Metadata key of the format's version.
