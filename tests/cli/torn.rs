@@ -66,20 +66,37 @@ fn a_missing_data_file_is_named() {
     refused_everywhere(&set, &[DATA]);
 }
 
+/// Pins that damage which keeps the size is found by every command, not only by `inspect`.
 #[test]
-fn a_changed_byte_is_found_by_inspect() {
-    // Pins: damage that keeps the size is found by its checksum.
+fn a_changed_byte_is_named_by_every_command() {
     let (_folder, set) = copy();
     let mut bytes = std::fs::read(set.join(DATA)).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 0x10;
     std::fs::write(set.join(DATA), bytes).unwrap();
-    underbrush!["inspect", set].refused(&[DATA]);
+    refused_everywhere(&set, &[DATA, "checksum"]);
+}
+
+/// Pins that a lost file of the set's own is called by its name, and the set not one of another program.
+#[test]
+fn a_lost_provenance_is_named() {
+    let (_folder, set) = copy();
+    std::fs::remove_file(set.join("meta/provenance.json")).unwrap();
+    refused_everywhere(&set, &["without meta/provenance.json", "copy the data set again"]);
+}
+
+/// Pins that "every file matches its checksum" is not said of a set with a file that its list does not know.
+#[test]
+fn an_extra_file_is_named() {
+    let (_folder, set) = copy();
+    let extra = "data/chunk-000/file-001.parquet";
+    std::fs::copy(set.join(DATA), set.join(extra)).unwrap();
+    refused_everywhere(&set, &[extra, "does not list"]);
 }
 
 #[test]
 fn changed_ground_truth_is_named_by_every_command() {
-    // Pins: the small files are checked by hash whenever a set is opened.
+    // Pins: every command names a changed file of the set's own, too.
     let (_folder, set) = copy();
     let name = "meta/provenance.json";
     let text = std::fs::read_to_string(set.join(name)).unwrap();
