@@ -30,6 +30,20 @@ pub struct Folds {
     pub by: FoldBy,
 }
 
+impl FoldBy {
+    /// What is advised for these trials: whole reaches where every trial to learn from names one, since trials of one
+    /// reach resemble each other; else the position.
+    pub fn advised(trials: &[Trial]) -> Self {
+        let mut used = trials
+            .iter()
+            .filter(|trial| trial.category.as_deref().is_some_and(is_trained));
+        match used.all(|trial| trial.reach.is_some()) {
+            true => FoldBy::Reach,
+            false => FoldBy::Position,
+        }
+    }
+}
+
 impl Folds {
     /// The paper's two folds, by position.
     pub fn paper() -> Self {
@@ -48,10 +62,7 @@ impl Folds {
                 .iter()
                 .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
         };
-        let by = match used().all(|trial| trial.reach.is_some()) {
-            true => FoldBy::Reach,
-            false => FoldBy::Position,
-        };
+        let by = FoldBy::advised(trials);
         let mut units: BTreeMap<&str, usize> = BTreeMap::new();
         match by {
             FoldBy::Position => used().for_each(|trial| *units.entry(category(trial)).or_default() += 1),

@@ -3,6 +3,7 @@
 mod by_samples;
 mod confusion;
 mod fold;
+mod held_out;
 mod interval;
 mod roc;
 mod stream;
@@ -19,11 +20,12 @@ use underbrush_recording::Trial;
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
 pub use fold::{FoldBy, Folds};
+pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{Stream, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
-pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
+pub use threshold::{ChosenThresholds, Rates, ThresholdError, ThresholdTargets, choose_thresholds};
 
 use crate::decision::{Decision, DecisionError, Verdict};
 use crate::hmm::TrainingHistory;
@@ -46,7 +48,10 @@ pub enum EvaluateError {
         found: usize,
     },
     /// A category too small to be in every fold.
-    #[error("category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data")]
+    #[error(
+        "category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data{}",
+        if *unit == "reaches" { ", or split by position" } else { "" }
+    )]
     TooFew {
         /// The category.
         category: String,

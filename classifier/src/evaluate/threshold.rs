@@ -1,20 +1,36 @@
-//! Thresholds from training data: for a stated false-positive rate and outlier prior, without any outlier.
+//! Thresholds chosen on training data, without any outlier, for a stated false-positive rate and outlier prior.
 //!
-//! The scores are those of trials held out by cross-validation, so that thresholds know how wrong a classifier can be on
-//! contacts that it has not learned; split by reach, since contacts of one reach resemble each other.
+//! The scores are those of whole trials held out by cross-validation, so that the choice sees how wrong a classifier is on
+//! contacts that it has not learned. Split by reach, because contacts of one reach resemble each other.
 //!
-//! **The category threshold** bounds confident mistakes. Let α be the false-positive rate. For each category c, of all
-//! held-out trials of other categories, at most a fraction α may be taken for c with a lead above the threshold; it is
-//! the smallest lead that keeps this for every c. The fraction is counted as (k + 1) / (n + 1) for k such trials of n:
-//! then the probability that a new trial of another category, drawn like the held-out ones, is taken for c is at most α
-//! (Vovk, Gammerman, Shafer 2005, "Algorithmic learning in a random world", section 2.2).
+//! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For each category c: of the
+//! held-out trials of other categories, at most a fraction α may be taken for c with a lead above the threshold. The
+//! threshold is the smallest lead for which this is so for every c. The fraction is counted as (k + 1) / (n + 1) for k
+//! such trials of n.
 //!
-//! **The uncertain threshold** bounds false alarms. With no model of outliers nothing can be said about how many are
-//! found, only about how many known contacts are wrongly called so. Let π be the prior of an outlier: of N contacts Nπ
-//! are outliers and N(1 − π) are not. If a fraction β of the known ones falls into the band between the thresholds,
-//! false alarms are no more than the outliers there are as long as β (1 − π) ≤ π. So the uncertain threshold is the
-//! smallest lead for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1), weighted by the
-//! priors of eq. 3: a low prior of outliers makes the band narrow, as in the paper, and what leads by less is uncertain.
+//! **The uncertain threshold** limits false alarms. Without a model of outliers nothing can be said about how many
+//! outliers are found, only about how many known contacts are wrongly called outliers. Let π be the prior of an outlier:
+//! of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known ones falls into the band between the
+//! thresholds, false alarms are no more than the outliers there are as long as β (1 − π) ≤ π. So the uncertain threshold
+//! is the smallest lead for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1), weighted by
+//! the priors of eq. 3. A low prior of outliers makes the band narrow, as in the paper, and what leads by less is
+//! uncertain.
+//!
+//! # What this does not promise
+//!
+//! On the held-out trials themselves the rates hold, because they are what was counted. For new contacts there is no
+//! guarantee:
+//!
+//! * Counting (k + 1) / (n + 1) bounds the probability of a mistake on a new trial only if that trial and the n held-out
+//!   ones are exchangeable and scored by one and the same model (Vovk, Gammerman, Shafer 2005, "Algorithmic learning in a
+//!   random world", section 2.2). Here the scores of several folds, and so of several models, are pooled, and the
+//!   thresholds are then used with yet another model, learned from all trials.
+//! * Trials are clustered: one contact lights several taxels, and one reach makes many contacts. The n trials say less
+//!   than n independent ones would, and the rate of a new reach may be far from α.
+//! * The leads are those of whole trials. A lead grows with the number of samples, so the same thresholds, used online
+//!   after each sample, leave a contact uncertain for most of its time: on trials of the paper's length they may never be
+//!   passed. [`super::HeldOut::choose_thresholds`] measures this on the held-out trials
+//!   ([`ChosenThresholds::sample_by_sample`]), so that a caller can warn.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +43,7 @@ use crate::decision::{Choice, Decision, DecisionError, Judge, Rule};
 /// What thresholds are to hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ThresholdTargets {
-    /// At most this fraction of the trials of other categories is taken for a category; above 0 and below 1.
+    /// At most this fraction of the held-out trials of other categories is taken for a category; above 0 and below 1.
     pub false_positive_rate: f64,
     /// The fraction of contacts that are expected to be outliers; from 0 and below 1/2.
     pub outlier_prior: f64,
@@ -49,6 +65,25 @@ pub struct ChosenThresholds {
     /// Trials called uncertain, as a fraction of all.
     pub uncertain: f64,
     /// Trials called outliers, as a fraction of all; none is one.
+    pub outlier: f64,
+    /// What the same thresholds do on the same trials when they are used after each sample, as online. `None` where the
+    /// scores of single samples were not at hand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample_by_sample: Option<Rates>,
+}
+
+/// What comes of thresholds on some verdicts whose truth is known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rates {
+    /// Verdicts given.
+    pub verdicts: usize,
+    /// By category: verdicts for it where the truth is another, as a fraction of the verdicts where it is another.
+    pub false_positive_rate: BTreeMap<String, f64>,
+    /// By category: verdicts for it where it is the truth, as a fraction of the verdicts where it is.
+    pub true_positive_rate: BTreeMap<String, f64>,
+    /// Uncertain verdicts, as a fraction of all.
+    pub uncertain: f64,
+    /// Verdicts for an outlier, as a fraction of all.
     pub outlier: f64,
 }
 
@@ -238,30 +273,39 @@ fn uncertain_below(
 }
 
 fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: ThresholdTargets) -> ChosenThresholds {
-    let predictions = &held_out.predictions;
-    let choices: Vec<Choice> = predictions
-        .iter()
-        .map(|prediction| judge.choose(&prediction.scores))
+    let predictions = held_out.predictions.iter();
+    let choices: Vec<(&str, Choice)> = predictions
+        .map(|prediction| (prediction.category.as_str(), judge.choose(&prediction.scores)))
         .collect();
+    let rates = rates(&choices, held_out.known_categories());
+    ChosenThresholds {
+        decision,
+        targets,
+        trials: rates.verdicts,
+        false_positive_rate: rates.false_positive_rate,
+        true_positive_rate: rates.true_positive_rate,
+        uncertain: rates.uncertain,
+        outlier: rates.outlier,
+        sample_by_sample: None,
+    }
+}
+
+/// The rates of verdicts, each with its truth.
+pub(super) fn rates(choices: &[(&str, Choice)], categories: &[String]) -> Rates {
     let fraction = |choice: Choice, counts: &dyn Fn(&str) -> bool| {
-        let pool = predictions
-            .iter()
-            .zip(&choices)
-            .filter(|(prediction, _)| counts(&prediction.category));
-        let taken = pool.clone().filter(|(_, found)| **found == choice).count();
+        let pool = choices.iter().filter(|(truth, _)| counts(truth));
+        let taken = pool.clone().filter(|(_, found)| *found == choice).count();
         taken as f64 / pool.count().max(1) as f64
     };
     let by_category = |own: bool| {
-        let rates = held_out.known_categories().iter().enumerate().map(|(index, category)| {
+        let rates = categories.iter().enumerate().map(|(index, category)| {
             let rate = fraction(Choice::Category(index), &|truth| (truth == category) == own);
             (category.clone(), rate)
         });
         rates.collect()
     };
-    ChosenThresholds {
-        decision,
-        targets,
-        trials: predictions.len(),
+    Rates {
+        verdicts: choices.len(),
         false_positive_rate: by_category(false),
         true_positive_rate: by_category(true),
         uncertain: fraction(Choice::Uncertain, &|_| true),

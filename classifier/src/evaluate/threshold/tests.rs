@@ -2,8 +2,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
+use underbrush_recording::{Sample, Trial};
+
 use super::*;
 use crate::evaluate::tests::scored;
+use crate::evaluate::{Folds, HeldOut};
+use crate::learner::{Classifier, Learner};
+use crate::model_set::ModelError;
 
 const TARGETS: ThresholdTargets = ThresholdTargets {
     false_positive_rate: 0.1,
@@ -63,8 +68,9 @@ fn thresholds_are_the_quantiles_of_the_distribution() {
 
 #[test]
 fn new_trials_keep_the_rate_on_average() {
-    // Pins the promise: over many small training sets, new trials of another category are taken for a category with
-    // probability at most the rate; 40 trials a category, so that counting k/n instead of (k+1)/(n+1) would fail.
+    // Pins the counting where its conditions hold, with independent trials and one scoring rule: over many small training
+    // sets, new trials of another category are taken for a category with probability at most the rate; 40 trials a
+    // category, so that counting k/n instead of (k+1)/(n+1) would fail.
     let (mut mistakes, mut trials) = (0, 0);
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for _ in 0..400 {
@@ -163,4 +169,64 @@ fn what_cannot_be_held_is_refused() {
     let foreign = BTreeMap::from([("foam".to_owned(), 1.0)]);
     let error = choose_thresholds(&data, &foreign, TARGETS).unwrap_err();
     assert!(matches!(error, ThresholdError::Decision(_)), "{error}");
+}
+
+/// The score of a trunk after k samples is the sum of their forces, that of a leaf 0: nothing is learned.
+struct Sum;
+
+impl Learner for Sum {
+    fn learn(&self, _: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+        Ok(Box::new(Sum))
+    }
+}
+
+impl Classifier for Sum {
+    fn categories(&self) -> Vec<String> {
+        vec!["leaf".into(), "trunk".into()]
+    }
+
+    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let sum = |count: &usize| trial.samples.iter().take(*count).map(|sample| sample.force_n).sum();
+        Ok(counts.iter().map(|count| vec![0.0, sum(count)]).collect())
+    }
+}
+
+/// Pins what thresholds of whole trials do sample by sample, on trials of 10 samples that can be counted by hand. Right
+/// ones lead by 1 nat a sample, three leaves are wrong by 0.5 a sample, so that at a rate of 0.25 of 13 the threshold is
+/// 5. No whole trial is uncertain; but right ones are for 4 of their 10 samples and wrong ones for 9.
+#[test]
+fn thresholds_of_whole_trials_are_late_sample_by_sample() {
+    let trial = |number: u64, category: &str, force_n: f64| Trial {
+        trial: number,
+        category: Some(category.into()),
+        reach: None,
+        patch: None,
+        taxel: None,
+        samples: (0..10)
+            .map(|k| Sample {
+                time_s: 0.01 * f64::from(k),
+                force_n,
+                motion_m: None,
+                region: None,
+                touched: None,
+            })
+            .collect(),
+    };
+    let leaves = (0..12).map(|n| trial(n, "leaf", if n % 4 == 0 { 0.5 } else { -1.0 }));
+    let trunks = (12..24).map(|n| trial(n, "trunk", 1.0));
+    let trials: Vec<Trial> = leaves.chain(trunks).collect();
+    let targets = ThresholdTargets {
+        false_positive_rate: 0.25,
+        outlier_prior: 0.0,
+    };
+    let held_out = HeldOut::of(&trials, &Sum, Folds::paper()).unwrap();
+    let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).unwrap();
+    assert_eq!(band(&chosen), (5.0, 5.0));
+    assert_eq!((chosen.trials, chosen.uncertain, chosen.outlier), (24, 0.0, 3.0 / 24.0));
+    let rates = chosen.sample_by_sample.unwrap();
+    assert_eq!(rates.verdicts, 240);
+    assert_eq!(rates.uncertain, f64::from(21 * 4 + 3 * 9) / 240.0);
+    assert_eq!(rates.outlier, f64::from(21 + 3) / 240.0);
+    assert_eq!(rates.true_positive_rate["trunk"], 0.5);
+    assert_eq!(rates.false_positive_rate["trunk"], 0.0);
 }

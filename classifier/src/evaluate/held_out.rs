@@ -1,0 +1,65 @@
+//! Trials held out by cross-validation, scored as wholes and sample by sample.
+
+use std::collections::BTreeMap;
+
+use underbrush_recording::Trial;
+
+use super::threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds, rates};
+use super::{EvaluateError, Evaluation, Folds, across_folds, predict};
+use crate::decision::{Choice, Decision};
+use crate::learner::Learner;
+
+/// A cross-validation that also keeps the scores while contacts last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// The verdicts on whole trials (argmax, equal priors).
+    pub evaluation: Evaluation,
+    /// For each prediction the scores after its first sample, its first two, and so on.
+    scores_by_sample: Vec<Vec<Vec<f64>>>,
+}
+
+impl HeldOut {
+    /// Cross-validates.
+    ///
+    /// # Errors
+    /// As [`super::cross_validate`].
+    pub fn of(trials: &[Trial], learner: &dyn Learner, folds: Folds) -> Result<Self, EvaluateError> {
+        let outcome = across_folds(trials, learner, folds, 1, |classifier, fold, tested| {
+            let predictions = predict(classifier, tested.iter().copied(), &Decision::argmax(), fold)?;
+            let with_scores = predictions.into_iter().zip(tested).map(|(prediction, trial)| {
+                let counts: Vec<usize> = (1..=trial.samples.len()).collect();
+                Ok((prediction, classifier.scores_after(trial, &counts)?))
+            });
+            with_scores.collect()
+        })?;
+        let (predictions, scores_by_sample) = outcome.results.into_iter().unzip();
+        Ok(HeldOut {
+            evaluation: Evaluation::of(predictions, &outcome.categories, outcome.training)?,
+            scores_by_sample,
+        })
+    }
+
+    /// Chooses thresholds on the whole trials ([`choose_thresholds`]), and measures what they do sample by sample.
+    ///
+    /// # Errors
+    /// As [`choose_thresholds`].
+    pub fn choose_thresholds(
+        &self,
+        prior: &BTreeMap<String, f64>,
+        targets: ThresholdTargets,
+    ) -> Result<ChosenThresholds, ThresholdError> {
+        let mut chosen = choose_thresholds(&self.evaluation, prior, targets)?;
+        let categories = self.evaluation.known_categories();
+        let judge = chosen.decision.prepare(categories)?;
+        let trials = self.evaluation.predictions.iter().zip(&self.scores_by_sample);
+        let choices: Vec<(&str, Choice)> = trials
+            .flat_map(|(prediction, scores)| {
+                let truth = prediction.category.as_str();
+                scores.iter().map(move |scores| (truth, scores))
+            })
+            .map(|(truth, scores)| (truth, judge.choose(scores)))
+            .collect();
+        chosen.sample_by_sample = Some(rates(&choices, categories));
+        Ok(chosen)
+    }
+}
