@@ -18,6 +18,12 @@ pub struct Audit {
     pub largest_static_residual: f64,
     /// How many frames those were; without any the static residual is 0.
     pub rest_frames: u32,
+    /// How many steps the controller made.
+    pub controller_steps: u32,
+    /// In how many of them no change of the equilibrium angles kept all bounds, so that they stayed as they were.
+    pub infeasible_controller_steps: u32,
+    /// In how many of them the controller's program could not be solved, so that the equilibrium angles stayed.
+    pub failed_controller_steps: u32,
     /// What the balance of the arm's energy leaves unexplained at the end of the reach, over the work that its actuators
     /// exchanged with it.
     pub energy_residual: f64,
@@ -42,9 +48,20 @@ pub struct AuditField {
     pub set: fn(&mut Audit, f64),
 }
 
+/// One count of an [`Audit`].
+#[derive(Clone, Copy, Debug)]
+pub struct AuditCount {
+    /// Its name, also of its column in data sets.
+    pub name: &'static str,
+    /// Its value.
+    pub get: fn(&Audit) -> u32,
+    /// Its place.
+    pub set: fn(&mut Audit, u32),
+}
+
 macro_rules! fields {
-    ($($name:ident),* $(,)?) => {
-        [$(AuditField {
+    ($kind:ident: $($name:ident),* $(,)?) => {
+        [$($kind {
             name: stringify!($name),
             get: |audit| audit.$name,
             set: |audit, value| audit.$name = value,
@@ -53,9 +70,17 @@ macro_rules! fields {
 }
 
 impl Audit {
-    /// All figures but the number of frames at rest.
+    /// All counts.
+    pub const COUNTS: [AuditCount; 4] = fields![
+        AuditCount: rest_frames,
+        controller_steps,
+        infeasible_controller_steps,
+        failed_controller_steps,
+    ];
+
+    /// All figures that are no counts.
     pub const FIELDS: [AuditField; 8] = fields![
-        largest_force_residual,
+        AuditField: largest_force_residual,
         largest_moment_residual_m,
         largest_static_residual,
         energy_residual,

@@ -18,7 +18,7 @@ pub mod outcome;
 pub mod reach;
 pub mod trial;
 
-pub use audit::{Audit, AuditField};
+pub use audit::{Audit, AuditCount, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
 pub use category::Category;
 pub use frame::{Frame, Pose, TaxelReading};

@@ -7,7 +7,9 @@ use crate::arm::{Arm, ArmAtStart};
 use crate::body_log::BodyLog;
 use crate::clutter::Clutter;
 use crate::contact_log::ContactLog;
-use crate::controller::{self, Controller, ControllerInput, Goal, ModelPredictive, Preset, TaxelContact};
+use crate::controller::{
+    self, ControlStatus, Controller, ControllerInput, ControllerKind, Goal, Preset, TaxelContact,
+};
 use crate::monitor::Monitor;
 use crate::scene::Scene;
 use crate::sensor::Sensor;
@@ -22,8 +24,8 @@ pub struct ReachPlan {
     pub scene: Scene,
     /// The arm.
     pub arm: Arm,
-    /// Name of the controller, one of [`controller::NAMES`].
-    pub controller: String,
+    /// The controller.
+    pub controller: ControllerKind,
     /// The campaign's seed.
     pub seed: u64,
 }
@@ -50,16 +52,16 @@ impl ReachPlan {
     /// When no controller has that name or the scene's sensor does not fit the arm's skin.
     pub fn with_arm(scene: Scene, mut arm: Arm, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
-        let name = controller.unwrap_or(&scene.file.controller).to_string();
-        if !controller::NAMES.contains(&name.as_str()) {
+        let name = controller.unwrap_or(&scene.file.controller);
+        let Some(controller) = ControllerKind::from_name(name) else {
             let allowed = format!("one of {}", controller::NAMES.join(", "));
             return Err(scene.fault("controller", format!("`{name}`"), allowed));
-        }
+        };
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
         Ok(ReachPlan {
             scene,
             arm,
-            controller: name,
+            controller,
             seed,
         })
     }
@@ -70,10 +72,8 @@ impl ReachPlan {
     }
 
     fn make_controller(&self) -> Box<dyn Controller> {
-        // The name was checked when the plan was made; the default stands for a plan put together by hand.
         let hand_speed_scale = self.scene.file.robot.hand_speed_scale;
-        controller::by_name(&self.controller, &self.arm, hand_speed_scale)
-            .unwrap_or_else(|| Box::new(ModelPredictive::new(Preset::cody_2013(), &self.arm)))
+        self.controller.controller(&self.arm, hand_speed_scale)
     }
 
     /// Draws the clutter of reach number `reach_index`.
@@ -109,6 +109,26 @@ struct Reach<'a> {
     /// Frames between two calls of the controller.
     control_period: usize,
     equilibrium_rad: Vec<f64>,
+    control_counts: ControlCounts,
+}
+
+/// How the controller's steps came about.
+#[derive(Clone, Copy, Debug, Default)]
+struct ControlCounts {
+    steps: u32,
+    infeasible: u32,
+    failed: u32,
+}
+
+impl ControlCounts {
+    fn count(&mut self, status: ControlStatus) {
+        self.steps += 1;
+        match status {
+            ControlStatus::Solved => {}
+            ControlStatus::Infeasible => self.infeasible += 1,
+            ControlStatus::Failed => self.failed += 1,
+        }
+    }
 }
 
 /// Back-off after getting stuck (Jain et al. 2013): 5 cm back, then 10 cm sideways, then once more to the goal.
@@ -128,7 +148,7 @@ impl<'a> Reach<'a> {
         let physics = &scene.file.physics;
         let recording = Recording {
             scene: scene.name.clone(),
-            controller: plan.controller.clone(),
+            controller: plan.controller.name().into(),
             seed: plan.seed,
             reach_index,
             rate_hz: 1.0 / FRAME_PERIOD_S,
@@ -154,6 +174,7 @@ impl<'a> Reach<'a> {
             safety_stop: None,
             recording,
             equilibrium_rad: posture,
+            control_counts: ControlCounts::default(),
         }
     }
 
@@ -182,7 +203,12 @@ impl<'a> Reach<'a> {
         self.recording.bodies = self.bodies.finish();
         let links = &self.plan.arm.links;
         self.recording.contacts = self.contacts.finish(|link| links[usize::from(link)].name.clone());
-        self.recording.audit = self.world.auditor.audit();
+        self.recording.audit = Audit {
+            controller_steps: self.control_counts.steps,
+            infeasible_controller_steps: self.control_counts.infeasible,
+            failed_controller_steps: self.control_counts.failed,
+            ..self.world.auditor.audit()
+        };
         self.recording
     }
 
@@ -285,7 +311,9 @@ impl<'a> Reach<'a> {
             },
             contacts: &contacts,
         };
-        self.equilibrium_rad = self.controller.control(&input).equilibrium_angle_rad;
+        let output = self.controller.control(&input);
+        self.control_counts.count(output.status);
+        self.equilibrium_rad = output.equilibrium_angle_rad;
     }
 
     fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {

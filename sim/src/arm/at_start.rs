@@ -1,33 +1,47 @@
 //! Where an arm stands before a reach.
 
 use glam::DVec3;
+use rapier3d::prelude::Pose;
 
-use super::{Arm, LinkCollider};
-use crate::geometry::Capsule;
+use super::{Arm, Link};
+use crate::geometry::PlacedShape;
 
-/// Where an arm starts and how far it reaches: what the clutter must know of it.
+/// Where an arm starts, how far it reaches and how thick it is: what the clutter must know of it.
 #[derive(Clone, Debug)]
 pub struct ArmAtStart {
-    /// Its links in the start posture, world frame.
-    pub links: Vec<Capsule>,
+    /// Its collision shapes in the start posture, world frame.
+    pub links: Vec<PlacedShape>,
     /// Its tip, m, world frame.
     pub tip_world: DVec3,
     /// The point it reaches from (its shoulder), m, world frame.
     pub shoulder_world: DVec3,
     /// Its length from there, m.
     pub length_m: f64,
+    /// Its first patch of skin, the one that is classified unless another is named.
+    pub skin: SkinAlongArm,
+    /// Half the smallest thickness of the link that carries the tip, across the line from its joint to the tip, m; 0 for a
+    /// link without collision shape.
+    pub hand_half_thickness_m: f64,
 }
+
+/// Where a patch of skin lies on an arm that is stretched out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkinAlongArm {
+    /// Distances behind the tip, along the bones, at which its taxels begin, have their middle and end, m.
+    pub behind_tip_m: [f64; 3],
+    /// Largest distance of its taxels from the middle line of its link, m.
+    pub radius_m: f64,
+}
+
+/// Joints nearer to each other than this make one joint of several axes, and no bone between them, m.
+const LEAST_BONE_M: f64 = 1e-3;
 
 impl ArmAtStart {
     /// Of an arm in its start posture.
     pub fn of(arm: &Arm) -> Self {
         let poses = arm.forward_kinematics(&arm.start_posture_rad());
-        let links = arm
-            .links
-            .iter()
-            .zip(&poses)
-            .flat_map(|(link, pose)| link.colliders.iter().filter_map(|collider| capsule(collider, pose)))
-            .collect::<Vec<Capsule>>();
+        let links = arm.links.iter().zip(&poses);
+        let links = links.flat_map(|(link, pose)| placed_shapes(link, pose)).collect();
         // From the first joint whose offset from the next is a bone rather than an actuator's width.
         let tip_world = arm.tip_pose(&poses).translation;
         let chain: Vec<DVec3> = poses[1..]
@@ -35,21 +49,87 @@ impl ArmAtStart {
             .map(|pose| pose.translation)
             .chain([tip_world])
             .collect();
-        let length_m = chain.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         ArmAtStart {
             links,
             tip_world,
             shoulder_world: chain[0],
-            length_m,
+            length_m: path_length_m(&chain),
+            skin: first_patch(arm, &poses, &chain),
+            hand_half_thickness_m: hand_half_thickness_m(arm, &poses, &chain),
         }
     }
 }
 
-/// The capsule around a link's collision shape.
-fn capsule(collider: &LinkCollider, link_pose: &rapier3d::prelude::Pose) -> Option<Capsule> {
-    let (shape, turn) = collider.shape.engine_shape()?;
-    Some(Capsule::around(
-        shape.as_ref(),
-        &(*link_pose * collider.pose_link * turn),
-    ))
+fn path_length_m(points: &[DVec3]) -> f64 {
+    points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
+}
+
+/// A link's collision shapes where they are in the world.
+fn placed_shapes(link: &Link, link_pose: &Pose) -> Vec<PlacedShape> {
+    let shapes = link.colliders.iter().filter_map(|collider| {
+        let (shape, turn) = collider.shape.engine_shape()?;
+        let pose = *link_pose * collider.pose_link * turn;
+        Some(PlacedShape { shape, pose })
+    });
+    shapes.collect()
+}
+
+/// The bone of a link that moves: its far end, where the next joint or the tip is, and the direction from there to the near
+/// end, world frame. `chain` is the joints, and the tip as the last.
+fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
+    let far_end = chain[link];
+    let near_end = chain[..link]
+        .iter()
+        .rev()
+        .find(|joint| joint.distance(far_end) > LEAST_BONE_M);
+    (far_end, near_end.map_or(DVec3::Z, |near_end| (*near_end - far_end).normalize()))
+}
+
+/// Where the first patch on a moving link lies; the middle line of the whole arm where there is none.
+fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
+    let length_m = path_length_m(chain);
+    let whole = SkinAlongArm {
+        behind_tip_m: [0.0, length_m / 2.0, length_m],
+        radius_m: 0.0,
+    };
+    let patches = arm.skin.layout.patches.iter().zip(&arm.skin.surfaces);
+    let mut patches = patches.filter(|(patch, surface)| surface.link > 0 && !patch.taxels.is_empty());
+    let Some((patch, surface)) = patches.next() else {
+        return whole;
+    };
+    let (far_end, axis) = bone(chain, surface.link);
+    let behind_far_end_m = path_length_m(&chain[surface.link..]);
+    let (mut first_m, mut last_m, mut radius_m) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+    for taxel in &patch.taxels {
+        let from_far_end = poses[surface.link].transform_point(taxel.position_link) - far_end;
+        let along_m = from_far_end.dot(axis);
+        first_m = first_m.min(along_m);
+        last_m = last_m.max(along_m);
+        radius_m = radius_m.max((from_far_end - axis * along_m).length());
+    }
+    SkinAlongArm {
+        behind_tip_m: [first_m, (first_m + last_m) / 2.0, last_m].map(|along_m| behind_far_end_m + along_m),
+        radius_m,
+    }
+}
+
+/// Directions across the hand in which its thickness is measured: every two degrees.
+const DIRECTIONS: usize = 90;
+
+fn hand_half_thickness_m(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> f64 {
+    let (_, axis) = bone(chain, arm.tip_link);
+    let shapes = placed_shapes(&arm.links[arm.tip_link], &poses[arm.tip_link]);
+    let (across, other) = axis.any_orthonormal_pair();
+    let half_thickness_m = |direction: DVec3| {
+        let farthest = |direction: DVec3| {
+            let extents = shapes.iter().map(|shape| shape.extent_m(direction));
+            extents.fold(f64::NEG_INFINITY, f64::max)
+        };
+        (farthest(direction) + farthest(-direction)) / 2.0
+    };
+    let angles = (0..DIRECTIONS).map(|index| std::f64::consts::PI * index as f64 / DIRECTIONS as f64);
+    let thinnest = angles
+        .map(|angle| half_thickness_m(across * angle.cos() + other * angle.sin()))
+        .fold(f64::INFINITY, f64::min);
+    thinnest.max(0.0)
 }

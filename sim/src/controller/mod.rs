@@ -87,17 +87,54 @@ pub trait Controller: Send + Sync {
 }
 
 /// Names of all controllers.
-pub const NAMES: [&str; 3] = ["cody-2013", "ijrr-foliage", "blind"];
+pub const NAMES: [&str; 3] = [
+    ControllerKind::Cody2013.name(),
+    ControllerKind::IjrrFoliage.name(),
+    ControllerKind::Blind.name(),
+];
 
-/// The controller called `name` (one of [`NAMES`]) for an arm, at so many times the hand speed of its preset.
-pub fn by_name(name: &str, arm: &Arm, hand_speed_scale: f64) -> Option<Box<dyn Controller>> {
-    let scaled = |preset: Preset| preset.at_hand_speed(hand_speed_scale);
-    Some(match name {
-        "cody-2013" => Box::new(ModelPredictive::new(scaled(Preset::cody_2013()), arm)),
-        "ijrr-foliage" => Box::new(ModelPredictive::new(scaled(Preset::ijrr_foliage()), arm)),
-        "blind" => Box::new(Blind::new(scaled(Preset::cody_2013()), arm)),
-        _ => return None,
-    })
+/// The controllers that there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ControllerKind {
+    /// The model-predictive controller with the parameters of [`Preset::cody_2013`].
+    Cody2013,
+    /// The same with those of [`Preset::ijrr_foliage`].
+    IjrrFoliage,
+    /// The first as it would move if it felt nothing.
+    Blind,
+}
+
+impl ControllerKind {
+    /// All of them, in the order of [`NAMES`].
+    pub const ALL: [ControllerKind; 3] = [
+        ControllerKind::Cody2013,
+        ControllerKind::IjrrFoliage,
+        ControllerKind::Blind,
+    ];
+
+    /// Name in scene files and recordings.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ControllerKind::Cody2013 => "cody-2013",
+            ControllerKind::IjrrFoliage => "ijrr-foliage",
+            ControllerKind::Blind => "blind",
+        }
+    }
+
+    /// The controller called so, if there is one.
+    pub fn from_name(name: &str) -> Option<ControllerKind> {
+        ControllerKind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// The controller for an arm, at so many times the hand speed of its preset.
+    pub fn controller(self, arm: &Arm, hand_speed_scale: f64) -> Box<dyn Controller> {
+        let scaled = |preset: Preset| preset.at_hand_speed(hand_speed_scale);
+        match self {
+            ControllerKind::Cody2013 => Box::new(ModelPredictive::new(scaled(Preset::cody_2013()), arm)),
+            ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(scaled(Preset::ijrr_foliage()), arm)),
+            ControllerKind::Blind => Box::new(Blind::new(scaled(Preset::cody_2013()), arm)),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use rapier3d::prelude::*;
 use underbrush_recording::Category;
 
 use super::mechanism::{Spring, box_mass, massless};
-use super::{FRICTION, Footprint, Mechanism, Object};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footprint, Mechanism, Object};
 use crate::physics::{Physics, groups};
 use crate::quadrature::gauss_legendre;
 
@@ -64,8 +64,6 @@ const STEM_RIGIDITY_OVER_BLADE: f64 = 4.0;
 /// A leaf stands by itself where its weight is at most this share of the load under which it would buckle: it is then
 /// no softer than 3/5 of what it would be without weight.
 const LARGEST_LOAD_SHARE: f64 = 0.4;
-
-const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 
 /// Inertia on the massless stacked hinges at the root, kg m²: a hundredth of the lightest leaf's about its root; a
 /// trial found 2e-6 to be stable.

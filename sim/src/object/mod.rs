@@ -133,6 +133,9 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     }
 }
 
+/// Gravity under which a drawn object must stand by itself, m/s².
+pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
+
 /// Friction between the skin and whatever it touches: the paper gives none; 0.2–0.4 is usual for
 /// fabric and silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;

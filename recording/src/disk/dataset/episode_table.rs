@@ -136,9 +136,13 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
         .column("outcome", text(|episode| episode.outcome.name()))
         .column("objects", count(|episode| episode.objects))
         .column("contacts", count(|episode| episode.contacts))
-        .column("rest_frames", count(|episode| episode.audit.rest_frames as usize));
+;
     let figure =
         |field: &AuditField| Float64Array::from_iter_values(episodes.iter().map(|episode| (field.get)(&episode.audit)));
+    let table = Audit::COUNTS.iter().fold(table, |table, field| {
+        let counts = episodes.iter().map(|episode| i64::from((field.get)(&episode.audit)));
+        table.column(field.name, Int64Array::from_iter_values(counts))
+    });
     let figures = Audit::FIELDS.iter();
     let table = figures.fold(table, |table, field| table.column(field.name, figure(field)));
     let table = Outcome::ALL.into_iter().fold(table, |table, outcome| {
@@ -249,7 +253,10 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
     );
     let seed = columns.numbers::<UInt64Type>("seed")?;
     let reach_index = columns.numbers::<UInt64Type>("reach_index")?;
-    let rest_frames = count("rest_frames")?;
+    let audit_counts = Audit::COUNTS
+        .iter()
+        .map(|field| Ok((field.set, count(field.name)?)))
+        .collect::<Result<Vec<_>, DiskError>>()?;
     let figures = Audit::FIELDS
         .iter()
         .map(|field| Ok((field.set, columns.numbers::<Float64Type>(field.name)?)))
@@ -263,11 +270,11 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
             let allowed = format!("episode {} from frame {expected}", episodes.len());
             return Err(columns.error("dataset_from_index", found, allowed));
         }
-        let mut audit = Audit {
+        let mut audit = Audit::default();
+        for (set, counts) in &audit_counts {
             // Counts are within 32 bits.
-            rest_frames: rest_frames[row] as u32,
-            ..Audit::default()
-        };
+            set(&mut audit, counts[row] as u32);
+        }
         for (set, figure) in &figures {
             set(&mut audit, figure[row]);
         }

@@ -172,11 +172,12 @@ fn readings_of(layout: &SkinLayout, raw: &[RawReading], objects: usize) -> Vec<T
 }
 
 fn audit() -> impl Strategy<Value = Audit> {
-    (any::<u32>(), prop::collection::vec(number(), Audit::FIELDS.len())).prop_map(|(rest_frames, figures)| {
-        let mut audit = Audit {
-            rest_frames,
-            ..Audit::default()
-        };
+    let counts = prop::collection::vec(any::<u32>(), Audit::COUNTS.len());
+    (counts, prop::collection::vec(number(), Audit::FIELDS.len())).prop_map(|(counts, figures)| {
+        let mut audit = Audit::default();
+        for (field, count) in Audit::COUNTS.iter().zip(counts) {
+            (field.set)(&mut audit, count);
+        }
         for (field, figure) in Audit::FIELDS.iter().zip(figures) {
             (field.set)(&mut audit, figure);
         }
@@ -484,6 +485,9 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
         audit: Audit {
             largest_force_residual: 1e-9,
             rest_frames: 7 + reach_index as u32,
+            controller_steps: 10 + reach_index as u32,
+            infeasible_controller_steps: 2,
+            failed_controller_steps: 1,
             energy_residual: 0.01 + offset,
             ..Audit::default()
         },

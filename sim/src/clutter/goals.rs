@@ -1,0 +1,102 @@
+//! Where the tip is to go: drawn so that the arm passes through plants on its way.
+
+use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use underbrush_recording::{Category, InputError};
+
+use super::Standing;
+use crate::arm::ArmAtStart;
+use crate::geometry::{Capsule, segment_distance};
+use crate::scene::Scene;
+use crate::scene::quantity::Quantity;
+
+/// Goals tried before the scene is refused.
+const GOAL_TRIES: usize = 5000;
+/// Room kept between trunks or rolls and a hand whose tip is at a goal and that points along them, m. Choice: a finger's
+/// breadth.
+const GOAL_MARGIN_M: f64 = 0.02;
+/// Goals are no farther from the shoulder than this share of the arm's length. Choice: an arm stretched to its full length
+/// cannot give way.
+const REACHABLE_SHARE: f64 = 0.97;
+
+/// Distance that goals keep from the surface of trunks and rolls, m: half the thickness of the hand, and the margin. 6.1 cm
+/// for Cody.
+pub(super) fn goal_clearance_m(arm: &ArmAtStart) -> f64 {
+    arm.hand_half_thickness_m + GOAL_MARGIN_M
+}
+
+/// Draws the goals one after the other so that the arm, on its way from the last one, passes through a plant.
+pub(super) fn draw_goals(
+    scene: &Scene,
+    arm: &ArmAtStart,
+    objects: &[Standing],
+    random: &mut ChaCha8Rng,
+) -> Result<Vec<DVec3>, InputError> {
+    let settings = &scene.file.goals;
+    let plants: Vec<Capsule> = objects
+        .iter()
+        .filter(|object| object.object.category() != Category::Block)
+        .map(Standing::hull)
+        .collect();
+    let rigid: Vec<Capsule> = objects
+        .iter()
+        .filter(|object| matches!(object.object.category(), Category::Trunk | Category::Outlier))
+        .map(Standing::hull)
+        .collect();
+    let anywhere = (-5.0, 5.0);
+    let mut from = arm.tip_world;
+    let mut goals = Vec::new();
+    for number in 0..settings.count {
+        let mut too_far = 0;
+        let goal = (0..GOAL_TRIES).find_map(|_| {
+            let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, anywhere).ok();
+            let goal = DVec3::new(
+                draw(&settings.x_m, random)?,
+                draw(&settings.y_m, random)?,
+                draw(&settings.z_m, random)?,
+            );
+            if goal.distance(arm.shoulder_world) > REACHABLE_SHARE * arm.length_m {
+                too_far += 1;
+                return None;
+            }
+            let tip = Capsule {
+                start: goal,
+                end: goal,
+                radius_m: goal_clearance_m(arm),
+            };
+            let clear = rigid.iter().all(|object| object.distance(&tip) > 0.0);
+            let wanted = plants.is_empty() || passes_through(arm, &plants, from, goal);
+            (clear && wanted).then_some(goal)
+        });
+        let goal = goal.ok_or_else(|| {
+            let found = format!(
+                "no goal number {} that leads through the clutter ({too_far} of {GOAL_TRIES} were out of the arm's reach)",
+                number + 1
+            );
+            scene.fault("goals", found, "ranges of goals among the objects and within the arm's reach")
+        })?;
+        goals.push(goal);
+        from = goal;
+    }
+    Ok(goals)
+}
+
+/// Whether the skin, on an arm taken to be stretched from the shoulder to the tip, comes upon a plant on the way.
+///
+/// The first patch and not the hand: it is the one that is classified, so an operator picks goals that bring it among
+/// plants.
+fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
+    let behind = |tip: DVec3, distance: f64| tip + (arm.shoulder_world - tip).normalize_or_zero() * distance;
+    let sweeps = arm
+        .skin
+        .behind_tip_m
+        .map(|distance| (behind(from, distance), behind(goal, distance)));
+    let [nearest, _, farthest] = sweeps;
+    let at_goal = (nearest.1, farthest.1);
+    plants.iter().any(|plant| {
+        sweeps.iter().chain([&at_goal]).any(|(a, b)| {
+            let middle_lines = segment_distance(*a, *b, plant.start, plant.end);
+            middle_lines - plant.radius_m < arm.skin.radius_m
+        })
+    })
+}

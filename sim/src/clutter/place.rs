@@ -1,0 +1,143 @@
+//! Where the objects of a scene stand: drawn one by one, clear of each other and of the arm.
+
+use glam::DVec2;
+use rand_chacha::ChaCha8Rng;
+use underbrush_recording::{Category, InputError};
+
+use super::Standing;
+use crate::arm::ArmAtStart;
+use crate::object::{Footing, Footprint, StandsOn};
+use crate::scene::quantity::Quantity;
+use crate::scene::{Placement, Scene};
+
+/// Room kept between the arm's start posture and any object, m.
+pub(super) const START_CLEARANCE_M: f64 = 0.02;
+/// Room kept between a leaf's foot and the edge of its block, m.
+const BLOCK_MARGIN_M: f64 = 0.01;
+/// Places tried for one object before all start again.
+const PLACES: usize = 1000;
+
+/// Places every object of a scene.
+pub(super) fn place_all(scene: &Scene, arm: &ArmAtStart, random: &mut ChaCha8Rng) -> Result<Vec<Standing>, InputError> {
+    let mut objects: Vec<Standing> = Vec::new();
+    for (kind, number, group) in scene.file.objects.groups() {
+        let field = format!("objects.{kind}[{number}]");
+        for placed in 0..group.count() {
+            let mut rejected = Rejections::default();
+            let mut found = None;
+            for _ in 0..PLACES {
+                let Some((center, yaw_rad, footing)) =
+                    propose(scene, group.place(), group.stands_on(), &objects, random)
+                else {
+                    rejected.no_foam += 1;
+                    continue;
+                };
+                let object = group
+                    .draw(random, &footing)
+                    .map_err(|error| scene.fault(&field, error, "a range with a fair share of physical values"))?;
+                let standing = Standing {
+                    object,
+                    foot_world: center.extend(footing.height_m),
+                    yaw_rad,
+                };
+                if rejected.allows(&standing, &objects, arm) {
+                    found = Some(standing);
+                    break;
+                }
+            }
+            objects.push(found.ok_or_else(|| {
+                let allowed = format!("no more than there is room for; placed {placed}; {rejected}");
+                scene.fault(&format!("{field}.count"), group.count(), allowed)
+            })?);
+        }
+    }
+    Ok(objects)
+}
+
+/// Why proposed places were refused, for the error text.
+#[derive(Debug, Default)]
+struct Rejections {
+    no_foam: usize,
+    overlap: usize,
+    arm: usize,
+}
+
+impl Rejections {
+    fn allows(&mut self, standing: &Standing, objects: &[Standing], arm: &ArmAtStart) -> bool {
+        let laid = standing.laid();
+        let blocked = objects
+            .iter()
+            .any(|other| !may_share_ground(standing, other) && laid.overlaps(&other.laid()));
+        if blocked {
+            self.overlap += 1;
+            return false;
+        }
+        let hull = standing.hull();
+        if arm.links.iter().any(|link| link.distance(&hull) < START_CLEARANCE_M) {
+            self.arm += 1;
+            return false;
+        }
+        true
+    }
+}
+
+impl std::fmt::Display for Rejections {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "of {PLACES} places tried for the next one, {} overlapped another object, {} were too near the arm's start \
+             and {} had no foam to stand in",
+            self.overlap, self.arm, self.no_foam
+        )
+    }
+}
+
+/// Leaves stand in blocks, and trunks go through them to the table.
+fn may_share_ground(a: &Standing, b: &Standing) -> bool {
+    let pair = [a.object.category(), b.object.category()];
+    pair.contains(&Category::Block) && (pair.contains(&Category::Leaf) || pair.contains(&Category::Trunk))
+}
+
+/// A place, a turn and what is underfoot; `None` where a leaf finds no foam.
+fn propose(
+    scene: &Scene,
+    place: Option<&Placement>,
+    stands_on: StandsOn,
+    objects: &[Standing],
+    random: &mut ChaCha8Rng,
+) -> Option<(DVec2, f64, Footing)> {
+    let workspace = &scene.file.workspace;
+    let anywhere = (-f64::INFINITY, f64::INFINITY);
+    let mut draw = |given: Option<&Quantity>, [low, high]: [f64; 2]| {
+        let quantity = given.cloned().unwrap_or_else(|| Quantity::uniform(low, high));
+        quantity.draw(random, anywhere).unwrap_or(low)
+    };
+    let yaw_rad = draw(place.and_then(|place| place.yaw_deg.as_ref()), [-180.0, 180.0]).to_radians();
+    let x = draw(place.and_then(|place| place.x_m.as_ref()), workspace.x_m);
+    let y = draw(place.and_then(|place| place.y_m.as_ref()), workspace.y_m);
+    let center = DVec2::new(x, y);
+    match stands_on {
+        StandsOn::Table => {
+            let footing = Footing {
+                height_m: workspace.table_height_m,
+                foam_modulus_pa: None,
+            };
+            Some((center, yaw_rad, footing))
+        }
+        StandsOn::Foam => objects.iter().find_map(|block| {
+            let (modulus, height) = block.object.foam_top()?;
+            let Footprint::Rectangle(half_x, half_y) = block.object.footprint() else {
+                return None;
+            };
+            let local = DVec2::from_angle(-block.yaw_rad)
+                .rotate(center - block.foot_world.truncate())
+                .abs();
+            let inside = local.x < half_x - BLOCK_MARGIN_M && local.y < half_y - BLOCK_MARGIN_M;
+            let footing = Footing {
+                height_m: block.foot_world.z + height,
+                foam_modulus_pa: Some(modulus),
+            };
+            inside.then_some((center, yaw_rad, footing))
+        }),
+    }
+}
