@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use underbrush_recording::disk::Episode;
-use underbrush_recording::{Audit, Recording};
+use underbrush_recording::{Audit, Recording, SkinLayout};
 use underbrush_sim::audit::{Bound, bounds};
 
 use crate::output;
@@ -14,6 +14,8 @@ use crate::output;
 pub struct Worst {
     /// The value.
     pub value: f64,
+    /// What it should not pass, where it has a bound.
+    pub bound: Option<f64>,
     /// Scene of the reach.
     pub scene: String,
     /// Index of the reach in its scene.
@@ -21,18 +23,21 @@ pub struct Worst {
 }
 
 /// The worst value of every figure over some reaches, by the figure's name.
-pub fn worst(episodes: &[Episode]) -> BTreeMap<&'static str, Worst> {
-    let of_field = |get: fn(&Audit) -> f64| {
+pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str, Worst> {
+    let of_field = |name: &str, get: fn(&Audit) -> f64| {
         let worst = episodes.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit)))?;
         Some(Worst {
             value: get(&worst.audit),
+            bound: bounds(layout)
+                .find(|bound| bound.field.name == name)
+                .map(|bound| bound.most),
             scene: worst.scene.clone(),
             reach_index: worst.reach_index,
         })
     };
     let fields = Audit::FIELDS.into_iter();
     fields
-        .filter_map(|field| Some((field.name, of_field(field.get)?)))
+        .filter_map(|field| Some((field.name, of_field(field.name, field.get)?)))
         .collect()
 }
 
@@ -41,16 +46,22 @@ pub fn text(worst: &BTreeMap<&'static str, Worst>) -> String {
     let rows: Vec<Vec<String>> = worst
         .iter()
         .map(|(name, worst)| {
-            let bound = bounds().find(|bound| bound.field.name == *name);
             vec![
                 (*name).into(),
                 format!("{:.1e}", worst.value),
-                bound.map_or("-".into(), |bound| format!("{:.1e}", bound.most)),
+                worst.bound.map_or("-".into(), |bound| format!("{bound:.1e}")),
                 format!("{} {}", worst.scene, worst.reach_index),
             ]
         })
         .collect();
     output::table(&["audit, worst of all reaches", "value", "bound", "reach"], &rows)
+}
+
+/// The counts of the audit, summed over some reaches, by name.
+pub fn counts(episodes: &[Episode]) -> BTreeMap<&'static str, u64> {
+    let sum = |get: fn(&Audit) -> u32| episodes.iter().map(|episode| u64::from(get(&episode.audit))).sum();
+    let fields = Audit::COUNTS.into_iter();
+    fields.map(|field| (field.name, sum(field.get))).collect()
 }
 
 /// One reach with its audit.
@@ -62,13 +73,15 @@ struct Audited<'a> {
 }
 
 /// Says on stderr which reaches of a data set pass a bound of the audit, and by how much the worst does.
-pub fn warn(episodes: &[Episode]) {
+pub fn warn(episodes: &[Episode], layout: &SkinLayout) {
     let audited = episodes.iter().map(|episode| Audited {
         scene: &episode.scene,
         reach_index: episode.reach_index,
         audit: &episode.audit,
     });
-    warnings(&audited.collect::<Vec<_>>()).iter().for_each(output::remark);
+    warnings(&audited.collect::<Vec<_>>(), layout)
+        .iter()
+        .for_each(output::remark);
 }
 
 /// Says on stderr which bounds of the audit a single reach passes.
@@ -78,11 +91,13 @@ pub fn warn_of_reach(recording: &Recording) {
         reach_index: recording.reach_index,
         audit: &recording.audit,
     };
-    warnings(&[audited]).iter().for_each(output::remark);
+    warnings(&[audited], &recording.layout)
+        .iter()
+        .for_each(output::remark);
 }
 
-/// One warning for each bound that some of these reaches pass.
-fn warnings(reaches: &[Audited]) -> Vec<String> {
+/// One warning for each bound that some of these reaches pass, and one where the controller's program could not be solved.
+fn warnings(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
     let warning = |bound: Bound| {
         let value = |reach: &Audited| (bound.field.get)(reach.audit);
         let beyond: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.most).collect();
@@ -99,7 +114,17 @@ fn warnings(reaches: &[Audited]) -> Vec<String> {
             bound.reason
         ))
     };
-    bounds().filter_map(warning).collect()
+    let failed: u64 = reaches
+        .iter()
+        .map(|reach| u64::from(reach.audit.failed_controller_steps))
+        .sum();
+    let failed = (failed > 0).then(|| {
+        format!(
+            "warning: the controller's program could not be solved in {failed} steps; there the equilibrium angles stayed \
+             as they were"
+        )
+    });
+    bounds(layout).filter_map(warning).chain(failed).collect()
 }
 
 #[cfg(test)]
@@ -110,6 +135,7 @@ mod tests {
     /// and that reaches within all bounds are not mentioned.
     #[test]
     fn every_broken_bound_is_named() {
+        let layout = SkinLayout::default();
         let sound = Audit::default();
         let deep = |deepest_penetration_m| Audit {
             deepest_penetration_m,
@@ -121,13 +147,22 @@ mod tests {
             reach_index,
             audit,
         };
-        assert_eq!(warnings(&[reach(0, &sound)]), Vec::<String>::new());
-        let found = warnings(&[reach(0, &sound), reach(1, &deepest), reach(2, &deeper)]);
+        assert_eq!(warnings(&[reach(0, &sound)], &layout), Vec::<String>::new());
+        let found = warnings(&[reach(0, &sound), reach(1, &deepest), reach(2, &deeper)], &layout);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(
             found[0].starts_with(
                 "warning: deepest_penetration_m passes 1.0e-2 in 2 of 3 reaches, most in reach 1 of leaf: 7.5e-1"
             ),
+            "{found:?}"
+        );
+        let failed = Audit {
+            failed_controller_steps: 3,
+            ..Audit::default()
+        };
+        let found = warnings(&[reach(0, &sound), reach(1, &failed)], &layout);
+        assert!(
+            found.len() == 1 && found[0].contains("could not be solved in 3 steps"),
             "{found:?}"
         );
     }

@@ -182,11 +182,14 @@ impl Campaign {
             return Err(Failure::usage(format!(
                 "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
                  data set for each",
-                first.scene.name, other.scene.name, first.controller, other.controller
+                first.scene.name,
+                other.scene.name,
+                first.controller.name(),
+                other.controller.name()
             )));
         }
         Ok(DatasetPlan {
-            provenance: self.provenance(plans, &first.controller),
+            provenance: self.provenance(plans, first.controller.name()),
             robot: first.arm.name.clone(),
             rate_hz: 1.0 / underbrush_sim::world::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),

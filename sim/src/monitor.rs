@@ -58,3 +58,6 @@ impl Monitor {
         first.distance(second)
     }
 }
+
+#[cfg(test)]
+mod tests;

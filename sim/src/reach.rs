@@ -7,15 +7,14 @@ use crate::arm::{Arm, ArmAtStart};
 use crate::body_log::BodyLog;
 use crate::clutter::Clutter;
 use crate::contact_log::ContactLog;
-use crate::controller::{
-    self, ControlStatus, Controller, ControllerInput, ControllerKind, Goal, Preset, TaxelContact,
-};
+use crate::controller::{self, ControlStatus, Controller, ControllerInput, ControllerKind, Goal, Preset, TaxelContact};
 use crate::monitor::Monitor;
 use crate::scene::Scene;
 use crate::sensor::Sensor;
 use crate::skin::SkinPatch;
 use crate::touch::{Touch, feel};
 use crate::world::{FRAME_PERIOD_S, World};
+use back_off::Way;
 
 /// Everything that decides a reach but its index.
 #[derive(Clone, Debug)]
@@ -131,15 +130,9 @@ impl ControlCounts {
     }
 }
 
-/// Back-off after getting stuck (Jain et al. 2013): 5 cm back, then 10 cm sideways, then once more to the goal.
-const BACK_OFF_M: f64 = 0.05;
-const SIDESTEP_M: f64 = 0.10;
 /// What an operator sees as headway, m/s. A choice: at half a metre the eye sees a centimetre a second as motion, and the
 /// controller's slowest published speed is five times that.
 const HEADWAY_M_PER_S: f64 = 0.01;
-/// Time allowed for each of the two, s: at the slower preset's 0.2 m/s either takes half a second. A choice.
-const BACK_OFF_TIME_S: f64 = 2.0;
-
 impl<'a> Reach<'a> {
     fn new(plan: &'a ReachPlan, clutter: &Clutter, reach_index: u64) -> Self {
         let scene = &plan.scene;
@@ -181,13 +174,7 @@ impl<'a> Reach<'a> {
     fn run(mut self, clutter: &Clutter, observer: &mut Observer) -> Recording {
         for (index, goal) in clutter.goals.iter().enumerate() {
             let start_time_s = self.time_s();
-            let mut outcome = self.go(clutter, index, *goal, *goal, None, observer);
-            for _ in 0..self.plan.scene.file.goals.retries {
-                if outcome != Outcome::Stuck {
-                    break;
-                }
-                outcome = self.retry(clutter, index, *goal, observer);
-            }
+            let outcome = self.pursue(clutter, index, *goal, observer);
             let end_time_s = self.time_s();
             self.recording.goals.push(GoalRecord {
                 position_world: *goal,
@@ -212,20 +199,22 @@ impl<'a> Reach<'a> {
         self.recording
     }
 
-    /// Backs off, steps aside and tries the goal again.
-    fn retry(&mut self, clutter: &Clutter, index: usize, goal: DVec3, observer: &mut Observer) -> Outcome {
-        let arm = &self.plan.arm;
-        let tip = (self.world.link_pose(arm.tip_link) * arm.tip_pose_link).translation;
-        let forward = (goal - tip).with_z(0.0).normalize_or(DVec3::X);
-        let back = tip - forward * BACK_OFF_M;
-        // To the left, where the other arm would be on the robot's right side there is nothing: a choice.
-        let aside = back + DVec3::Z.cross(forward) * SIDESTEP_M;
-        for waypoint in [back, aside] {
-            if self.go(clutter, index, waypoint, goal, Some(BACK_OFF_TIME_S), observer) == Outcome::Aborted {
-                return Outcome::Aborted;
-            }
-        }
-        self.go(clutter, index, goal, goal, None, observer)
+    /// Drives the tip to a goal; where it gets stuck, backs off and tries again as often as the scene allows.
+    fn pursue(&mut self, clutter: &Clutter, index: usize, goal: DVec3, observer: &mut Observer) -> Outcome {
+        let mut waypoints = [goal; 2];
+        back_off::pursue(self.plan.scene.file.goals.retries, |way| {
+            let (target, time_out_s) = match way {
+                Way::ToGoal => (goal, None),
+                Way::Back => {
+                    let arm = &self.plan.arm;
+                    let tip = (self.world.link_pose(arm.tip_link) * arm.tip_pose_link).translation;
+                    waypoints = back_off::waypoints(tip, goal);
+                    (waypoints[0], Some(back_off::TIME_S))
+                }
+                Way::Aside => (waypoints[1], Some(back_off::TIME_S)),
+            };
+            self.go(clutter, index, target, goal, time_out_s, observer)
+        })
     }
 
     /// Drives the tip to `target` until the way ends; frames name `goal`.
@@ -351,5 +340,6 @@ impl<'a> Reach<'a> {
     }
 }
 
+mod back_off;
 #[cfg(test)]
 mod tests;

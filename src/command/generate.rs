@@ -73,6 +73,8 @@ struct Summary {
     ends: Ends,
     /// The worst figures of the audit, with the reach that they are from.
     audit: BTreeMap<&'static str, Worst>,
+    /// The counts of the audit, summed over the reaches.
+    audit_counts: BTreeMap<&'static str, u64>,
 }
 
 impl Summary {
@@ -87,7 +89,8 @@ impl Summary {
             simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
             wall_s,
             ends: Ends::of(episodes),
-            audit: audit::worst(episodes),
+            audit: audit::worst(episodes, dataset.layout()),
+            audit_counts: audit::counts(episodes),
         }
     }
 
@@ -167,7 +170,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             (dataset, None)
         }
     };
-    audit::warn(dataset.episodes());
+    audit::warn(dataset.episodes(), dataset.layout());
     let summary = Summary::of(&dataset, wall_s);
     output::result(json, &summary, || summary.text())
 }

@@ -153,15 +153,19 @@ fn goals_are_clear_of_trunks_and_rolls() {
         assert!(*nearest >= 0.06, "{}: {nearest} m", path.display());
     }
     let near = nearest.iter().filter(|(_, nearest)| *nearest < 0.08).count();
-    assert!(near >= 6, "in few scenes does any goal come near to a trunk or roll: {nearest:?}");
+    assert!(
+        near >= 6,
+        "in few scenes does any goal come near to a trunk or roll: {nearest:?}"
+    );
 }
 
 /// A trunk's or roll's foot, m, and its radius and height, m.
 fn cylinder(standing: &Standing) -> Option<[[f64; 3]; 2]> {
     match (standing.object.category(), standing.object.footprint()) {
-        (Category::Trunk | Category::Outlier, Footprint::Disc(radius)) => {
-            Some([standing.foot_world.to_array(), [radius, standing.object.height_m(), 0.0]])
-        }
+        (Category::Trunk | Category::Outlier, Footprint::Disc(radius)) => Some([
+            standing.foot_world.to_array(),
+            [radius, standing.object.height_m(), 0.0],
+        ]),
         _ => None,
     }
 }

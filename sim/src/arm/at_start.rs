@@ -82,7 +82,10 @@ fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
         .iter()
         .rev()
         .find(|joint| joint.distance(far_end) > LEAST_BONE_M);
-    (far_end, near_end.map_or(DVec3::Z, |near_end| (*near_end - far_end).normalize()))
+    (
+        far_end,
+        near_end.map_or(DVec3::Z, |near_end| (*near_end - far_end).normalize()),
+    )
 }
 
 /// Where the first patch on a moving link lies; the middle line of the whole arm where there is none.

@@ -22,7 +22,7 @@ mod source;
 mod urdf;
 mod urdf_text;
 
-pub use at_start::ArmAtStart;
+pub use at_start::{ArmAtStart, SkinAlongArm};
 pub use skin::Skin;
 
 /// A serial arm. Its base link is fixed, and the base link's frame is the world frame.

@@ -1,7 +1,7 @@
 //! The audit of a reach: how far its physics was from what it should be, and the bounds that it should keep.
 
 use glam::DVec3;
-use underbrush_recording::{Audit, AuditField};
+use underbrush_recording::{Audit, AuditField, SkinLayout};
 
 pub mod energy;
 #[cfg(test)]
@@ -9,6 +9,7 @@ mod tests;
 
 use crate::arm::Arm;
 use crate::arm::engine::ArmHandles;
+use crate::arm::skin::reach_m;
 use crate::physics::Physics;
 use crate::touch::Touch;
 use crate::world::{FRAME_PERIOD_S, SolverContact};
@@ -25,17 +26,20 @@ pub struct Bound {
     pub reason: &'static str,
 }
 
-/// Every bounded figure.
-pub fn bounds() -> impl Iterator<Item = Bound> {
-    Audit::FIELDS.into_iter().filter_map(|field| {
+/// Every bounded figure, with the bounds for an arm with this skin.
+pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
+    // A contact lies no farther from a taxel's centre than the skin reaches around it.
+    let skin_reach_m = layout.patches.iter().map(|patch| reach_m(&patch.taxels));
+    let farthest_contact_m = skin_reach_m.fold(0.0, f64::max);
+    Audit::FIELDS.into_iter().filter_map(move |field| {
         let (most, reason) = match field.name {
             "largest_force_residual" => (1e-9, "the skin hands on every force; rounding alone is 1e-15"),
             "largest_moment_residual_m" => (
-                0.04,
-                "the sparsest taxels of Cody's flipper are 4 cm apart; the forearm keeps half its pitch, 6 mm",
+                farthest_contact_m,
+                "a taxel does not tell where on it a force acts: as far off as the sparsest taxels of the skin are apart",
             ),
             "largest_static_residual" => (
-                0.05,
+                STATIC_RESIDUAL,
                 "where it counts as resting the arm may still gain 5e-3 rad/s in 0.1 s",
             ),
             "energy_residual" => (
@@ -54,15 +58,21 @@ pub fn bounds() -> impl Iterator<Item = Bound> {
     })
 }
 
-/// Joints slower than this count as resting, rad/s: the stiffest damper then holds 35 mNm.
+/// Joints slower than this count as resting, rad/s. Choice: Cody's stiffest damper then holds 34 mNm.
 const REST_RATE_RAD_PER_S: f64 = 5e-3;
 /// Rest angles that move less than this in a frame count as resting, rad.
 const REST_SHIFT_RAD: f64 = 5e-4;
 /// The arm rests when all joints have for so many frames: a tenth of a second.
 const REST_FRAMES: u32 = 10;
-/// Contacts that turn the joints with less than this are too weak to compare with, Nm: what the stiffest damper may hold
-/// is 5 % of it.
-const LEAST_CONTACT_TORQUE_NM: f64 = 0.7;
+/// Largest relative difference between springs and contacts at rest.
+const STATIC_RESIDUAL: f64 = 0.05;
+
+/// Contacts that turn the joints with less than this are too weak to compare with, Nm: what the arm's stiffest damper may
+/// hold while the arm counts as resting is the allowed share of it. 0.69 Nm for Cody.
+fn least_contact_torque_nm(arm: &Arm) -> f64 {
+    let dampers = arm.joints.iter().map(|joint| joint.damping_nm_s_per_rad);
+    REST_RATE_RAD_PER_S * dampers.fold(0.0, f64::max) / STATIC_RESIDUAL
+}
 
 /// Watches one world.
 #[derive(Clone, Debug)]
@@ -188,7 +198,7 @@ impl Auditor {
                 missing += (spring_nm + contact_nm).powi(2);
             }
         }
-        if torque > LEAST_CONTACT_TORQUE_NM * LEAST_CONTACT_TORQUE_NM {
+        if torque > least_contact_torque_nm(arm).powi(2) {
             self.audit.rest_frames += 1;
             self.audit.largest_static_residual = self.audit.largest_static_residual.max((missing / torque).sqrt());
         }

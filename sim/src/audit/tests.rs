@@ -113,14 +113,51 @@ fn dragging_along_a_trunk_keeps_the_balance() {
 /// trunk is stopped within a step).
 #[test]
 fn every_figure_has_its_bound() {
-    let bounded: Vec<&str> = bounds().map(|bound| bound.field.name).collect();
+    let layout = Arm::cody().unwrap().skin.layout;
+    let bounded: Vec<&str> = bounds(&layout).map(|bound| bound.field.name).collect();
     let unbounded: Vec<&str> = Audit::FIELDS
         .iter()
         .map(|field| field.name)
         .filter(|name| !bounded.contains(name))
         .collect();
     assert_eq!(unbounded, ["largest_step_force_jump_n"]);
-    assert!(bounds().all(|bound| bound.most > 0.0 && !bound.reason.is_empty()));
+    assert!(bounds(&layout).all(|bound| bound.most > 0.0 && !bound.reason.is_empty()));
+}
+
+/// Pins that the bound of the moment and the torque under which nothing is compared follow the arm: for Cody about the 4 cm
+/// of its flipper's sparsest taxels and 0.7 Nm, and a skin or dampers twice as large double them.
+#[test]
+fn bounds_follow_the_arm_and_its_skin() {
+    let moment_m = |arm: &Arm| {
+        let mut bounds = bounds(&arm.skin.layout);
+        bounds
+            .find(|bound| bound.field.name == "largest_moment_residual_m")
+            .unwrap()
+            .most
+    };
+    let cody = Arm::cody().unwrap();
+    assert!((moment_m(&cody) - 0.04).abs() < 0.005, "{}", moment_m(&cody));
+    assert!((least_contact_torque_nm(&cody) - 0.7).abs() < 0.02);
+    let mut larger = cody.clone();
+    for taxel in larger
+        .skin
+        .layout
+        .patches
+        .iter_mut()
+        .flat_map(|patch| &mut patch.taxels)
+    {
+        taxel.position_link *= 2.0;
+    }
+    for joint in &mut larger.joints {
+        joint.damping_nm_s_per_rad *= 2.0;
+    }
+    assert!((moment_m(&larger) / moment_m(&cody) - 2.0).abs() < 1e-12);
+    let ratio = least_contact_torque_nm(&larger) / least_contact_torque_nm(&cody);
+    assert!((ratio - 2.0).abs() < 1e-12);
+    // The forearm's taxels alone are much closer to each other.
+    let mut forearm = cody.clone();
+    forearm.skin.layout.patches.truncate(1);
+    assert!(moment_m(&forearm) < 0.015, "{}", moment_m(&forearm));
 }
 
 /// Pins the jump of a force: the largest change of the sum on one link, scaled.

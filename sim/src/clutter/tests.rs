@@ -1,0 +1,248 @@
+//! Placement, goals and their refusals, on scenes and arms made by hand.
+
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+use glam::DVec3;
+use rapier3d::prelude::{Pose, SharedShape};
+use underbrush_recording::InputError;
+
+use super::Clutter;
+use crate::arm::{Arm, ArmAtStart, SkinAlongArm};
+use crate::geometry::PlacedShape;
+use crate::scene::Scene;
+
+/// An arm of 1 m with its shoulder at the origin, skin 5 to 20 cm behind the tip, and a hand 8 cm thick, so that goals keep
+/// 6 cm from trunks.
+fn arm() -> ArmAtStart {
+    ArmAtStart {
+        links: Vec::new(),
+        tip_world: DVec3::new(0.3, -0.3, 0.0),
+        shoulder_world: DVec3::ZERO,
+        length_m: 1.0,
+        skin: SkinAlongArm {
+            behind_tip_m: [0.05, 0.125, 0.20],
+            radius_m: 0.05,
+        },
+        hand_half_thickness_m: 0.04,
+    }
+}
+
+fn scene(name: &str, text: &str) -> Scene {
+    let text = format!("summary = \"A test\"\n{text}");
+    Scene::parse(name, text).unwrap()
+}
+
+fn draw(text: &str, arm: &ArmAtStart) -> Result<Clutter, InputError> {
+    Clutter::draw(&scene("test.toml", text), arm, 0, 0)
+}
+
+/// One goal at (x, 0, 0) and one trunk of 4 cm at (0.5, 0).
+fn goal_beside_a_trunk(x_m: f64) -> String {
+    format!(
+        "goals = {{ count = 1, x_m = {x_m}, y_m = 0.0, z_m = 0.0 }}\n\
+         [workspace]\ntable_height_m = -0.3\n\
+         [[objects.trunk]]\ncount = 1\ndiameter_m = 0.04\nheight_m = 0.6\nplace = {{ x_m = 0.5, y_m = 0.0 }}\n"
+    )
+}
+
+/// Pins the clearance of goals at its border, beside the middle of a trunk: 2 cm of trunk, 4 cm of hand, 2 cm of room.
+#[test]
+fn goals_keep_their_distance_from_a_trunk() {
+    let clutter = draw(&goal_beside_a_trunk(0.581), &arm()).unwrap();
+    assert_eq!(clutter.goals, [DVec3::new(0.581, 0.0, 0.0)]);
+    let error = draw(&goal_beside_a_trunk(0.579), &arm()).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("no goal number 1 that leads through the clutter"),
+        "{error}"
+    );
+    let slimmer = ArmAtStart {
+        hand_half_thickness_m: 0.03,
+        ..arm()
+    };
+    assert!(draw(&goal_beside_a_trunk(0.579), &slimmer).is_ok());
+}
+
+/// Pins that a goal must bring the skin to a plant: with the trunk 8.1 cm behind the tip, skin that begins farther back, or
+/// passes by at more than its radius, does not do.
+#[test]
+fn goals_bring_the_skin_to_a_plant() {
+    let skin = |behind_tip_m, radius_m| ArmAtStart {
+        // A start from which the way itself passes no trunk.
+        tip_world: DVec3::new(0.581, 0.0, 0.0),
+        skin: SkinAlongArm { behind_tip_m, radius_m },
+        ..arm()
+    };
+    let scene = goal_beside_a_trunk(0.581);
+    assert!(draw(&scene, &skin([0.05, 0.06, 0.07], 0.01)).is_ok());
+    // The trunk's near side is 6.1 cm behind the tip, its far side 10.1 cm.
+    assert!(draw(&scene, &skin([0.02, 0.03, 0.05], 0.01)).is_err());
+    assert!(draw(&scene, &skin([0.02, 0.03, 0.05], 0.012)).is_ok());
+    assert!(draw(&scene, &skin([0.12, 0.13, 0.14], 0.018)).is_err());
+    assert!(draw(&scene, &skin([0.12, 0.13, 0.14], 0.020)).is_ok());
+}
+
+/// Pins that goals beyond the reach of the arm are refused, and the text says how many were.
+#[test]
+fn goals_are_within_reach() {
+    let goal = |x_m: f64| format!("goals = {{ count = 2, x_m = {x_m}, y_m = 0.0, z_m = 0.0 }}\n");
+    assert_eq!(draw(&goal(0.969), &arm()).unwrap().goals.len(), 2);
+    let error = draw(&goal(0.971), &arm()).unwrap_err().to_string();
+    assert!(error.contains("5000 of 5000 were out of the arm's reach"), "{error}");
+}
+
+/// Pins the room between objects and the arm's start at its border: 2 cm from the true shape.
+#[test]
+fn objects_keep_their_distance_from_the_arm() {
+    // A ball of 5 cm, 2 cm of room and 2 cm of trunk make 9 cm from the trunk's axis at x = 0.5.
+    let ball_at = |x_m: f64| ArmAtStart {
+        links: vec![PlacedShape {
+            shape: SharedShape::ball(0.05),
+            pose: Pose::translation(x_m, 0.0, 0.0),
+        }],
+        ..arm()
+    };
+    assert!(draw(&goal_beside_a_trunk(0.581), &ball_at(0.409)).is_ok());
+    let error = draw(&goal_beside_a_trunk(0.581), &ball_at(0.411)).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        error.field.contains("objects.trunk") && error.field.contains("count"),
+        "{error:?}"
+    );
+    assert!(
+        text.contains("placed 0") && text.contains("1000 were too near the arm's start"),
+        "{text}"
+    );
+}
+
+/// Two groups of one object each at the same place, the first a foam block.
+fn on_a_block(other: &str) -> String {
+    format!(
+        "goals = {{ count = 1, x_m = 0.62, y_m = 0.0, z_m = {{ uniform = [-0.2, 0.2] }} }}\n\
+         [workspace]\ntable_height_m = -0.3\n\
+         [[objects.foam_block]]\ncount = 1\nplace = {{ x_m = 0.5, y_m = 0.0, yaw_deg = 0 }}\n\
+         [[objects.{other}]]\ncount = 1\nplace = {{ x_m = 0.5, y_m = 0.0 }}\n"
+    )
+}
+
+/// Pins who may share ground: leaves stand in foam and trunks go through it, a roll stands on the bare table.
+#[test]
+fn leaves_and_trunks_stand_in_foam() {
+    let slim = ArmAtStart {
+        hand_half_thickness_m: 0.0,
+        ..arm()
+    };
+    for kind in ["leaf", "trunk"] {
+        let clutter = draw(&on_a_block(kind), &slim).unwrap_or_else(|error| panic!("{kind}: {error}"));
+        let kinds: Vec<_> = clutter.objects.iter().map(|standing| standing.object.kind()).collect();
+        assert!(kinds.contains(&kind) && kinds.contains(&"foam_block"), "{kinds:?}");
+        let block = clutter
+            .objects
+            .iter()
+            .find(|standing| standing.object.kind() == "foam_block");
+        let top_m = block.unwrap().foot_world.z + block.unwrap().object.height_m();
+        let plant = clutter.objects.iter().find(|standing| standing.object.kind() == kind);
+        let foot_m = plant.unwrap().foot_world.z;
+        assert_eq!(foot_m, if kind == "leaf" { top_m } else { -0.3 });
+    }
+    let error = draw(&on_a_block("foam_roll"), &slim).unwrap_err().to_string();
+    assert!(error.contains("1000 overlapped another object"), "{error}");
+}
+
+/// Pins the refusals of a group without room and of leaves without foam, each with its numbers.
+#[test]
+fn groups_without_room_are_refused() {
+    let crowd = "[workspace]\ntable_height_m = -0.3\n[[objects.trunk]]\ncount = 40\ndiameter_m = 0.04\nheight_m = 0.6\n\
+                 place = { x_m = { uniform = [0.5, 0.56] }, y_m = { uniform = [0.0, 0.06] } }\n";
+    let error = draw(crowd, &arm()).unwrap_err();
+    let placed = error
+        .allowed
+        .split("placed ")
+        .nth(1)
+        .and_then(|rest| rest.split(';').next());
+    let placed: u32 = placed.unwrap().parse().unwrap();
+    // Discs of 4 cm with their centres in 6 × 6 cm: one at least, and no more than the nine of a grid of 3 cm.
+    assert!((1..=9).contains(&placed), "{error}");
+    assert!(error.allowed.contains("1000 overlapped another object"), "{error}");
+    let bare = "[[objects.leaf]]\ncount = 1\n";
+    let error = draw(bare, &arm()).unwrap_err().to_string();
+    assert!(error.contains("1000 had no foam to stand in"), "{error}");
+}
+
+/// Pins the random streams: seed, scene name and index of the reach each change the clutter, what is asked of goals does
+/// not change the objects, and more goals begin with the same ones.
+#[test]
+fn streams_are_apart() {
+    let text = |goals: u32| {
+        format!(
+            "goals = {{ count = {goals} }}\n\
+             [[objects.trunk]]\ncount = 5\n"
+        )
+    };
+    let arm = ArmAtStart::of(&Arm::cody().unwrap());
+    let draw = |name: &str, goals: u32, seed: u64, index: u64| {
+        let clutter = Clutter::draw(&scene(name, &text(goals)), &arm, seed, index).unwrap();
+        (format!("{:?}", clutter.objects), clutter.goals)
+    };
+    let first = draw("a.toml", 1, 1, 0);
+    assert_eq!(draw("a.toml", 1, 1, 0), first);
+    for other in [
+        draw("b.toml", 1, 1, 0),
+        draw("a.toml", 1, 2, 0),
+        draw("a.toml", 1, 1, 1),
+    ] {
+        assert_ne!(other.0, first.0);
+        assert_ne!(other.1, first.1);
+    }
+    let more = draw("a.toml", 3, 1, 0);
+    assert_eq!((more.0, more.1[0], more.1.len()), (first.0, first.1[0], 3));
+}
+
+/// Pins what goals take from the arm. Cody's forearm skin, from its files: rows 94.2 to 256.2 mm from the elbow axis, which
+/// is 278.53 mm from the wrist, 270 mm behind the tip, at a radius of 46.04 mm; a flipper of 41 mm half thickness.
+#[test]
+fn goals_know_the_arm_and_its_skin() {
+    let cody = Arm::cody().unwrap();
+    let close = |found: f64, expected: f64| (found - expected).abs() < 1e-5;
+    let start = ArmAtStart::of(&cody);
+    let SkinAlongArm { behind_tip_m, radius_m } = start.skin;
+    let [first, middle, last] = behind_tip_m;
+    assert!(close(first, 0.270 + 0.27853 - 0.2562), "{first}");
+    assert!(close(last, 0.270 + 0.27853 - 0.0942), "{last}");
+    assert!(
+        close(middle, (first + last) / 2.0) && close(radius_m, 0.04604),
+        "{middle} {radius_m}"
+    );
+    assert!(
+        (start.hand_half_thickness_m - 0.041).abs() < 5e-4,
+        "{}",
+        start.hand_half_thickness_m
+    );
+
+    // The same arm with the flipper's patch as the first: its skin ends at the tip and is as far from the axis as its taxels.
+    let mut hand = cody.clone();
+    hand.skin.layout.patches.swap(0, 1);
+    hand.skin.surfaces.swap(0, 1);
+    let [first, _, last] = ArmAtStart::of(&hand).skin.behind_tip_m;
+    assert!(close(first, 0.0) && (0.13..0.25).contains(&last), "{first} {last}");
+
+    // An arm that is twice as large in every length.
+    let mut large = cody;
+    for joint in &mut large.joints {
+        joint.origin_parent.translation *= 2.0;
+    }
+    large.tip_pose_link.translation *= 2.0;
+    for taxel in large.skin.layout.patches.iter_mut().flat_map(|patch| &mut patch.taxels) {
+        taxel.position_link *= 2.0;
+    }
+    let SkinAlongArm {
+        behind_tip_m: doubled,
+        radius_m: wide,
+    } = ArmAtStart::of(&large).skin;
+    let doubles = doubled
+        .iter()
+        .zip(behind_tip_m)
+        .all(|(large, small)| close(*large, 2.0 * small));
+    assert!(doubles && close(wide, 2.0 * radius_m), "{doubled:?} {wide}");
+}

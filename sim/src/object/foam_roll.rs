@@ -11,7 +11,9 @@ use serde::Deserialize;
 use underbrush_recording::Category;
 
 use super::mechanism::{Maxwell, Spring, massless};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use super::{
+    EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn,
+};
 use crate::physics::{Physics, groups};
 use crate::scene::Placement;
 use crate::scene::quantity::{DrawError, Quantity, Within};

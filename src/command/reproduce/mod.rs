@@ -91,7 +91,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     ));
 
     let dataset = stages.run("Training reaches", || make_or_reuse(out, seed, quick))?;
-    audit::warn(dataset.episodes());
+    audit::warn(dataset.episodes(), dataset.layout());
     let contacts = stages.run("Trials", || Trials::of_dataset(&dataset, &data::any_length_options()))?;
     let trials = contacts.lasting(data::trial_options().min_samples);
     write_trials(out.join("trials-component.parquet"), trials.component.iter().cloned())?;
@@ -99,7 +99,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let data = Data {
         seed,
         quick,
-        reaches: results::Reaches::of(dataset.episodes()),
+        reaches: results::Reaches::of(dataset.episodes(), dataset.layout()),
         trials,
         contacts: contacts.taxel,
         tested: stages.run("Engineered, general and outlier reaches", || {

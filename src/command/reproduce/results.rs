@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use underbrush_classifier::evaluate::{ChosenThresholds, ConfusionMatrix, TableOneUnit};
 use underbrush_recording::disk::Episode;
+use underbrush_recording::SkinLayout;
 
 use super::ablation::Ablated;
 use super::accuracy::{Accuracy, Spread};
@@ -194,14 +195,14 @@ impl Results {
 }
 
 impl Reaches {
-    pub fn of(episodes: &[Episode]) -> Self {
+    pub fn of(episodes: &[Episode], layout: &SkinLayout) -> Self {
         let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
         Reaches {
             count: episodes.len(),
             frames,
             simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
             ends: Ends::of(episodes),
-            audit: audit::worst(episodes),
+            audit: audit::worst(episodes, layout),
         }
     }
 }

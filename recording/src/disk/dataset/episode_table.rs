@@ -135,8 +135,7 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
         .column("controller", text(|episode| &episode.controller))
         .column("outcome", text(|episode| episode.outcome.name()))
         .column("objects", count(|episode| episode.objects))
-        .column("contacts", count(|episode| episode.contacts))
-;
+        .column("contacts", count(|episode| episode.contacts));
     let figure =
         |field: &AuditField| Float64Array::from_iter_values(episodes.iter().map(|episode| (field.get)(&episode.audit)));
     let table = Audit::COUNTS.iter().fold(table, |table, field| {

@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::super::{Blind, ControlStatus, Controller, ModelPredictive, NAMES, Preset, by_name};
+use super::super::{Blind, ControlStatus, Controller, ControllerKind, ModelPredictive, NAMES, Preset};
 use super::{Situation, middle, vector};
 use crate::arm::Arm;
 
@@ -267,9 +267,10 @@ fn blind_is_the_same_controller_without_skin() {
     assert_eq!(situation.step(&Blind::new(preset.clone(), &arm)), free);
     assert_ne!(situation.step(&ModelPredictive::new(preset, &arm)), free);
     for name in NAMES {
-        assert_eq!(by_name(name, &arm, 1.0).unwrap().name(), name);
+        let kind = ControllerKind::from_name(name).unwrap();
+        assert_eq!((kind.name(), kind.controller(&arm, 1.0).name()), (name, name));
     }
-    assert!(by_name("cody", &arm, 1.0).is_none());
+    assert_eq!(ControllerKind::from_name("cody"), None);
 }
 
 #[test]

@@ -95,7 +95,9 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
         mechanism.relax(&mut physics);
         physics.step();
     }
-    let tip = physics.bodies[core].position().transform_point(DVec3::Z * roll.height_m);
+    let tip = physics.bodies[core]
+        .position()
+        .transform_point(DVec3::Z * roll.height_m);
     tip.truncate().length()
 }
 
@@ -121,9 +123,8 @@ fn only_rolls_that_stand_are_drawn() {
         foam_modulus_pa: None,
     };
     let mut random = crate::seed::stream(0, "rolls", 0, "clutter");
-    let group = |modulus_pa: &str| -> FoamRollSpecification {
-        toml::from_str(&format!("count = 1\n{modulus_pa}")).unwrap()
-    };
+    let group =
+        |modulus_pa: &str| -> FoamRollSpecification { toml::from_str(&format!("count = 1\n{modulus_pa}")).unwrap() };
     let error = group("modulus_pa = 5e3").draw(&mut random, &footing).unwrap_err();
     assert!(error.low > 5e3 && error.low < 1e5, "{error:?}");
     let mixed = group("modulus_pa = { uniform = [5e3, 2e5] }\nrelaxing_share = 0.6");

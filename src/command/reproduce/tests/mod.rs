@@ -60,7 +60,7 @@ fn data() -> Data {
     Data {
         seed: 0,
         quick: true,
-        reaches: results::Reaches::of(&[]),
+        reaches: results::Reaches::of(&[], &underbrush_recording::SkinLayout::default()),
         trials: contacts.lasting(data::trial_options().min_samples),
         contacts: contacts.taxel,
         tested: TestReaches {

@@ -1,0 +1,100 @@
+//! The rules that end a way, each at its border, on sequences of tips made by hand.
+
+use super::*;
+
+/// Rules with numbers that are sums of few powers of two, so that borders are met exactly: stuck under 2⁻¹⁰ m in 8 frames.
+fn rules() -> Preset {
+    Preset {
+        stop_force_n: 16.0,
+        reached_distance_m: 0.0625,
+        stuck_distance_m: 1.0 / 1024.0,
+        stuck_window_s: 0.08,
+        time_out_s: 0.25,
+        ..Preset::cody_2013()
+    }
+}
+
+fn far() -> DVec3 {
+    DVec3::new(100.0, 0.0, 0.0)
+}
+
+/// The frame, counted from 1, in which a tip that moves so ends its way to a goal far off, and how.
+fn end(rules: Preset, tip_m: impl Fn(usize) -> f64) -> Option<(usize, Outcome)> {
+    let mut monitor = Monitor::new(rules, far());
+    (1..=200).find_map(|frame| {
+        let outcome = monitor.observe(DVec3::X * tip_m(frame), 0.0)?;
+        Some((frame, outcome))
+    })
+}
+
+/// Pins that only a force over the stop force aborts, and that it does so even at the goal.
+#[test]
+fn a_force_over_the_stop_force_aborts() {
+    let mut monitor = Monitor::new(rules(), DVec3::ZERO);
+    assert_eq!(monitor.observe(far(), 16.0), None);
+    assert_eq!(monitor.observe(far(), 16.000001), Some(Outcome::Aborted));
+    let mut monitor = Monitor::new(rules(), DVec3::ZERO);
+    assert_eq!(monitor.observe(DVec3::ZERO, 17.0), Some(Outcome::Aborted));
+}
+
+/// Pins that a goal is reached nearer than the distance, in any direction, and not at it.
+#[test]
+fn a_goal_is_reached_within_the_distance() {
+    let mut monitor = Monitor::new(rules(), DVec3::ZERO);
+    assert_eq!(monitor.observe(DVec3::Z * 0.0625, 0.0), None);
+    assert_eq!(monitor.observe(DVec3::Y * -0.0624, 16.0), Some(Outcome::Reached));
+}
+
+/// Pins that the arm is stuck where the mean of the window's later half is less than the distance from that of the first,
+/// as soon as the window is full and no sooner: at v a frame the means of 4 and 4 frames are 4 v apart.
+#[test]
+fn a_tip_without_headway_is_stuck() {
+    let border_m = 1.0 / 4096.0;
+    assert_eq!(
+        end(rules(), |frame| frame as f64 * border_m),
+        Some((25, Outcome::TimedOut))
+    );
+    assert_eq!(
+        end(rules(), |frame| frame as f64 * 0.99 * border_m),
+        Some((8, Outcome::Stuck))
+    );
+    // 4 and 5 frames of a window of 9: the means are 4.5 v apart.
+    let odd = || Preset {
+        stuck_window_s: 0.09,
+        ..rules()
+    };
+    let border_m = border_m * 8.0 / 9.0;
+    assert_eq!(
+        end(odd(), |frame| frame as f64 * 1.01 * border_m),
+        Some((25, Outcome::TimedOut))
+    );
+    assert_eq!(
+        end(odd(), |frame| frame as f64 * 0.99 * border_m),
+        Some((9, Outcome::Stuck))
+    );
+}
+
+/// Pins that an arm that shakes on the spot is stuck, and that one that stops after moving is so once the whole window lies
+/// in its rest.
+#[test]
+fn shaking_is_no_headway() {
+    let shaking = |frame: usize| if frame.is_multiple_of(2) { 0.5 } else { -0.5 };
+    assert_eq!(end(rules(), shaking), Some((8, Outcome::Stuck)));
+    // 1 cm a frame until frame 10, then rest. At frame 16 the window begins with frame 9, 1 cm behind, which puts the mean
+    // of its first four 2.5 mm behind; at frame 17 it holds nothing but rest.
+    let stopping = |frame: usize| frame.min(10) as f64 * 0.01;
+    assert_eq!(end(rules(), stopping), Some((17, Outcome::Stuck)));
+}
+
+/// Pins that a way ends in the frame in which its time is over, and that being stuck in that frame goes first.
+#[test]
+fn time_runs_out() {
+    let moving = |frame: usize| frame as f64;
+    assert_eq!(end(rules(), moving), Some((25, Outcome::TimedOut)));
+    let short = Preset {
+        time_out_s: 0.08,
+        ..rules()
+    };
+    assert_eq!(end(short.clone(), moving), Some((8, Outcome::TimedOut)));
+    assert_eq!(end(short, |_| 0.0), Some((8, Outcome::Stuck)));
+}

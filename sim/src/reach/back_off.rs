@@ -1,0 +1,113 @@
+//! What a reach does when it gets stuck (Jain et al. 2013): 5 cm back, then 10 cm sideways, then once more to the goal.
+
+use glam::DVec3;
+use underbrush_recording::Outcome;
+
+const BACK_OFF_M: f64 = 0.05;
+const SIDESTEP_M: f64 = 0.10;
+/// Time allowed for each of the two, s: at the slower preset's 0.2 m/s either takes half a second. A choice.
+pub(super) const TIME_S: f64 = 2.0;
+
+/// One way of the tip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// To the goal.
+    ToGoal,
+    /// Back from where it got stuck.
+    Back,
+    /// From there to the side.
+    Aside,
+}
+
+/// Drives to a goal and, each time it gets stuck, backs off and tries again, `retries` times at most. `drive` says how a
+/// way ended; back and aside need not be reached, but an abort ends all.
+pub(super) fn pursue(retries: u32, mut drive: impl FnMut(Way) -> Outcome) -> Outcome {
+    let mut outcome = drive(Way::ToGoal);
+    for _ in 0..retries {
+        if outcome != Outcome::Stuck {
+            break;
+        }
+        for way in [Way::Back, Way::Aside] {
+            if drive(way) == Outcome::Aborted {
+                return Outcome::Aborted;
+            }
+        }
+        outcome = drive(Way::ToGoal);
+    }
+    outcome
+}
+
+/// The points behind and beside a tip that got stuck on its way to a goal, m, world frame, at the tip's height.
+pub(super) fn waypoints(tip_world: DVec3, goal_world: DVec3) -> [DVec3; 2] {
+    let forward = (goal_world - tip_world).with_z(0.0).normalize_or(DVec3::X);
+    let back = tip_world - forward * BACK_OFF_M;
+    // To the left, where the other arm would be on the robot's right side there is nothing: a choice.
+    [back, back + DVec3::Z.cross(forward) * SIDESTEP_M]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Outcome::{Aborted, Reached, Stuck, TimedOut};
+    use Way::{Aside, Back, ToGoal};
+
+    /// The ways taken and the outcome, where they end one after the other so.
+    fn ways(retries: u32, ends: &[Outcome]) -> (Vec<Way>, Outcome) {
+        let mut taken = Vec::new();
+        let outcome = pursue(retries, |way| {
+            taken.push(way);
+            ends[taken.len() - 1]
+        });
+        assert_eq!(taken.len(), ends.len(), "not all of the ways were taken");
+        (taken, outcome)
+    }
+
+    /// Pins that only a stuck arm tries again, as often as allowed, whether or not it reached the points behind and aside.
+    #[test]
+    fn a_stuck_arm_tries_again() {
+        for end in [Reached, TimedOut, Aborted] {
+            assert_eq!(ways(3, &[end]), (vec![ToGoal], end));
+        }
+        assert_eq!(ways(0, &[Stuck]), (vec![ToGoal], Stuck));
+        let twice = vec![ToGoal, Back, Aside, ToGoal];
+        assert_eq!(ways(1, &[Stuck, Reached, TimedOut, Stuck]), (twice.clone(), Stuck));
+        assert_eq!(ways(5, &[Stuck, Stuck, Reached, Reached]), (twice, Reached));
+        let thrice = vec![ToGoal, Back, Aside, ToGoal, Back, Aside, ToGoal];
+        let ends = [Stuck, Reached, Reached, Stuck, Reached, Reached, TimedOut];
+        assert_eq!(ways(2, &ends), (thrice, TimedOut));
+    }
+
+    /// Pins that an abort on the way back or aside ends the whole.
+    #[test]
+    fn an_abort_while_backing_off_ends_all() {
+        assert_eq!(ways(2, &[Stuck, Aborted]), (vec![ToGoal, Back], Aborted));
+        assert_eq!(
+            ways(2, &[Stuck, Reached, Aborted]),
+            (vec![ToGoal, Back, Aside], Aborted)
+        );
+    }
+
+    /// Pins the two points: 5 cm back along the ground from the goal's direction, then 10 cm to the left of it.
+    #[test]
+    fn points_lie_behind_and_to_the_left() {
+        let tip = DVec3::new(0.3, 0.1, 0.2);
+        let close = |[back, aside]: [DVec3; 2], expected: [DVec3; 2]| {
+            back.distance(expected[0]) < 1e-12 && aside.distance(expected[1]) < 1e-12
+        };
+        // The goal ahead and higher: height does not matter.
+        let ahead = waypoints(tip, DVec3::new(0.6, 0.1, 0.5));
+        assert!(
+            close(ahead, [DVec3::new(0.25, 0.1, 0.2), DVec3::new(0.25, 0.2, 0.2)]),
+            "{ahead:?}"
+        );
+        // The goal to the right: its left is ahead.
+        let right = waypoints(tip, DVec3::new(0.3, -0.4, 0.2));
+        assert!(
+            close(right, [DVec3::new(0.3, 0.15, 0.2), DVec3::new(0.4, 0.15, 0.2)]),
+            "{right:?}"
+        );
+        // Straight above there is no direction along the ground: ahead counts.
+        let above = waypoints(tip, DVec3::new(0.3, 0.1, 0.9));
+        assert!(close(above, ahead), "{above:?}");
+    }
+}
