@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::{ChosenThresholds, ConfusionMatrix, TableOneUnit};
-use underbrush_recording::disk::Episode;
 use underbrush_recording::SkinLayout;
+use underbrush_recording::disk::Episode;
 
 use super::ablation::Ablated;
 use super::accuracy::{Accuracy, Spread};
