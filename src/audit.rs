@@ -91,9 +91,7 @@ pub fn warn_of_reach(recording: &Recording) {
         reach_index: recording.reach_index,
         audit: &recording.audit,
     };
-    warnings(&[audited], &recording.layout)
-        .iter()
-        .for_each(output::remark);
+    warnings(&[audited], &recording.layout).iter().for_each(output::remark);
 }
 
 /// One warning for each bound that some of these reaches pass, and one where the controller's program could not be solved.
