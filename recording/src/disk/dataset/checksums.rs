@@ -162,7 +162,7 @@ impl Checksums {
 }
 
 /// Paths of the files in a folder of the data set and below, relative to the set.
-fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
+pub(super) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
     let path = dir.join(folder);
     let mut names = Vec::new();
     for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {

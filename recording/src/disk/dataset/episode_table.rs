@@ -9,6 +9,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int32Type, Int64Type, UInt64Type};
 use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray, UInt64Array};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::truth_tables::read_outcome;
@@ -18,7 +19,7 @@ use crate::disk::table::{Columns, TableBuilder};
 use crate::{Audit, AuditField, GoalOutcomes, NamedStop, Outcome, Recording};
 
 /// One reach of a data set.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
     /// What the arm was to do.
     pub task: String,

@@ -1,13 +1,20 @@
 //! Staged reaches to a whole data set: one pass in the order of the plan, one reach in memory.
+//!
+//! When a number of files is whole, the reaches in them are removed from `incomplete/`: at any moment the folder holds
+//! the set and the reaches of one more file, not the set twice. What a crash leaves is gone on with from the last whole
+//! file (`assembled.rs`).
 
+use std::collections::BTreeSet;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 
+use super::assembled::Assembled;
 use super::card::card;
-use super::checksums::{Checksums, FileSum};
+use super::checksums::{FileSum, files_below};
 use super::episode_table::{Episode, Place, number_tasks, write_episodes, write_tasks};
 use super::info::{FORMAT, Info, MEGABYTES_PER_FILE, ProvenanceFile};
 use super::names;
@@ -20,7 +27,7 @@ use crate::disk::features::{features, schema};
 use crate::disk::frames::{Numbering, frame_columns};
 use crate::disk::parquet_file::ROWS_PER_BATCH;
 use crate::disk::recording_file::read_recording;
-use crate::disk::whole_file::{create_folder, json_bytes, write_bytes};
+use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
 
 /// Staged bytes at which a new data file begins.
 pub(super) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
@@ -28,11 +35,12 @@ pub(super) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
 /// Writes everything but `incomplete/` from the staged reaches; `meta/info.json` last.
 pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
     let (dir, plan) = (set.dir(), set.plan());
-    for folder in names::FOLDERS.map(|name| dir.join(name)) {
-        // What an earlier, killed attempt left behind.
-        if folder.exists() {
-            fs::remove_dir_all(&folder).map_err(DiskError::io(&folder, "remove"))?;
-        }
+    let features = features(&plan.joint_names, &plan.layout);
+    let mut assembled = Assembled::read(dir).unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
+    remove_all_but(dir, assembled.checksums.names().collect())?;
+    remove_leftovers(&dir.join(names::CARD));
+    for position in 0..assembled.episodes.len() {
+        remove_if_there(&set.staged(position))?;
     }
     create_folder(&dir.join("meta/episodes/chunk-000"))?;
     write_taxels(&dir.join(names::TAXELS), &plan.layout)?;
@@ -44,20 +52,24 @@ pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
     let tasks = number_tasks(plan.episodes.iter().map(|episode| episode.task.as_str()));
     write_tasks(&dir.join(names::TASKS), &tasks)?;
 
-    let features = features(&plan.joint_names, &plan.layout);
-    let mut statistics = Statistics::new(&features);
     let schema = schema(&features);
-    let mut files = TableFiles::new(dir, set.bytes_per_file);
-    let mut episodes = Vec::with_capacity(plan.episodes.len());
-    let mut total_frames = 0;
-    for (position, planned) in plan.episodes.iter().enumerate() {
+    let mut files = TableFiles::new(dir, set.bytes_per_file, assembled.files);
+    let mut still_staged = assembled.episodes.len();
+    for (position, planned) in plan.episodes.iter().enumerate().skip(still_staged) {
         let path = set.staged(position);
         let staged_bytes = fs::metadata(&path).map_err(DiskError::io(&path, "read"))?.len();
         let recording = read_recording(&path)?;
-        let (chunk_index, file_index) = files.begin_episode(staged_bytes)?;
+        if files.is_full_for(staged_bytes) {
+            assembled.files_end(&mut files, dir)?;
+            for position in still_staged..assembled.episodes.len() {
+                remove_if_there(&set.staged(position))?;
+            }
+            still_staged = assembled.episodes.len();
+        }
+        let (chunk_index, file_index) = files.begin_episode(staged_bytes);
         let numbering = Numbering {
             episode: position,
-            first_index: total_frames,
+            first_index: assembled.total_frames,
             task: tasks.get(planned.task.as_str()).copied().unwrap_or_default(),
         };
         let frames = recording.frames.len();
@@ -66,36 +78,59 @@ pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
             let batch = frame_columns(&recording, first, count, numbering)
                 .and_then(|columns| Ok(RecordBatch::try_new(Arc::clone(&schema), columns)?))
                 .map_err(DiskError::encode(&path))?;
-            statistics.add(&batch);
+            assembled.statistics.add(&batch);
             files.write_frames(&batch)?;
         }
         files.end_episode(position, &recording)?;
         let place = Place {
             frames,
-            first_index: total_frames,
+            first_index: assembled.total_frames,
             chunk_index,
             file_index,
         };
-        total_frames += frames;
-        episodes.push(Episode::new(planned.task.clone(), place, recording));
+        assembled.total_frames += frames;
+        assembled
+            .episodes
+            .push(Episode::new(planned.task.clone(), place, recording));
     }
-    files.close()?;
-    write_episodes(&dir.join(names::EPISODES), &episodes)?;
-    write_json(&dir.join(names::STATS), &statistics.summary())?;
-    finish_with_info(dir, &Info::new(plan, total_frames, tasks.len(), &features))
+    assembled.files_end(&mut files, dir)?;
+    write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;
+    write_json(&dir.join(names::STATS), &assembled.statistics.summary())?;
+    let info = Info::new(plan, assembled.total_frames, tasks.len(), &features);
+    finish_with_info(dir, &info, assembled)
 }
 
-/// Hashes everything, then writes the file that makes the set whole.
-fn finish_with_info(dir: &Path, info: &Info) -> Result<(), DiskError> {
+/// Removes what an earlier, killed attempt has left, but for the files that are whole.
+fn remove_all_but(dir: &Path, whole: BTreeSet<&str>) -> Result<(), DiskError> {
+    for folder in names::FOLDERS {
+        if !dir.join(folder).exists() {
+            continue;
+        }
+        for name in files_below(dir, folder)? {
+            if !whole.contains(name.as_str()) {
+                remove_if_there(&dir.join(name))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn remove_if_there(path: &Path) -> Result<(), DiskError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(DiskError::io(path, "remove")(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Hashes everything else, then writes the file that makes the set whole.
+fn finish_with_info(dir: &Path, info: &Info, assembled: Assembled) -> Result<(), DiskError> {
     let path = dir.join(names::INFO);
     let bytes = json_bytes(&path, info)?;
     let card = card(info);
     write_bytes(&dir.join(names::CARD), card.as_bytes())?;
-    let mut checksums = Checksums::default();
+    let mut checksums = assembled.checksums;
     checksums.add(names::CARD, FileSum::of_bytes(card.as_bytes()));
-    for folder in names::FOLDERS {
-        checksums.add_folder(dir, folder)?;
-    }
+    checksums.add_folder(dir, "meta")?;
     checksums.add(names::INFO, FileSum::of_bytes(&bytes));
     checksums.write(dir)?;
     write_bytes(&path, &bytes)
@@ -104,3 +139,6 @@ fn finish_with_info(dir: &Path, info: &Info) -> Result<(), DiskError> {
 fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), DiskError> {
     write_bytes(path, &json_bytes(path, value)?)
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,9 +9,10 @@
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics
 //! meta/taxels.parquet                           where every taxel is
 //! meta/provenance.json  meta/checksums.json     where it comes from, with the text of scenes and arms; BLAKE3 of every file
-//! incomplete/                                   only while reaches are missing: plan.json and the finished reaches
+//! incomplete/                                   only while the set is unfinished: plan.json, finished reaches, assembled.json
 //! ```
 
+mod assembled;
 mod card;
 mod checksums;
 mod episode_table;
@@ -56,6 +57,7 @@ mod names {
     pub(super) const CHECKSUMS: &str = "meta/checksums.json";
     pub(super) const INCOMPLETE: &str = "incomplete";
     pub(super) const PLAN: &str = "incomplete/plan.json";
+    pub(super) const ASSEMBLED: &str = "incomplete/assembled.json";
     pub(super) const LOCK: &str = "incomplete/lock";
 
     /// The path of a file of a table that has many.

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::disk::features::Feature;
@@ -20,12 +21,13 @@ const PERCENTILES: [(&str, u64); 5] = [("q01", 1), ("q10", 10), ("q50", 50), ("q
 const BIN_SHIFT: u32 = 42;
 
 /// Statistics of one column, number by number.
+#[derive(Debug, Serialize, Deserialize)]
 struct ColumnStatistics {
     count: u64,
     elements: Vec<Element>,
 }
 
-#[derive(Clone)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Element {
     min: f64,
     max: f64,
@@ -123,7 +125,8 @@ fn pair((bin, samples): (&i32, &u64)) -> (f64, u64) {
     (smallest_in(*bin), *samples)
 }
 
-/// Statistics of all columns.
+/// Statistics of all columns; once a row was added, they come back from JSON as they were.
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Statistics {
     columns: Vec<(String, ColumnStatistics)>,
 }

@@ -40,6 +40,8 @@ const TRUTH: [(&Table, RowsOf); 7] = [
 
 /// One file of one table.
 struct TableFile {
+    /// Path in the folder of the data set.
+    name: String,
     path: PathBuf,
     /// Begun by the first rows, which know the columns.
     file: Option<ParquetFile>,
@@ -48,9 +50,10 @@ struct TableFile {
 }
 
 impl TableFile {
-    fn new(path: PathBuf, rows_per_group: usize) -> Self {
+    fn new(dir: &Path, name: String, rows_per_group: usize) -> Self {
         TableFile {
-            path,
+            path: dir.join(&name),
+            name,
             file: None,
             rows_per_group,
             rows: 0,
@@ -101,34 +104,41 @@ pub(super) struct TableFiles<'a> {
 }
 
 impl<'a> TableFiles<'a> {
-    /// Nothing yet.
-    pub(super) fn new(dir: &'a Path, bytes_per_file: u64) -> Self {
+    /// After so many files of each table that are whole.
+    pub(super) fn new(dir: &'a Path, bytes_per_file: u64, begun: usize) -> Self {
         TableFiles {
             dir,
             bytes_per_file,
             files: None,
             staged_bytes: 0,
-            begun: 0,
+            begun,
         }
     }
 
+    /// Files of each table begun so far.
+    pub(super) fn begun(&self) -> usize {
+        self.begun
+    }
+
+    /// Whether an episode that took so many staged bytes has to go into new files.
+    pub(super) fn is_full_for(&self, staged_bytes: u64) -> bool {
+        self.files.is_some() && self.staged_bytes + staged_bytes > self.bytes_per_file
+    }
+
     /// Makes room for an episode that took so many staged bytes; chunk and number of its files.
-    pub(super) fn begin_episode(&mut self, staged_bytes: u64) -> Result<(usize, usize), DiskError> {
-        if self.files.is_some() && self.staged_bytes + staged_bytes > self.bytes_per_file {
-            self.close()?;
-        }
+    pub(super) fn begin_episode(&mut self, staged_bytes: u64) -> (usize, usize) {
         self.staged_bytes += staged_bytes;
         if self.files.is_none() {
             self.begun += 1;
         }
         let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
-        let path = |table: &Table| self.dir.join(names::table(table, chunk, number));
+        let name = |table: &Table| names::table(table, chunk, number);
         self.files.get_or_insert_with(|| Files {
             // One row group an episode: its frames are many.
-            data: TableFile::new(path(&FRAMES), 1),
-            truth: TRUTH.map(|(table, _)| TableFile::new(path(table), ROWS_PER_GROUP)),
+            data: TableFile::new(self.dir, name(&FRAMES), 1),
+            truth: TRUTH.map(|(table, _)| TableFile::new(self.dir, name(table), ROWS_PER_GROUP)),
         });
-        Ok((chunk, number))
+        (chunk, number)
     }
 
     /// Appends frames of the episode.
@@ -147,11 +157,19 @@ impl<'a> TableFiles<'a> {
         Ok(())
     }
 
-    /// Closes the files of the present number.
-    pub(super) fn close(&mut self) -> Result<(), DiskError> {
+    /// Closes the files of the present number; their names.
+    pub(super) fn close(&mut self) -> Result<Vec<String>, DiskError> {
         self.staged_bytes = 0;
-        let Some(files) = self.files.take() else { return Ok(()) };
-        files.data.close()?;
-        files.truth.into_iter().try_for_each(TableFile::close)
+        let Some(files) = self.files.take() else {
+            return Ok(Vec::new());
+        };
+        let mut names = Vec::new();
+        for table in std::iter::once(files.data).chain(files.truth) {
+            if table.file.is_some() {
+                names.push(table.name.clone());
+            }
+            table.close()?;
+        }
+        Ok(names)
     }
 }

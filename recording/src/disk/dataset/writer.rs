@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::assembled::Assembled;
 use super::checksums::FileSum;
 use super::info::read_json;
 use super::plan::first_difference;
@@ -163,8 +164,10 @@ impl DatasetWriter {
         if self.whole {
             return Ok(Vec::new());
         }
+        // Reaches in whole files of the set are there, though no longer staged.
+        let assembled = Assembled::read(&self.dir).map_or(0, |assembled| assembled.episodes.len());
         let mut missing = Vec::new();
-        for position in 0..self.plan.episodes.len() {
+        for position in assembled..self.plan.episodes.len() {
             let path = self.staged(position);
             let sum = path.with_extension("json");
             // The sum is written after the file: without it the file is not known to be whole.

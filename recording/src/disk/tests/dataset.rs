@@ -14,7 +14,7 @@ const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];
 /// Reach indices of the test set: a shard of a larger campaign.
 const REACHES: [u64; 5] = [4, 9, 14, 19, 24];
 
-pub(super) fn recordings() -> Vec<Recording> {
+pub(in crate::disk) fn recordings() -> Vec<Recording> {
     let mut recordings: Vec<_> = REACHES
         .iter()
         .zip(FRAMES)
@@ -92,7 +92,7 @@ pub(super) fn plan() -> DatasetPlan {
     }
 }
 
-pub(super) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
+pub(in crate::disk) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
     let mut writer = DatasetWriter::create(dir, plan(), resume).unwrap();
     // Small enough that the reaches fill several data files.
     writer.bytes_per_file = 60_000;
@@ -100,7 +100,7 @@ pub(super) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
 }
 
 /// A finished set of [`recordings`].
-pub(super) fn make(dir: &Path) -> Dataset {
+pub(in crate::disk) fn make(dir: &Path) -> Dataset {
     let writer = begin(dir, false);
     for (position, recording) in recordings().iter().enumerate() {
         writer.stage(position, recording).unwrap();
@@ -109,7 +109,7 @@ pub(super) fn make(dir: &Path) -> Dataset {
 }
 
 /// Every file below a folder with its bytes.
-pub(super) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(in crate::disk) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn gather(root: &Path, folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

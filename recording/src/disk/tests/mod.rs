@@ -1,6 +1,6 @@
 //! Tests of the disk formats, and the recordings that they write.
 
-mod dataset;
+pub(in crate::disk) mod dataset;
 mod dictionary;
 mod finish;
 mod flips;

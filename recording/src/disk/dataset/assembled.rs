@@ -1,0 +1,87 @@
+//! How far the putting together of a data set has come (`incomplete/assembled.json`).
+//!
+//! It is written each time a number of files of all tables is whole. From then on the reaches in them are no longer
+//! needed as staged files, so that finishing a set needs little more room than the set itself.
+
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::checksums::{Checksums, FileSum};
+use super::episode_table::Episode;
+use super::names;
+use super::statistics::Statistics;
+use super::table_files::TableFiles;
+use crate::disk::DiskError;
+use crate::disk::whole_file::{json_bytes, write_bytes};
+
+/// Everything about the reaches in whole files that the rest of the set depends on.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Assembled {
+    /// Files of each table that are whole.
+    pub(super) files: usize,
+    /// The episodes in them.
+    pub(super) episodes: Vec<Episode>,
+    /// Their frames.
+    pub(super) total_frames: usize,
+    /// Statistics of these frames.
+    pub(super) statistics: Statistics,
+    /// Sums of the files.
+    pub(super) checksums: Checksums,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    /// BLAKE3 of the state as compact JSON with sorted keys.
+    blake3: String,
+    state: Value,
+}
+
+impl Stored {
+    fn hash(state: &Value) -> String {
+        blake3::hash(state.to_string().as_bytes()).to_hex().to_string()
+    }
+}
+
+impl Assembled {
+    /// Nothing yet.
+    pub(super) fn nothing(statistics: Statistics) -> Self {
+        Assembled {
+            files: 0,
+            episodes: Vec::new(),
+            total_frames: 0,
+            statistics,
+            checksums: Checksums::default(),
+        }
+    }
+
+    /// What an interrupted attempt has put together; `None` where there is nothing, or anything of it is damaged: then
+    /// its reaches are missing again.
+    pub(super) fn read(dir: &Path) -> Option<Self> {
+        let bytes = fs::read(dir.join(names::ASSEMBLED)).ok()?;
+        let Stored { blake3, state } = serde_json::from_slice(&bytes).ok()?;
+        if Stored::hash(&state) != blake3 {
+            return None;
+        }
+        let assembled: Assembled = serde_json::from_value(state).ok()?;
+        let whole = |name| assembled.checksums.check(dir, name).is_ok();
+        let all_whole = assembled.checksums.names().all(whole);
+        all_whole.then_some(assembled)
+    }
+
+    /// Closes the files of the present number and makes the state after them durable: the staged reaches of the
+    /// episodes so far are no longer needed.
+    pub(super) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+        for name in files.close()? {
+            let sum = FileSum::of_file(&dir.join(&name))?;
+            self.checksums.add(name, sum);
+        }
+        self.files = files.begun();
+        let path = dir.join(names::ASSEMBLED);
+        let state = serde_json::to_value(&*self).map_err(|error| DiskError::io(&path, "write")(error.into()))?;
+        let blake3 = Stored::hash(&state);
+        write_bytes(&path, &json_bytes(&path, &Stored { blake3, state })?)
+    }
+}

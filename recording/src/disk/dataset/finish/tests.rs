@@ -1,0 +1,77 @@
+use std::fs;
+use std::path::Path;
+
+use super::assemble;
+use crate::disk::DatasetWriter;
+use crate::disk::tests::dataset::{begin, contents, make, recordings};
+
+/// Copies a folder with everything below it.
+fn copy(from: &Path, to: &Path) {
+    for (name, bytes) in contents(from) {
+        let path = to.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+}
+
+/// Positions of the reaches that are still staged.
+fn staged(writer: &DatasetWriter) -> Vec<usize> {
+    let positions = 0..writer.plan().episodes.len();
+    positions.filter(|position| writer.staged(*position).exists()).collect()
+}
+
+/// Pins that a reach is freed as soon as whole files hold it, so that finishing does not take the room of the set twice,
+/// and that a finish which is killed at any reach, before or after freeing, or whose whole files are damaged meanwhile,
+/// loses nothing and ends in the same bytes.
+#[test]
+fn reaches_are_freed_file_by_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [unbroken, ready] = ["unbroken", "ready"].map(|name| folder.path().join(name));
+    let files: Vec<usize> = make(&unbroken)
+        .episodes()
+        .iter()
+        .map(|episode| episode.file_index)
+        .collect();
+    let whole = contents(&unbroken);
+    let writer = begin(&ready, false);
+    for (position, recording) in recordings().iter().enumerate() {
+        writer.stage(position, recording).unwrap();
+    }
+    drop(writer);
+    let mut freed_in_all = 0;
+    for killed_at in 1..files.len() {
+        for afterwards in ["nothing", "not yet freed", "damaged"] {
+            let dir = folder.path().join(format!("{killed_at} {afterwards}"));
+            copy(&ready, &dir);
+            let writer = begin(&dir, true);
+            // Putting together ends at a reach that is not there, as if it had been killed then.
+            fs::remove_file(writer.staged(killed_at)).unwrap();
+            assemble(&writer).unwrap_err();
+            let kept =
+                (0..files.len()).filter(|position| *position > killed_at || files[*position] == files[killed_at - 1]);
+            let kept: Vec<usize> = kept.filter(|position| *position != killed_at).collect();
+            assert_eq!(staged(&writer), kept);
+            let freed = files.len() - 1 - kept.len();
+            freed_in_all += freed;
+            match afterwards {
+                "not yet freed" => copy(&ready, &dir),
+                "damaged" if freed > 0 => {
+                    let path = dir.join("data/chunk-000/file-000.parquet");
+                    let mut bytes = fs::read(&path).unwrap();
+                    bytes[100] ^= 1;
+                    fs::write(path, bytes).unwrap();
+                    let lost: Vec<usize> = (0..files.len()).filter(|position| !kept.contains(position)).collect();
+                    assert_eq!(writer.missing().unwrap(), lost);
+                }
+                _ => assert_eq!(writer.missing().unwrap(), [killed_at]),
+            }
+            for position in writer.missing().unwrap() {
+                writer.stage(position, &recordings()[position]).unwrap();
+            }
+            drop(writer);
+            begin(&dir, true).finish().unwrap();
+            assert!(contents(&dir) == whole, "killed at {killed_at}, {afterwards}");
+        }
+    }
+    assert!(freed_in_all > 0, "no reach was freed early");
+}
