@@ -41,7 +41,7 @@ pub fn skin(portraits: &[Portrait]) -> String {
             escape(words)
         );
     };
-    let title = "True normal force on the forearm's taxels, pressed alike on each object";
+    let title = "True force on the forearm, pressed alike on each object";
     let mut y = MARGIN;
     text(&mut body, y, "bold", title);
     y += LINE;
