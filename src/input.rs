@@ -2,104 +2,25 @@
 
 use std::path::Path;
 
-use clap::{Args, ValueEnum};
-use underbrush_classifier::trial::{Labels, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
 use underbrush_recording::{Category, InputError, Recording, Trial};
 
 use crate::failure::Failure;
 use crate::progress;
-
-/// What a trial is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Unit {
-    /// One taxel from contact to break (paper, section IV-D)
-    Taxel,
-    /// One connected component of taxels (paper, section IV-C)
-    Component,
-}
-
-/// What gives a trial its category.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LabelName {
-    /// The object that pressed on the skin
-    Contact,
-    /// The one category of the clutter, as the paper's models are trained: also where nothing pressed
-    Environment,
-}
-
-/// How trials are cut from a data set or a recording; a table of trials is taken as it is.
-#[derive(Args, Clone, Debug)]
-pub struct TrialArguments {
-    /// What a trial is made of
-    #[arg(long, value_enum, default_value = "taxel", value_name = "UNIT")]
-    pub by: Unit,
-    /// Patch of skin; the only or the first one if not given
-    #[arg(long, value_name = "NAME")]
-    pub patch: Option<String>,
-    /// A taxel is in contact where it reports more than this, N
-    #[arg(long, default_value_t = TrialOptions::default().threshold_n, value_name = "N", allow_negative_numbers = true)]
-    pub threshold_n: f64,
-    /// Leave out trials of fewer samples
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    pub min_samples: usize,
-    /// What gives a trial its category
-    #[arg(long, value_enum, default_value = "contact", value_name = "BY")]
-    pub labels: LabelName,
-    /// Do not join components across the seam of a closed patch, as in the authors' code
-    #[arg(long)]
-    pub no_wrap: bool,
-}
-
-impl TrialArguments {
-    /// The options for cutting trials.
-    pub fn options(&self) -> TrialOptions {
-        TrialOptions {
-            patch: self.patch.clone(),
-            threshold_n: self.threshold_n,
-            min_samples: self.min_samples,
-            labels: match self.labels {
-                LabelName::Contact => Labels::Contact,
-                LabelName::Environment => Labels::Environment,
-            },
-            wrap: self.no_wrap.then_some(false),
-            ..TrialOptions::default()
-        }
-    }
-
-    /// The trials of one recording, numbered from `first`.
-    pub fn cut(&self, recording: &Recording, first: u64) -> Result<Vec<Trial>, Failure> {
-        cut(recording, self.by, &self.options(), first)
-    }
-}
-
-/// The trials of one recording, numbered from `first`.
-pub fn cut(recording: &Recording, by: Unit, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, Failure> {
-    let trials = match by {
-        Unit::Taxel => taxel_trials(recording, options)?,
-        Unit::Component => component_trials(recording, options)?,
-    };
-    Ok(trials
-        .into_iter()
-        .map(|found| Trial {
-            trial: first + found.trial.trial,
-            ..found.trial
-        })
-        .collect())
-}
+pub use crate::trial_arguments::{TrialArguments, Unit, cut};
 
 /// Reads the trials of a data set, a recording or a table, for a command that is nothing without any.
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     let trials = trials(path, arguments)?;
     if trials.is_empty() {
-        let patch = arguments.patch.as_deref();
+        let patch = arguments.patch();
         let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
         return Err(Failure::usage(format!(
             "{}: no contact on {patch} above {} N of {} samples or more; lower --threshold-n or --min-samples, or \
              generate more reaches",
             path.display(),
-            arguments.threshold_n,
-            arguments.min_samples
+            arguments.threshold_n(),
+            arguments.min_samples()
         )));
     }
     Ok(trials)
@@ -138,7 +59,10 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
     } else if is_recording(path) {
         cut(&read_recording(path)?, 0)
     } else {
-        Ok(read_trials(path)?)
+        arguments.refuse_for_table(path)?;
+        let mut trials = read_trials(path)?;
+        trials.retain(|trial| trial.samples.len() >= arguments.min_samples());
+        Ok(trials)
     }
 }
 

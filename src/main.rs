@@ -18,6 +18,7 @@ mod picture;
 mod portrait;
 mod progress;
 mod sealed;
+mod trial_arguments;
 
 use failure::Failure;
 

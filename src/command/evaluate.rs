@@ -1,43 +1,59 @@
 //! `underbrush evaluate`: cross-validation, or given models on other trials.
 
+mod roc;
+mod text;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::baseline::{Logistic, NaiveBayes, NearestNeighbours, RecursiveRegression};
-use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{
-    AccuracyBySamples, Evaluation, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc, cross_validate,
-    evaluate, outlier_roc,
+    AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
+    evaluate,
 };
 use underbrush_classifier::learner::{Classifier, Learner};
 use underbrush_classifier::stream_feature::StreamFeatureSet;
-use underbrush_recording::Category;
+use underbrush_recording::Trial;
 
-use super::classify::DecisionArguments;
-use super::train::RecipeArguments;
+use super::decision_arguments::{DecisionArguments, Scores};
+use super::recipe_arguments::RecipeArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
 
+/// What `underbrush evaluate --help` says of its defaults.
+const ADVICE: &str = "\
+By default trials are labelled by what truly pressed, of any length, and split by whole reaches where every trial names its \
+reach: trials of one reach resemble each other, and a split by position flatters a classifier. The paper's way (section V-A: \
+two folds by position, labels of the environment, 20 samples or more) is `--preset paper`; the recipe of its models is the \
+default.
+
+An accuracy says little alone. The majority baseline is what one reaches by always naming the most frequent category; the \
+balanced accuracy is the mean of the recalls of the categories that the classifier knows. Uncertain counts as wrong, and so \
+does outlier for anything but an outlier. Trials that no object truly touched are judged apart where the table knows them.";
+
 /// Options of `underbrush evaluate`.
 #[derive(Args)]
+#[command(after_help = ADVICE)]
 pub struct Options {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required)
     trials: PathBuf,
     /// What is learned from the trials
     #[arg(long, value_enum, default_value = "hmm")]
     classifier: ClassifierName,
-    /// Also ask for a verdict (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact
+    /// Also ask for a verdict (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact; with a
+    /// --min-samples over 1 also over all contacts, short ones too, where only the long ones are learned from
     #[arg(long, conflicts_with = "model")]
     by_samples: bool,
     /// Number of folds
     #[arg(long, default_value_t = 2, value_name = "N")]
     folds: usize,
-    /// How trials are dealt to the folds
-    #[arg(long, value_enum, default_value = "position")]
-    split: Split,
+    /// How trials are dealt to the folds [default: reach where every trial names its reach, else position; position with
+    /// --preset paper]
+    #[arg(long, value_enum)]
+    split: Option<Split>,
     /// Evaluate the models in this file on trials that they were not trained on, outliers among them, instead of
     /// cross-validating
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "split", "classifier"])]
@@ -52,13 +68,13 @@ pub struct Options {
     roc: Option<PathBuf>,
     #[command(flatten)]
     decision: DecisionArguments,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
     recipe: RecipeArguments,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum ClassifierName {
     /// The paper's hidden Markov models, by the recipe given
     Hmm,
@@ -84,52 +100,99 @@ enum Split {
 
 /// Evaluates and prints confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    options.check()?;
     let trials = input::some_trials(&options.trials, &options.cut)?;
     let about = |failure: Failure| failure.about(&options.trials);
-    let (evaluation, decision) = match &options.model {
-        Some(model) => {
+    let mut folds = None;
+    let (evaluation, decision) = match (&options.model, &options.train) {
+        (Some(model), _) => {
             let models = ModelSet::load(model)?;
-            let decision = options.decision.decision(models.decision.as_ref());
+            let decision = options
+                .decision
+                .decision(&Scores::of_models(&models, models.score_kind()))?;
             (evaluate(&models, &trials, &decision), decision)
         }
-        None => {
-            let decision = options.decision.decision(None);
-            let evaluation = match &options.train {
-                Some(train) => evaluate(learned(&options, train)?.as_ref(), &trials, &decision),
-                None => cross_validate(&trials, options.learner().as_ref(), options.folds(), &decision),
-            };
-            (evaluation, decision)
+        (None, Some(train)) => {
+            let decision = options.decision.decision(&options.scores())?;
+            (
+                evaluate(learned(&options, train)?.as_ref(), &trials, &decision),
+                decision,
+            )
+        }
+        (None, None) => {
+            let decision = options.decision.decision(&options.scores())?;
+            let own = *folds.insert(options.folds(&trials));
+            (
+                cross_validate(&trials, options.learner().as_ref(), own, &decision),
+                decision,
+            )
         }
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
     if let Some(path) = &options.roc {
-        output::write_file(path, &roc_csv(&evaluation, &decision)?)?;
+        output::write_file(path, &roc::csv(&evaluation, &decision)?)?;
     }
-    let by_samples = match options.by_samples {
-        true => Some(accuracy_by_samples(
-            &trials,
-            options.learner().as_ref(),
-            options.folds(),
-        )),
-        false => None,
+    let (mut by_samples, mut by_samples_of_all) = (None, None);
+    if let Some(folds) = folds.filter(|_| options.by_samples) {
+        let learner = options.learner();
+        let series = accuracy_by_samples(&trials, learner.as_ref(), folds);
+        by_samples = Some(series.map_err(|error| about(error.into()))?);
+        let least = options.cut.min_samples();
+        if least > 1 {
+            let all = input::some_trials(&options.trials, &options.cut.of_any_length())?;
+            let series = accuracy_by_samples_of_all(&all, learner.as_ref(), folds, least);
+            by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
+        }
+    }
+    let results = Results {
+        folds,
+        evaluation,
+        by_samples,
+        by_samples_of_all,
     };
-    let by_samples = by_samples.transpose().map_err(|error| about(error.into()))?;
-    let results = Results { evaluation, by_samples };
-    output::result(json, &results, || {
-        let series = results.by_samples.as_deref().map_or(String::new(), by_samples_text);
-        text(&results.evaluation) + &series
-    })
+    output::result(json, &results, || text::of(&results))
 }
 
 #[derive(Serialize)]
 struct Results {
+    /// `None` where there is no cross-validation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    folds: Option<Folds>,
     #[serde(flatten)]
     evaluation: Evaluation,
     #[serde(skip_serializing_if = "Option::is_none")]
     by_samples: Option<Vec<AccuracyBySamples>>,
+    /// The same over all contacts, short ones too; `None` where the others are all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_samples_of_all: Option<Vec<AccuracyBySamples>>,
 }
 
 impl Options {
+    /// Refuses what would be ignored.
+    fn check(&self) -> Result<(), Failure> {
+        let Some(option) = self.recipe.given().first().copied() else {
+            return Ok(());
+        };
+        let why = if self.model.is_some() {
+            "the models of --model, which are trained already"
+        } else if self.classifier != ClassifierName::Hmm {
+            "this --classifier: it is about hidden Markov models"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::usage(format!(
+            "{option} does not apply to {why}; leave it out"
+        )))
+    }
+
+    /// What scores the decision is about.
+    fn scores(&self) -> Scores<'static> {
+        match self.classifier {
+            ClassifierName::Hmm => Scores::of_recipe(&self.recipe.recipe()),
+            _ => Scores::of_another(),
+        }
+    }
+
     fn learner(&self) -> Box<dyn Learner> {
         match self.classifier {
             ClassifierName::Hmm => Box::new(self.recipe.recipe()),
@@ -144,12 +207,14 @@ impl Options {
         }
     }
 
-    fn folds(&self) -> Folds {
+    fn folds(&self, trials: &[Trial]) -> Folds {
         Folds {
             count: self.folds,
             by: match self.split {
-                Split::Position => FoldBy::Position,
-                Split::Reach => FoldBy::Reach,
+                Some(Split::Position) => FoldBy::Position,
+                Some(Split::Reach) => FoldBy::Reach,
+                None if self.cut.is_paper() => FoldBy::Position,
+                None => FoldBy::advised(trials),
             },
         }
     }
@@ -160,128 +225,4 @@ fn learned(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failur
     let trials = input::some_trials(path, &options.cut)?;
     let learned = options.learner().learn(&trials.iter().collect::<Vec<_>>());
     learned.map_err(|error| Failure::from(error).about(path))
-}
-
-/// One row a point of each curve; an empty threshold takes nothing for positive.
-fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<Vec<u8>, Failure> {
-    let mut rows = Vec::new();
-    let mut add = |positives: &str, curve: Option<RocCurve>| {
-        for point in curve.iter().flat_map(|curve| &curve.points) {
-            let threshold = point.threshold.map_or(String::new(), |threshold| threshold.to_string());
-            let (false_rate, true_rate) = (point.false_positive_rate, point.true_positive_rate);
-            rows.push(vec![
-                positives.to_string(),
-                threshold,
-                false_rate.to_string(),
-                true_rate.to_string(),
-            ]);
-        }
-    };
-    for category in evaluation.known_categories() {
-        add(category, category_roc(evaluation, category));
-    }
-    if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
-        let judge = decision.prepare(evaluation.known_categories())?;
-        add(
-            Category::Outlier.name(),
-            outlier_roc(evaluation, &judge, uncertain_below),
-        );
-    }
-    let header = [
-        "positives",
-        "threshold_nats",
-        "false_positive_rate",
-        "true_positive_rate",
-    ];
-    output::csv_bytes(&header, rows)
-}
-
-/// The series for a person.
-fn by_samples_text(series: &[AccuracyBySamples]) -> String {
-    let percent = |fraction: f64| format!("{:.1}", 100.0 * fraction);
-    let row = |point: &AccuracyBySamples| {
-        let interval = point.interval_by_reach;
-        vec![
-            point.samples.map_or("all".into(), |samples| samples.to_string()),
-            percent(point.accuracy),
-            interval.map_or("-".into(), |ends| {
-                format!("{}-{}", percent(ends.low), percent(ends.high))
-            }),
-            point.lasting.to_string(),
-            point.accuracy_of_lasting.map_or("-".into(), percent),
-        ]
-    };
-    let rows: Vec<Vec<String>> = series.iter().map(row).collect();
-    let header = [
-        "samples",
-        "accuracy %",
-        "95 % by reach",
-        "trials that last",
-        "accuracy of these %",
-    ];
-    format!("\n\n{}", output::table(&header, &rows))
-}
-
-/// An evaluation for a person.
-pub fn text(evaluation: &Evaluation) -> String {
-    let percent = |fraction: f64| format!("{:.1}", 100.0 * fraction);
-    let matrix = &evaluation.confusion;
-    let mut header = vec!["truth \\ verdict"];
-    header.extend(matrix.verdict.iter().map(String::as_str));
-    let rows: Vec<Vec<String>> = matrix
-        .truth
-        .iter()
-        .zip(&matrix.count)
-        .map(|(truth, counts)| {
-            std::iter::once(truth.clone())
-                .chain(counts.iter().map(usize::to_string))
-                .collect()
-        })
-        .collect();
-    let mut text = output::table(&header, &rows);
-    let figures: Vec<Vec<String>> = evaluation
-        .categories
-        .iter()
-        .map(|figures| {
-            vec![
-                figures.category.clone(),
-                figures.trials.to_string(),
-                percent(figures.recall),
-                format!(
-                    "{}-{}",
-                    percent(figures.recall_interval.low),
-                    percent(figures.recall_interval.high)
-                ),
-                figures.precision.map_or("-".into(), percent),
-                percent(figures.f1),
-            ]
-        })
-        .collect();
-    text += "\n";
-    text += &output::table(
-        &["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"],
-        &figures,
-    );
-    let by_trial = evaluation.accuracy_interval_by_trial;
-    text += &format!(
-        "\naccuracy {} %; 95 % interval {}-{} % as if trials were independent",
-        percent(evaluation.accuracy),
-        percent(by_trial.low),
-        percent(by_trial.high)
-    );
-    if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
-        text += &format!(
-            ", {}-{} % resampling whole reaches",
-            percent(by_reach.low),
-            percent(by_reach.high)
-        );
-    }
-    let balanced = evaluation.balanced_accuracy;
-    text += &format!(
-        "\nmajority baseline {} % (the most frequent category, always); balanced accuracy {} (mean of the recalls of the \
-         classifier's categories)",
-        percent(evaluation.majority_baseline),
-        balanced.map_or("-".into(), |balanced| format!("{} %", percent(balanced)))
-    );
-    text
 }

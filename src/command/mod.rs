@@ -1,10 +1,12 @@
 //! One file a subcommand.
 
 pub mod classify;
+mod decision_arguments;
 pub mod evaluate;
 pub mod generate;
 pub mod inspect;
 pub mod reach;
+mod recipe_arguments;
 pub mod reproduce;
 pub mod schema;
 pub mod score;

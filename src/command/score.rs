@@ -6,10 +6,9 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
 use underbrush_classifier::hmm::ScoreKind;
-use underbrush_classifier::trial::TrialOptions;
 
 use crate::failure::Failure;
-use crate::input::{self, LabelName, TrialArguments, Unit};
+use crate::input::{self, TrialArguments};
 use crate::output;
 
 /// Options of `underbrush score`.
@@ -19,9 +18,9 @@ pub struct Options {
     model: PathBuf,
     /// Table of trials (only `trial`, `time_s`, `force_n` are required), data set or recording
     trials: PathBuf,
-    /// Score: the sum over all state paths, or the best path
-    #[arg(long, value_enum, default_value = "forward")]
-    by: Score,
+    /// Score: the sum over all state paths, or the best path; the model's own if not given, as in classify
+    #[arg(long, value_enum)]
+    by: Option<Score>,
 }
 
 /// A score as named on the command line.
@@ -53,8 +52,8 @@ struct Row {
 /// Prints CSV, one row a model and trial.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let models = ModelSet::load(&options.model)?;
-    let trials = input::trials(&options.trials, &whole_skin())?;
-    let kind = options.by.into();
+    let trials = input::trials(&options.trials, &TrialArguments::default())?;
+    let kind = options.by.map_or(models.score_kind(), ScoreKind::from);
     let scored = models
         .score_all(&trials.iter().collect::<Vec<_>>(), kind)
         .map_err(|error| Failure::from(error).about(&options.trials))?;
@@ -74,16 +73,4 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     // The shortest text that reads back as the same number.
     let cells = rows().map(|row| vec![row.model, row.trial.to_string(), row.log_likelihood.to_string()]);
     output::csv(&["model", "trial", "log_likelihood"], cells)
-}
-
-/// Trials as `underbrush trials` cuts them by default.
-fn whole_skin() -> TrialArguments {
-    TrialArguments {
-        by: Unit::Taxel,
-        patch: None,
-        threshold_n: TrialOptions::default().threshold_n,
-        min_samples: 1,
-        labels: LabelName::Contact,
-        no_wrap: false,
-    }
 }

@@ -3,18 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::evaluate::{
-    ChosenThresholds, Folds, ThresholdError, ThresholdTargets, choose_thresholds, cross_validate,
-};
-use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::hmm::{InitialDistribution, Stop, Topology, TrainingOptions};
-use underbrush_classifier::recipe::Recipe;
+use underbrush_classifier::decision::Rule;
+use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
+use underbrush_classifier::hmm::Stop;
 use underbrush_classifier::{ModelSet, TrainingReport};
 use underbrush_recording::Trial;
 
+use super::recipe_arguments::RecipeArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -29,11 +26,16 @@ pub struct Options {
     out: PathBuf,
     #[command(flatten)]
     recipe: RecipeArguments,
-    /// Train on from the models in this file, whose states and features then hold
-    #[arg(long, value_name = "MODEL", conflicts_with_all = ["recipe", "states", "features", "topology", "initial"])]
+    /// Continue training from the models in this file; their states, features and other choices stay as they are
+    #[arg(
+        long,
+        value_name = "MODEL",
+        conflicts_with_all = ["recipe", "states", "features", "topology", "initial", "max_samples"]
+    )]
     start: Option<PathBuf>,
-    /// Choose thresholds for classify by cross-validation and store them in the model: at most this fraction of the
-    /// held-out trials of other categories is taken for a category
+    /// Choose thresholds for classify by cross-validation and store them in the model: of the held-out trials of other
+    /// categories, at most this fraction is taken for a category. This holds for whole trials like the held-out ones;
+    /// online, verdicts on the first samples of a contact are nearly always uncertain
     #[arg(long, value_name = "X", conflicts_with = "start")]
     false_positive_rate: Option<f64>,
     /// With --false-positive-rate: the fraction of contacts expected to be outliers; known contacts are called outliers
@@ -42,109 +44,6 @@ pub struct Options {
     outlier_prior: f64,
     #[command(flatten)]
     cut: TrialArguments,
-}
-
-/// The choices that make a model.
-#[derive(Args, Clone, Debug)]
-pub struct RecipeArguments {
-    /// Choices that the other options change: the authors' own, or what one would choose today (forward score,
-    /// z-scored features)
-    #[arg(long, value_enum, default_value = "authors")]
-    recipe: RecipeName,
-    /// Hidden states of each model
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500), default_value_t = 10)]
-    states: u16,
-    /// What of a sample the models see
-    #[arg(long, value_enum, default_value = "force")]
-    features: Features,
-    /// Transitions that exist
-    #[arg(long, value_enum, default_value = "left-right")]
-    topology: TopologyName,
-    /// Where models start
-    #[arg(long, value_enum, default_value = "uniform")]
-    initial: Initial,
-    /// Iterations of Baum-Welch at most
-    #[arg(long, value_name = "N", default_value_t = TrainingOptions::default().iterations)]
-    iterations: usize,
-    /// Stop where the log-likelihood rises by less than this fraction; 0 runs all iterations
-    #[arg(long, value_name = "X", default_value_t = TrainingOptions::default().tolerance, value_parser = not_negative)]
-    tolerance: f64,
-    /// Least variance of an emission; 0 for none
-    #[arg(long, value_name = "X", default_value_t = TrainingOptions::default().variance_floor, value_parser = not_negative)]
-    variance_floor: f64,
-    /// Use only the first N samples of each trial
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    max_samples: Option<u32>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum RecipeName {
-    Authors,
-    Modern,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Features {
-    Force,
-    #[value(name = "force+motion")]
-    ForceAndMotion,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum TopologyName {
-    LeftRight,
-    Ergodic,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Initial {
-    Uniform,
-    FirstState,
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err("must be zero or more".into())
-    }
-}
-
-impl RecipeArguments {
-    /// The recipe.
-    pub fn recipe(&self) -> Recipe {
-        let base = match self.recipe {
-            RecipeName::Authors => Recipe::authors(),
-            RecipeName::Modern => Recipe::modern(),
-        };
-        Recipe {
-            states: usize::from(self.states),
-            features: match self.features {
-                Features::Force => FeatureSet::Force,
-                Features::ForceAndMotion => FeatureSet::ForceAndMotion,
-            },
-            topology: match self.topology {
-                TopologyName::LeftRight => Topology::LeftToRight,
-                TopologyName::Ergodic => Topology::Ergodic,
-            },
-            initial: match self.initial {
-                Initial::Uniform => InitialDistribution::Uniform,
-                Initial::FirstState => InitialDistribution::FirstState,
-            },
-            max_samples: self.max_samples.map(|samples| samples as usize),
-            training: self.training(),
-            ..base
-        }
-    }
-
-    fn training(&self) -> TrainingOptions {
-        TrainingOptions {
-            iterations: self.iterations,
-            tolerance: self.tolerance,
-            variance_floor: self.variance_floor,
-        }
-    }
 }
 
 #[derive(Serialize)]
@@ -197,14 +96,43 @@ fn thresholds(options: &Options, trials: &[Trial]) -> Result<Option<ChosenThresh
     };
     let about = |failure: Failure| failure.about(&options.trials);
     let (recipe, folds) = (options.recipe.recipe(), Folds::for_thresholds(trials));
-    let held_out = cross_validate(trials, &recipe, folds, &Decision::argmax());
-    let held_out = held_out.map_err(|error| about(error.into()))?;
-    let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| match error {
-        // The option's fault and not the trials'.
-        ThresholdError::BadTarget { .. } => error.into(),
-        _ => about(error.into()),
-    })?;
+    let held_out = HeldOut::of(trials, &recipe, folds).map_err(|error| about(error.into()))?;
+    let chosen = held_out
+        .choose_thresholds(&BTreeMap::new(), targets)
+        .map_err(|error| match error {
+            // The option's fault and not the trials'.
+            ThresholdError::BadTarget { .. } => error.into(),
+            _ => about(error.into()),
+        })?;
+    for warning in warnings(&chosen) {
+        output::remark(warning);
+    }
     Ok(Some(chosen))
+}
+
+/// Choice: thresholds that leave more than this fraction uncertain are of no use to anybody.
+const NEARLY_ALL: f64 = 0.9;
+
+/// What a user should know before relying on the thresholds.
+fn warnings(chosen: &ChosenThresholds) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let mut warn = |uncertain: f64, of_what: &str| {
+        if uncertain > NEARLY_ALL {
+            warnings.push(format!(
+                "warning: with these thresholds {:.1} % of {of_what} are uncertain; allow a higher \
+                 --false-positive-rate, or use classify --decision argmax",
+                100.0 * uncertain
+            ));
+        }
+    };
+    warn(chosen.uncertain, "the held-out trials");
+    if let Some(rates) = &chosen.sample_by_sample {
+        warn(
+            rates.uncertain,
+            "the verdicts given sample by sample while held-out contacts last",
+        );
+    }
+    warnings
 }
 
 fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
@@ -231,11 +159,20 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
             percent(others)
         );
     }
-    text + &format!(
+    text += &format!(
         " {} uncertain, {} outliers\n",
         percent(chosen.uncertain),
         percent(chosen.outlier)
-    )
+    );
+    if let Some(rates) = &chosen.sample_by_sample {
+        text += &format!(
+            "Sample by sample, as online, {} of {} verdicts are uncertain, {} outliers\n",
+            percent(rates.uncertain),
+            rates.verdicts,
+            percent(rates.outlier)
+        );
+    }
+    text
 }
 
 fn text(report: &TrainingReport) -> String {

@@ -16,7 +16,8 @@ pub struct Options {
     /// Data set (folder) or recording
     dataset: PathBuf,
     /// Table to write: `.csv` or `.parquet`, one row a sample, columns trial, category, reach, patch, taxel, time_s,
-    /// force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n
+    /// force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n, touched (ground truth: whether an
+    /// object truly pressed the taxel in this sample)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -29,6 +30,10 @@ struct Written {
     file: PathBuf,
     trials: usize,
     samples: usize,
+    /// Trials during which no object ever pressed, of those of which this is known.
+    never_touched: usize,
+    /// Trials of which it is not known.
+    touch_unknown: usize,
 }
 
 /// Writes the table.
@@ -38,14 +43,23 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         file: options.out.clone(),
         trials: trials.len(),
         samples: trials.iter().map(|trial| trial.samples.len()).sum(),
+        never_touched: trials.iter().filter(|trial| trial.touched() == Some(false)).count(),
+        touch_unknown: trials.iter().filter(|trial| trial.touched().is_none()).count(),
     };
     write_trials(&options.out, trials)?;
     output::result(json, &written, || {
-        format!(
+        let mut text = format!(
             "{} trials, {} samples in {}",
             written.trials,
             written.samples,
             written.file.display()
-        )
+        );
+        if written.touch_unknown < written.trials {
+            text += &format!(
+                "\n{} of the trials were never touched: their forces are the sensor's own (strays, creep, crosstalk)",
+                written.never_touched
+            );
+        }
+        text
     })
 }

@@ -8,8 +8,8 @@ use crate::support::{call, table, underbrush};
 
 #[test]
 fn the_verdict_is_the_best_score() {
-    // Pins: classify's verdict on each trial is the category of the largest log-likelihood that score prints, from the
-    // data set as from its table; the truth is the table's.
+    // Pins: classify's verdict on each trial is the category of the largest log-likelihood that score prints, both with
+    // the model's own kind of score, from the data set as from its table; the truth is the table's.
     let fixture = fixture();
     let score = underbrush!["score", fixture.model(), fixture.table_csv()].success();
     assert_eq!(
@@ -21,8 +21,8 @@ fn the_verdict_is_the_best_score() {
         underbrush!["score", fixture.model(), fixture.table_parquet()].success()
     );
     let scores = table::scores(&score);
-    let verdicts = underbrush!["classify", fixture.model(), fixture.table_csv(), "--score", "forward"].success();
-    let same = underbrush!["classify", fixture.model(), fixture.dataset(), "--score", "forward"].success();
+    let verdicts = underbrush!["classify", fixture.model(), fixture.table_csv()].success();
+    let same = underbrush!["classify", fixture.model(), fixture.dataset()].success();
     assert_eq!(verdicts, same);
     let rows = table::rows(&verdicts);
     assert_eq!(2 * rows.len(), scores.len());

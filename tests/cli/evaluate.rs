@@ -1,6 +1,6 @@
 //! `underbrush evaluate`.
 
-use underbrush_recording::disk::read_trials;
+use underbrush_recording::disk::{read_trials, write_trials};
 
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
@@ -10,7 +10,8 @@ fn data_set_and_tables_are_judged_alike() {
     // Pins: cross-validation gives the same figures from the data set and from either table.
     let fixture = fixture();
     let sources = [fixture.dataset(), fixture.table_csv(), fixture.table_parquet()];
-    let figures = sources.map(|source| underbrush!["evaluate", source, "--states", "2", "--json"].json());
+    let figures =
+        sources.map(|source| underbrush!["evaluate", source, "--states", "2", "--split", "position", "--json"].json());
     assert_eq!(figures[0], figures[1]);
     assert_eq!(figures[1], figures[2]);
 }
@@ -19,7 +20,16 @@ fn data_set_and_tables_are_judged_alike() {
 fn the_confusion_matrix_counts_each_trial_once() {
     // Pins: counts by true category are those of the table, recall is the matrix's own diagonal, and intervals hold it.
     let trials = read_trials(fixture().table_csv()).unwrap();
-    let figures = underbrush!["evaluate", fixture().table_csv(), "--states", "2", "--json"].json();
+    let figures = underbrush![
+        "evaluate",
+        fixture().table_csv(),
+        "--states",
+        "2",
+        "--split",
+        "position",
+        "--json"
+    ]
+    .json();
     let truth = figures["confusion"]["truth"].as_array().unwrap();
     assert_eq!(truth, &["leaf", "trunk"]);
     for (row, category) in truth.iter().enumerate() {
@@ -47,15 +57,25 @@ fn the_confusion_matrix_counts_each_trial_once() {
 fn text_names_the_figures() {
     // Pins: without --json a person reads a table with recall, precision and interval, and an accuracy that does not
     // stand alone.
-    let text = underbrush!["evaluate", fixture().table_csv(), "--states", "2"].success();
+    let text = underbrush![
+        "evaluate",
+        fixture().table_csv(),
+        "--states",
+        "2",
+        "--split",
+        "position"
+    ]
+    .success();
     for part in [
         "truth \\ verdict",
         "recall %",
         "95 % interval",
         "precision %",
         "\naccuracy ",
-        "majority baseline ",
-        "balanced accuracy ",
+        "majority baseline %",
+        "balanced accuracy %",
+        "touched by an object",
+        "2 folds by position",
     ] {
         assert!(text.contains(part), "no {part:?} in:\n{text}");
     }
@@ -81,8 +101,8 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
             table,
             "--classifier",
             name,
-            "--states",
-            "2",
+            "--split",
+            "position",
             "--by-samples",
             "--json"
         ]
@@ -128,4 +148,142 @@ fn learned_from_one_table_and_tested_on_another() {
     let logistic =
         |test, train| underbrush!["evaluate", test, "--train", train, "--classifier", "logistic", "--json"].json();
     assert_ne!(logistic(odd, even)["predictions"], logistic(even, odd)["predictions"]);
+}
+
+/// The fixture's trials, with reaches that alternate so that both categories are in all of four.
+fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
+    let mut trials = read_trials(fixture().table_csv()).unwrap();
+    trials.retain(|trial| trial.category.is_some());
+    for (place, trial) in trials.iter_mut().enumerate() {
+        let half = 2 * u64::from(trial.category.as_deref() == Some("leaf"));
+        trial.reach = Some(half + place as u64 % 2);
+    }
+    let path = folder.join("with-reaches.csv");
+    write_trials(&path, trials).unwrap();
+    path
+}
+
+/// Pins the default split: by reach where every trial names its reach, and not where one does not; and that the paper's
+/// preset splits by position.
+#[test]
+fn the_advised_split_is_the_default() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = table_with_reaches(folder.path());
+    let evaluate = |more: &[&str]| {
+        let mut words: Vec<std::ffi::OsString> = vec!["evaluate".into(), table.clone().into()];
+        words.extend(["--classifier", "naive-bayes", "--json"].map(Into::into));
+        words.extend(more.iter().map(Into::into));
+        crate::support::call(words, "").json()
+    };
+    let by_default = evaluate(&[]);
+    assert_eq!(by_default["folds"]["by"], "reach");
+    assert_eq!(by_default, evaluate(&["--split", "reach"]));
+    assert_ne!(
+        by_default["predictions"],
+        evaluate(&["--split", "position"])["predictions"]
+    );
+    let paper = evaluate(&["--preset", "paper", "--min-samples", "1"]);
+    assert_eq!(paper, evaluate(&["--split", "position"]));
+    assert_eq!(
+        evaluate(&["--preset", "paper", "--split", "reach", "--min-samples", "1"]),
+        by_default
+    );
+
+    let mut trials = read_trials(&table).unwrap();
+    trials[0].reach = None;
+    let homeless = folder.path().join("homeless.csv");
+    write_trials(&homeless, trials).unwrap();
+    let figures = underbrush!["evaluate", homeless, "--classifier", "naive-bayes", "--json"].json();
+    assert_eq!(figures["folds"]["by"], "position");
+}
+
+/// Pins that options that do not apply are refused by name, and that the reason is given.
+#[test]
+fn options_that_do_not_apply_are_refused() {
+    let (table, model) = (fixture().table_csv(), fixture().model());
+    for option in [
+        "--states",
+        "--iterations",
+        "--max-samples",
+        "--tolerance",
+        "--variance-floor",
+    ] {
+        underbrush!["evaluate", table, "--classifier", "logistic", option, "3"]
+            .refused(&[option, "hidden Markov models"]);
+        underbrush!["evaluate", table, "--model", model, option, "3"].refused(&[option, "trained already"]);
+    }
+    for (option, value) in [
+        ("--features", "force"),
+        ("--recipe", "modern"),
+        ("--topology", "ergodic"),
+        ("--initial", "uniform"),
+    ] {
+        underbrush!["evaluate", table, "--classifier", "recursive", option, value].refused(&[option]);
+        underbrush!["evaluate", table, "--model", model, option, value].refused(&[option]);
+    }
+    for (option, value) in [
+        ("--by", "taxel"),
+        ("--patch", "forearm"),
+        ("--threshold-n", "0.1"),
+        ("--labels", "environment"),
+    ] {
+        underbrush!["evaluate", table, option, value].refused(&[option, "a table of trials"]);
+        underbrush!["classify", model, table, option, value].refused(&[option, "a table of trials"]);
+    }
+    underbrush!["evaluate", fixture().dataset(), "--no-wrap"].refused(&["--no-wrap", "--by component"]);
+    underbrush!["classify", model, fixture().dataset(), "--online", "--min-samples", "3"].refused(&["--min-samples"]);
+}
+
+/// Pins that thresholds are refused for scores that they do not belong to: the paper's for anything but Viterbi scores of
+/// unscaled force, --lead without the rule that reads it.
+#[test]
+fn thresholds_are_refused_for_other_scores() {
+    let (table, model) = (fixture().table_csv(), fixture().model());
+    let paper = ["--decision", "paper", "--split", "position"];
+    let evaluate = |option: &str, value: &str| {
+        underbrush!["evaluate", table, option, value, paper[0], paper[1], paper[2], paper[3]]
+    };
+    evaluate("--classifier", "logistic").refused(&["--decision paper", "log-posteriors", "--decision uncertain"]);
+    evaluate("--recipe", "modern").refused(&["--decision paper", "forward"]);
+    evaluate("--features", "force+motion").refused(&["--decision paper", "motion"]);
+    evaluate("--states", "2").success();
+    underbrush!["classify", model, table, "--decision", "paper", "--score", "forward"].refused(&["forward"]);
+    underbrush!["classify", model, table, "--decision", "paper"].success();
+    underbrush!["classify", model, table, "--lead", "3"].refused(&["--lead", "--decision uncertain"]);
+    underbrush!["classify", model, table, "--lead", "3", "--decision", "uncertain"].success();
+}
+
+/// Pins the series over all contacts: every trial counts at every point, short ones too, and both texts say what they are
+/// about.
+#[test]
+fn by_samples_is_also_about_short_contacts() {
+    let table = fixture().table_csv();
+    let trials = read_trials(&table).unwrap();
+    let known = || trials.iter().filter(|trial| trial.category.is_some());
+    let long = known().filter(|trial| trial.samples.len() >= 2).count() as u64;
+    assert!(long < known().count() as u64);
+    let call = |json: &str| {
+        let split = ["--split", "position", "--min-samples", "2"];
+        underbrush![
+            "evaluate",
+            table,
+            "--classifier",
+            "naive-bayes",
+            "--by-samples",
+            split[0],
+            split[1],
+            split[2],
+            split[3],
+            json
+        ]
+    };
+    let figures = call("--json").json();
+    assert_eq!(figures["by_samples"][0]["lasting"], long);
+    assert_eq!(figures["by_samples_of_all"][0]["lasting"], known().count() as u64);
+    let of_all = &figures["by_samples_of_all"][9];
+    assert!(of_all["majority_baseline"].as_f64().unwrap() > 0.0);
+    assert!(of_all["by_touch"]["touched"]["trials"].as_u64().unwrap() > 0);
+    let text = call("--jobs=1").success();
+    assert!(text.contains("already known to last so long"), "{text}");
+    assert!(text.contains("over all contacts, short ones too"), "{text}");
 }

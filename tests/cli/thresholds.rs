@@ -126,3 +126,44 @@ fn rates_that_the_data_cannot_hold_are_refused() {
     train("0").refused(&["× the false-positive rate is 0", "above 0"]);
     assert!(!out.exists());
 }
+
+/// Pins the warning: where both categories press alike, thresholds that hold the rate leave nearly every held-out trial
+/// uncertain, and train says so; where they are easily told apart, it does not warn.
+#[test]
+fn thresholds_that_decide_nothing_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let train = |name: &str, trunk_n: f64| {
+        let mut lines = vec!["trial,category,time_s,force_n".to_string()];
+        for trial in 0..80 {
+            let (category, base_n) = if trial % 2 == 0 {
+                ("leaf", 0.4)
+            } else {
+                ("trunk", trunk_n)
+            };
+            for sample in 0..6 {
+                let number = f64::from(6 * trial + sample);
+                let force_n = base_n * (1.0 + 0.3 * (12.9898 * number * number).sin());
+                lines.push(format!("{trial},{category},{},{force_n}", 0.01 * f64::from(sample)));
+            }
+        }
+        let table = folder.path().join(name);
+        std::fs::write(&table, lines.join("\n")).unwrap();
+        let out = folder.path().join("model.json");
+        let rate = ["--false-positive-rate", "0.03", "--outlier-prior", "0"];
+        underbrush![
+            "train", table, "--out", out, "--states", "2", rate[0], rate[1], rate[2], rate[3], "--json"
+        ]
+    };
+    let alike = train("alike.csv", 0.4);
+    assert!(
+        alike.stderr.contains("warning: with these thresholds"),
+        "{}",
+        alike.stderr
+    );
+    let thresholds = &alike.json()["thresholds"];
+    assert!(thresholds["uncertain"].as_f64().unwrap() > 0.9, "{thresholds}");
+    assert_eq!(thresholds["sample_by_sample"]["verdicts"], 80 * 6);
+    let apart = train("apart.csv", 4.0);
+    assert_eq!(apart.stderr, "");
+    assert_eq!(apart.json()["thresholds"]["uncertain"], 0.0);
+}

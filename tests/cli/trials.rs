@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_recording::TaxelReading;
 use underbrush_recording::disk::{Dataset, read_recording, read_trials};
+use underbrush_recording::{Frame, Recording, TaxelReading};
 
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{table, underbrush};
@@ -87,17 +87,76 @@ fn rows_are_what_the_taxels_sensed() {
     );
 }
 
+fn recordings(dataset: &Dataset) -> Vec<Recording> {
+    let reaches = 0..dataset.episodes().len();
+    reaches.map(|reach| dataset.read_reach(reach).unwrap()).collect()
+}
+
+fn frame_at(recording: &Recording, time_s: f64) -> &Frame {
+    let place = recording.frames.partition_point(|frame| frame.time_s < time_s);
+    assert_eq!(recording.frames[place].time_s, time_s);
+    &recording.frames[place]
+}
+
+/// Pins that contact motion is the length of the taxel's path in the world frame since the contact began, computed here
+/// from the poses of its patch.
 #[test]
-fn motion_begins_at_zero() {
-    // Pins: contact motion is the distance from where the contact began, in the world frame.
-    for trial in read_trials(fixture().table_csv()).unwrap() {
-        assert_eq!(trial.samples[0].motion_m, Some(0.0), "trial {}", trial.trial);
-        assert!(
-            trial.samples.iter().all(|sample| sample.motion_m.unwrap() < 2.0),
-            "trial {}",
-            trial.trial
-        );
+fn motion_is_the_length_of_the_path() {
+    let fixture = fixture();
+    let dataset = Dataset::open(fixture.dataset()).unwrap();
+    let recordings = recordings(&dataset);
+    let mut compared = 0;
+    for trial in read_trials(fixture.table_csv()).unwrap() {
+        let recording = &recordings[trial.reach.unwrap() as usize];
+        let position_link = recording.layout.patches[0].taxels[trial.taxel.unwrap() as usize].position_link;
+        let (mut length_m, mut last) = (0.0, None);
+        for sample in &trial.samples {
+            let frame = frame_at(recording, sample.time_s);
+            let position_world = frame.patch_pose_world[0].transform_point(position_link);
+            length_m += position_world.distance(last.unwrap_or(position_world));
+            last = Some(position_world);
+            // The sums have the same terms in the same order.
+            assert_eq!(sample.motion_m, Some(length_m), "trial {}", trial.trial);
+            compared += 1;
+        }
     }
+    assert!(compared > 100, "{compared} samples");
+}
+
+/// Pins that the table tells of each sample whether an object truly pressed its taxel, and that the program says how many
+/// trials were never touched.
+#[test]
+fn untouched_trials_are_counted() {
+    let fixture = fixture();
+    let dataset = Dataset::open(fixture.dataset()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trials.csv");
+    let text = underbrush!["trials", fixture.dataset(), "--out", file, "--labels", "environment"].success();
+    let trials = read_trials(&file).unwrap();
+    let recordings = recordings(&dataset);
+    let mut untouched = 0;
+    for trial in &trials {
+        let recording = &recordings[trial.reach.unwrap() as usize];
+        let mut pressed = false;
+        for sample in &trial.samples {
+            let frame = frame_at(recording, sample.time_s);
+            let truly = frame.taxels.iter().any(|reading| {
+                reading.patch == 0 && Some(u32::from(reading.taxel)) == trial.taxel && reading.true_normal_force_n > 0.0
+            });
+            assert_eq!(sample.touched, Some(truly), "trial {}", trial.trial);
+            pressed |= truly;
+        }
+        untouched += usize::from(!pressed);
+    }
+    assert!(
+        untouched > 0 && untouched < trials.len(),
+        "{untouched} of {}",
+        trials.len()
+    );
+    assert!(
+        text.contains(&format!("{untouched} of the trials were never touched")),
+        "{text}"
+    );
 }
 
 #[test]

@@ -9,12 +9,13 @@ mod online;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
-use underbrush_classifier::decision::{Decision, Rule, Verdict};
+use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::hmm::ScoreKind;
 
+use super::decision_arguments::{DecisionArguments, Scores};
 use super::score::Score;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
@@ -67,56 +68,6 @@ pub struct Options {
     cut: TrialArguments,
 }
 
-/// How scores become verdicts.
-#[derive(Args)]
-pub struct DecisionArguments {
-    /// From log-likelihoods to verdicts; the model's own if not given (train --false-positive-rate), argmax if it has none
-    #[arg(long, value_enum)]
-    decision: Option<DecisionName>,
-    /// With `--decision uncertain`: least lead of the best category, nats
-    #[arg(long, value_name = "NATS", default_value_t = 15.0)]
-    lead: f64,
-    /// Prior of a category, such as leaf=0.7; the model's own if none is given, all alike if it has none
-    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
-    prior: Vec<(String, f64)>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum DecisionName {
-    /// The best category
-    Argmax,
-    /// The best category, uncertain below a lead
-    Uncertain,
-    /// The paper's thresholds: lead over 80 a category, 15 to 80 an outlier, under 15 uncertain
-    Paper,
-}
-
-fn prior(text: &str) -> Result<(String, f64), String> {
-    let parse = || {
-        let (category, value) = text.split_once('=')?;
-        Some((category.to_string(), value.parse::<f64>().ok()?))
-    };
-    parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
-}
-
-impl DecisionArguments {
-    /// The decision for models that come with this one.
-    pub fn decision(&self, own: Option<&Decision>) -> Decision {
-        let own = own.cloned().unwrap_or(Decision::argmax());
-        let rule = match self.decision {
-            None => own.rule,
-            Some(DecisionName::Argmax) => Decision::argmax().rule,
-            Some(DecisionName::Uncertain) => Rule::UncertainBelow { lead: self.lead },
-            Some(DecisionName::Paper) => Decision::paper().rule,
-        };
-        let prior = match self.prior.is_empty() {
-            true => own.prior,
-            false => self.prior.iter().cloned().collect(),
-        };
-        Decision { prior, rule }
-    }
-}
-
 #[derive(Serialize)]
 struct TrialVerdict {
     trial: u64,
@@ -145,7 +96,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     let judge = options
         .decision
-        .decision(models.decision.as_ref())
+        .decision(&Scores::of_models(&models, kind))?
         .prepare(&models.categories())?;
     let trials = input::trials(&options.input, &options.cut)?;
     let scores = models

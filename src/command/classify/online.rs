@@ -15,6 +15,7 @@ use underbrush_recording::disk::{Dataset, is_recording, read_recording};
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
+use super::super::decision_arguments::Scores;
 use super::Options;
 use super::latency::Latency;
 use super::line::{LineError, LineParser, Message};
@@ -38,7 +39,7 @@ struct TaxelLine<'a> {
 
 /// Prints one line of JSON for each frame.
 pub fn run(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Failure> {
-    let mut online = Online::new(options, models, kind);
+    let mut online = Online::new(options, models, kind)?;
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -95,18 +96,20 @@ struct Online {
 }
 
 impl Online {
-    fn new(options: &Options, models: ModelSet, kind: ScoreKind) -> Self {
-        Online {
+    fn new(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<Self, Failure> {
+        options.cut.refuse_online()?;
+        let decision = options.decision.decision(&Scores::of_models(&models, kind))?;
+        Ok(Online {
             categories: models.categories(),
             settings: OnlineOptions {
-                patch: options.cut.patch.clone(),
-                threshold_n: options.cut.threshold_n,
+                patch: options.cut.patch(),
+                threshold_n: options.cut.threshold_n(),
                 score: kind,
-                decision: options.decision.decision(models.decision.as_ref()),
+                decision,
             },
             models,
             latency: Latency::new(),
-        }
+        })
     }
 
     fn start(&self, layout: &SkinLayout) -> Result<OnlineClassifier, Failure> {

@@ -1,0 +1,132 @@
+//! Options that choose how scores become verdicts; for every command that gives some.
+
+use clap::{Args, ValueEnum};
+use underbrush_classifier::ModelSet;
+use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::recipe::{Recipe, ScalingKind};
+
+use crate::failure::Failure;
+
+/// How scores become verdicts.
+#[derive(Args)]
+pub struct DecisionArguments {
+    /// From log-likelihoods to verdicts; the model's own if not given (train --false-positive-rate), argmax if it has none
+    #[arg(long, value_enum)]
+    decision: Option<DecisionName>,
+    /// With `--decision uncertain`: least lead of the best category, nats [default: 15]
+    #[arg(long, value_name = "NATS")]
+    lead: Option<f64>,
+    /// Prior of a category, such as leaf=0.7; the model's own if none is given, all alike if it has none
+    #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
+    prior: Vec<(String, f64)>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum DecisionName {
+    /// The best category
+    Argmax,
+    /// The best category, uncertain below a lead
+    Uncertain,
+    /// The paper's thresholds: lead over 80 a category, 15 to 80 an outlier, under 15 uncertain; for Viterbi scores of
+    /// hidden Markov models of unscaled force only
+    Paper,
+}
+
+fn prior(text: &str) -> Result<(String, f64), String> {
+    let parse = || {
+        let (category, value) = text.split_once('=')?;
+        Some((category.to_string(), value.parse::<f64>().ok()?))
+    };
+    parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
+}
+
+/// The scores that are to be judged: thresholds on a lead mean something for one kind of score only.
+pub struct Scores<'a> {
+    /// The decision that comes with the models, where they have one.
+    own: Option<&'a Decision>,
+    /// Whether these are the scores that the models' own thresholds were chosen on.
+    are_own: bool,
+    /// Why the paper's thresholds do not fit them; `None` where they do.
+    misfit: Option<&'static str>,
+}
+
+impl<'a> Scores<'a> {
+    /// Scores of this kind by these models.
+    pub fn of_models(models: &'a ModelSet, kind: ScoreKind) -> Self {
+        Scores {
+            own: models.decision.as_ref(),
+            are_own: kind == models.score_kind(),
+            misfit: misfit(kind, models.features(), models.scaling().is_some()),
+        }
+    }
+
+    /// Scores of models made by this recipe.
+    pub fn of_recipe(recipe: &Recipe) -> Self {
+        Scores {
+            own: None,
+            are_own: true,
+            misfit: misfit(recipe.score, recipe.features, recipe.scaling != ScalingKind::Unscaled),
+        }
+    }
+
+    /// Scores of another classifier.
+    pub fn of_another() -> Self {
+        Scores {
+            own: None,
+            are_own: true,
+            misfit: Some("this classifier gives log-posteriors"),
+        }
+    }
+}
+
+fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<&'static str> {
+    match (kind, features) {
+        (ScoreKind::Forward, _) => Some("these are forward scores"),
+        (_, FeatureSet::ForceAndMotion) => Some("these are scores of force and motion"),
+        _ if scaled => Some("these are scores of scaled features"),
+        _ => None,
+    }
+}
+
+impl DecisionArguments {
+    /// The decision for such scores.
+    ///
+    /// # Errors
+    /// Where an option does not apply to them.
+    pub fn decision(&self, scores: &Scores) -> Result<Decision, Failure> {
+        if self.lead.is_some() && self.decision != Some(DecisionName::Uncertain) {
+            return Err(Failure::usage(
+                "--lead applies to --decision uncertain only; add that, or leave --lead out",
+            ));
+        }
+        let own = scores.own.cloned().unwrap_or(Decision::argmax());
+        let rule = match (self.decision, scores.misfit) {
+            (None, _) if !scores.are_own && own.rule != Rule::Argmax => {
+                return Err(Failure::usage(
+                    "--score does not fit the thresholds in the model, which were chosen on its own kind of score; leave \
+                     --score out, or choose a --decision",
+                ));
+            }
+            (None, _) => own.rule,
+            (Some(DecisionName::Argmax), _) => Rule::Argmax,
+            (Some(DecisionName::Uncertain), _) => Rule::UncertainBelow {
+                lead: self.lead.unwrap_or(15.0),
+            },
+            (Some(DecisionName::Paper), Some(misfit)) => {
+                return Err(Failure::usage(format!(
+                    "--decision paper does not apply: its thresholds of 15 and 80 nats belong to Viterbi scores of hidden \
+                     Markov models of unscaled force, and {misfit}; use --decision uncertain with a --lead, or train \
+                     --false-positive-rate"
+                )));
+            }
+            (Some(DecisionName::Paper), None) => Decision::paper().rule,
+        };
+        let prior = match self.prior.is_empty() {
+            true => own.prior,
+            false => self.prior.iter().cloned().collect(),
+        };
+        Ok(Decision { prior, rule })
+    }
+}

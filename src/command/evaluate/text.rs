@@ -1,0 +1,188 @@
+//! An evaluation for a person.
+
+use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, FoldBy};
+
+use super::Results;
+use crate::output;
+
+/// Everything there is.
+pub(super) fn of(results: &Results) -> String {
+    let mut text = evaluation(&results.evaluation);
+    if let Some(folds) = results.folds {
+        let by = match folds.by {
+            FoldBy::Reach => "by whole reaches",
+            FoldBy::Position => "by position; trials of one reach may be on both sides",
+        };
+        text += &format!("\n{} folds {by}", folds.count);
+    }
+    let predictions = &results.evaluation.predictions;
+    let shortest = predictions
+        .iter()
+        .map(|prediction| prediction.samples)
+        .min()
+        .unwrap_or(1);
+    if let Some(series) = &results.by_samples {
+        text += "\n\nAccuracy by samples since contact";
+        text += &match shortest {
+            0 | 1 => ", over all trials:\n".to_string(),
+            _ => format!(
+                ", of trials of {shortest} samples or more: before, it is of contacts already known to last so long\n"
+            ),
+        };
+        text += &by_samples(series);
+    }
+    match &results.by_samples_of_all {
+        Some(series) => {
+            text += "\nThe same over all contacts, short ones too; only the trials above are learned from:\n";
+            text += &by_samples(series);
+        }
+        None if results.by_samples.is_some() && shortest > 1 => {
+            text += "\nFor the accuracy over all contacts give trials of any length, and --min-samples to choose which are \
+                     learned from.\n";
+        }
+        None => {}
+    }
+    text
+}
+
+fn percent(fraction: f64) -> String {
+    format!("{:.1}", 100.0 * fraction)
+}
+
+fn maybe(fraction: Option<f64>) -> String {
+    fraction.map_or("-".into(), percent)
+}
+
+/// An accuracy with balanced accuracy and baseline in one cell.
+fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
+    format!("{} ({}, {})", percent(accuracy), maybe(balanced), percent(baseline))
+}
+
+fn by_samples(series: &[AccuracyBySamples]) -> String {
+    let part = |part: Option<Accuracy>| {
+        part.map_or("-".into(), |own| {
+            three(own.accuracy, own.balanced_accuracy, own.majority_baseline)
+        })
+    };
+    let row = |point: &AccuracyBySamples| {
+        let interval = point.interval_by_reach;
+        let lasting = point.accuracy_of_lasting.zip(point.majority_baseline_of_lasting);
+        let mut row = vec![
+            point.samples.map_or("all".into(), |samples| samples.to_string()),
+            three(point.accuracy, point.balanced_accuracy, point.majority_baseline),
+            interval.map_or("-".into(), |ends| {
+                format!("{}-{}", percent(ends.low), percent(ends.high))
+            }),
+        ];
+        if let Some(split) = point.by_touch {
+            row.extend([part(split.touched), part(split.untouched)]);
+        }
+        row.push(point.lasting.to_string());
+        row.push(lasting.map_or("-".into(), |(accuracy, baseline)| {
+            three(accuracy, point.balanced_accuracy_of_lasting, baseline)
+        }));
+        row
+    };
+    let rows: Vec<Vec<String>> = series.iter().map(row).collect();
+    let mut header = vec!["samples", "accuracy % *", "95 % by reach"];
+    if series.iter().any(|point| point.by_touch.is_some()) {
+        header.extend(["touched *", "never touched *"]);
+    }
+    header.extend(["trials that last", "accuracy of these *"]);
+    format!(
+        "{}* in brackets: balanced accuracy, majority baseline\n",
+        output::table(&header, &rows)
+    )
+}
+
+fn evaluation(evaluation: &Evaluation) -> String {
+    let matrix = &evaluation.confusion;
+    let mut header = vec!["truth \\ verdict"];
+    header.extend(matrix.verdict.iter().map(String::as_str));
+    let rows: Vec<Vec<String>> = matrix
+        .truth
+        .iter()
+        .zip(&matrix.count)
+        .map(|(truth, counts)| {
+            std::iter::once(truth.clone())
+                .chain(counts.iter().map(usize::to_string))
+                .collect()
+        })
+        .collect();
+    let mut text = output::table(&header, &rows);
+    let figures: Vec<Vec<String>> = evaluation
+        .categories
+        .iter()
+        .map(|figures| {
+            vec![
+                figures.category.clone(),
+                figures.trials.to_string(),
+                percent(figures.recall),
+                format!(
+                    "{}-{}",
+                    percent(figures.recall_interval.low),
+                    percent(figures.recall_interval.high)
+                ),
+                figures.precision.map_or("-".into(), percent),
+                percent(figures.f1),
+            ]
+        })
+        .collect();
+    text += "\n";
+    text += &output::table(
+        &["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"],
+        &figures,
+    );
+    text += "\n";
+    text += &accuracies(evaluation);
+    let by_trial = evaluation.accuracy_interval_by_trial;
+    text += &format!(
+        "\naccuracy {} %; 95 % interval {}-{} % as if trials were independent",
+        percent(evaluation.accuracy),
+        percent(by_trial.low),
+        percent(by_trial.high)
+    );
+    if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
+        text += &format!(
+            ", {}-{} % resampling whole reaches",
+            percent(by_reach.low),
+            percent(by_reach.high)
+        );
+    }
+    text
+}
+
+/// The accuracy, whole and split, with what it must be compared with.
+fn accuracies(evaluation: &Evaluation) -> String {
+    let mut parts = vec![("all trials", evaluation.confusion.accuracy())];
+    if let Some(split) = evaluation.by_touch {
+        parts.extend([
+            ("touched by an object", split.touched),
+            ("never touched", split.untouched),
+            ("not known", split.unknown),
+        ]);
+    }
+    let rows: Vec<Vec<String>> = parts
+        .into_iter()
+        .filter_map(|(name, part)| {
+            let part = part?;
+            Some(vec![
+                name.to_string(),
+                part.trials.to_string(),
+                percent(part.accuracy),
+                maybe(part.balanced_accuracy),
+                percent(part.majority_baseline),
+            ])
+        })
+        .collect();
+    output::table(
+        &[
+            "judged",
+            "trials",
+            "accuracy %",
+            "balanced accuracy %",
+            "majority baseline %",
+        ],
+        &rows,
+    )
+}

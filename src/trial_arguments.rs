@@ -1,0 +1,212 @@
+//! Options that choose how trials are cut from a data set or a recording.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use underbrush_classifier::trial::{Labels, TrialOptions, component_trials, taxel_trials};
+use underbrush_recording::{Recording, Trial};
+
+use crate::failure::Failure;
+
+/// What a trial is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Unit {
+    /// One taxel from contact to break (paper, section IV-D)
+    Taxel,
+    /// One connected component of taxels (paper, section IV-C)
+    Component,
+}
+
+/// What gives a trial its category.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LabelName {
+    /// The object that pressed on the skin
+    Contact,
+    /// The one category of the clutter, as the paper's models are trained: also where nothing pressed
+    Environment,
+}
+
+/// Choices made together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// As in the paper's Table I: --labels environment, --min-samples 20; evaluate then splits by position
+    Paper,
+}
+
+/// How trials are cut from a data set or a recording. A table of trials is taken as it is: of these options only
+/// --min-samples applies to it. Each is `None` where it is not given, so that a command can refuse what it would ignore.
+#[derive(Args, Clone, Debug, Default)]
+pub struct TrialArguments {
+    /// Several choices at once; options that are given as well go before it
+    #[arg(long, value_enum, value_name = "NAME")]
+    preset: Option<Preset>,
+    /// What a trial is made of [default: taxel]
+    #[arg(long, value_enum, value_name = "UNIT")]
+    by: Option<Unit>,
+    /// Patch of skin; the only or the first one if not given
+    #[arg(long, value_name = "NAME")]
+    patch: Option<String>,
+    /// A taxel is in contact where it reports more than this, N [default: 0.03]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    threshold_n: Option<f64>,
+    /// Leave out trials of fewer samples [default: 1]
+    #[arg(long, value_name = "N")]
+    min_samples: Option<usize>,
+    /// What gives a trial its category [default: contact]
+    #[arg(long, value_enum, value_name = "BY")]
+    labels: Option<LabelName>,
+    /// Do not join components across the seam of a closed patch, as in the authors' code
+    #[arg(long)]
+    no_wrap: bool,
+}
+
+impl TrialArguments {
+    /// Whether the paper's way is asked for.
+    pub fn is_paper(&self) -> bool {
+        self.preset == Some(Preset::Paper)
+    }
+
+    /// The same for trials of any length.
+    #[must_use]
+    pub fn of_any_length(&self) -> Self {
+        TrialArguments {
+            min_samples: Some(1),
+            ..self.clone()
+        }
+    }
+
+    /// Name of the patch; `None`: the only or the first one.
+    pub fn patch(&self) -> Option<String> {
+        self.patch.clone()
+    }
+
+    /// Above this a taxel is in contact, N.
+    pub fn threshold_n(&self) -> f64 {
+        self.threshold_n.unwrap_or(TrialOptions::default().threshold_n)
+    }
+
+    /// Trials of fewer samples are left out.
+    pub fn min_samples(&self) -> usize {
+        let paper = self.is_paper().then(|| TrialOptions::paper().min_samples);
+        self.min_samples.or(paper).unwrap_or(1)
+    }
+
+    /// The options for cutting trials.
+    pub fn options(&self) -> TrialOptions {
+        let labels = match (self.labels, self.is_paper()) {
+            (Some(LabelName::Contact), _) => Labels::Contact,
+            (Some(LabelName::Environment), _) => Labels::Environment,
+            (None, true) => TrialOptions::paper().labels,
+            (None, false) => TrialOptions::default().labels,
+        };
+        TrialOptions {
+            patch: self.patch(),
+            threshold_n: self.threshold_n(),
+            min_samples: self.min_samples(),
+            labels,
+            wrap: self.no_wrap.then_some(false),
+            ..TrialOptions::default()
+        }
+    }
+
+    /// The trials of one recording, numbered from `first`.
+    pub fn cut(&self, recording: &Recording, first: u64) -> Result<Vec<Trial>, Failure> {
+        let unit = self.by.unwrap_or(Unit::Taxel);
+        if self.no_wrap && unit == Unit::Taxel {
+            return Err(Failure::usage(
+                "--no-wrap applies to components only; add --by component, or leave --no-wrap out",
+            ));
+        }
+        cut(recording, unit, &self.options(), first)
+    }
+
+    /// Refuses the options that do not apply to a table of trials.
+    pub fn refuse_for_table(&self, path: &Path) -> Result<(), Failure> {
+        self.refuse(
+            &[
+                ("--by", self.by.is_some()),
+                ("--patch", self.patch.is_some()),
+                ("--threshold-n", self.threshold_n.is_some()),
+                ("--labels", self.labels.is_some()),
+                ("--no-wrap", self.no_wrap),
+            ],
+            &format!(
+                "a table of trials, such as {}, in which trials are cut and labelled already",
+                path.display()
+            ),
+        )
+    }
+
+    /// Refuses the options that do not apply to verdicts frame by frame.
+    pub fn refuse_online(&self) -> Result<(), Failure> {
+        self.refuse(
+            &[
+                ("--preset", self.preset.is_some()),
+                ("--by", self.by.is_some()),
+                ("--min-samples", self.min_samples.is_some()),
+                ("--labels", self.labels.is_some()),
+                ("--no-wrap", self.no_wrap),
+            ],
+            "verdicts frame by frame, which are by taxel, from the first sample",
+        )
+    }
+
+    fn refuse(&self, options: &[(&str, bool)], what: &str) -> Result<(), Failure> {
+        match options.iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((option, _)) => Err(Failure::usage(format!(
+                "{option} does not apply to {what}; leave it out"
+            ))),
+        }
+    }
+}
+
+/// The trials of one recording, numbered from `first`.
+pub fn cut(recording: &Recording, by: Unit, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, Failure> {
+    let trials = match by {
+        Unit::Taxel => taxel_trials(recording, options)?,
+        Unit::Component => component_trials(recording, options)?,
+    };
+    Ok(trials
+        .into_iter()
+        .map(|found| Trial {
+            trial: first + found.trial.trial,
+            ..found.trial
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, FromArgMatches};
+
+    use super::*;
+
+    fn parse(words: &[&str]) -> TrialArguments {
+        let command = TrialArguments::augment_args(Command::new("trials"));
+        let words = std::iter::once(&"trials").chain(words);
+        TrialArguments::from_arg_matches(&command.get_matches_from(words)).unwrap()
+    }
+
+    /// Pins the defaults, the preset, and that an option that is given goes before the preset.
+    #[test]
+    fn the_preset_is_the_papers_and_gives_way() {
+        assert_eq!(parse(&[]).options(), TrialOptions::default());
+        assert_eq!(parse(&["--preset", "paper"]).options(), TrialOptions::paper());
+        let mixed = parse(&["--preset", "paper", "--min-samples", "3", "--labels", "contact"]).options();
+        let expected = TrialOptions {
+            min_samples: 3,
+            ..TrialOptions::default()
+        };
+        assert_eq!(mixed, expected);
+    }
+
+    /// Pins the default that the help states.
+    #[test]
+    fn the_help_states_the_threshold() {
+        let mut command = TrialArguments::augment_args(Command::new("trials"));
+        let help = command.render_long_help().to_string();
+        let number = TrialOptions::default().threshold_n;
+        assert!(help.contains(&format!("N [default: {number}]")), "{help}");
+    }
+}
