@@ -72,3 +72,82 @@ fn scales_have_limits() {
         assert!(message.contains('3'), "{message}");
     }
 }
+
+/// A reach to one goal behind a row of trunks.
+fn through_trunks(controller: &str, retries: u32) -> ReachPlan {
+    let text = format!(
+        "summary = \"A row of trunks\"\n\
+         controller = \"{controller}\"\n\
+         [goals]\ncount = 1\nretries = {retries}\n\
+         [[objects.trunk]]\ncount = 6\n\
+         place = {{ x_m = {{ uniform = [0.40, 0.46] }}, y_m = {{ uniform = [-0.60, 0.15] }} }}\n"
+    );
+    ReachPlan::new(Scene::parse("row.toml", text).unwrap(), None, 0).unwrap()
+}
+
+#[test]
+fn a_force_over_the_stop_force_ends_the_reach() {
+    // Pins, on reaches that are simulated, that a goal is aborted in the first frame with more than the stop force between
+    // one link and one object, that the recording names them with that force, and that no other goal follows. The second
+    // published controller stops at 15 N, which blows on a trunk exceed within a few reaches.
+    let plan = through_trunks("ijrr-foliage", 0);
+    let mut aborted = 0;
+    for reach_index in 0..6 {
+        let recording = plan.run(reach_index, &mut |_, _, _| {}).unwrap();
+        let last = recording.goals.last().unwrap();
+        let peak = recording
+            .contacts
+            .iter()
+            .map(|contact| contact.peak_force_n)
+            .fold(0.0, f64::max);
+        match &last.safety_stop {
+            Some(stop) => {
+                aborted += 1;
+                assert_eq!(last.outcome, Outcome::Aborted);
+                assert!(stop.force_n > plan.preset().stop_force_n);
+                // A contact is of one patch or of the bare link; the force that stops the arm is that of the whole link.
+                let last_frame = recording.frames.len() as u32 - 1;
+                let pressing = recording.contacts.iter().filter(|contact| {
+                    contact.link == stop.link && contact.object == stop.object && contact.last_frame == last_frame
+                });
+                let sum: f64 = pressing.map(|contact| contact.peak_force_n).sum();
+                assert!(sum >= stop.force_n * (1.0 - 1e-12), "{sum} N, {stop:?}");
+            }
+            None => {
+                assert_ne!(last.outcome, Outcome::Aborted);
+                // Skin and bare part of one link press on the same side, so either alone stays under the stop force.
+                assert!(peak <= plan.preset().stop_force_n, "{peak} N");
+            }
+        }
+    }
+    assert!(aborted > 0, "no reach passed the stop force");
+}
+
+#[test]
+fn a_stuck_arm_backs_off_and_tries_again() {
+    // Pins what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the tip is drawn
+    // back by up to 5 cm, against the way to the goal, and the goal is tried again.
+    let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
+    let mut retried = 0;
+    for reach_index in 0..4 {
+        let first = once.run(reach_index, &mut |_, _, _| {}).unwrap();
+        let second = twice.run(reach_index, &mut |_, _, _| {}).unwrap();
+        let until = first.frames.len();
+        assert_eq!(first.frames, second.frames[..until]);
+        if first.outcome() != Outcome::Stuck {
+            assert_eq!(first.frames.len(), second.frames.len());
+            continue;
+        }
+        retried += 1;
+        let stuck_at = first.frames[until - 1].tip_pose_world.position;
+        let to_goal = (first.goals[0].position_world - stuck_at).with_z(0.0).normalize();
+        let back = second.frames[until..]
+            .iter()
+            .map(|frame| (stuck_at - frame.tip_pose_world.position).dot(to_goal))
+            .fold(0.0, f64::max);
+        // The controller takes a point as reached within its dead zone, so it need not go the whole way.
+        let least = 0.05 - once.preset().reached_distance_m;
+        assert!(back >= least, "drawn back by {back} m, at least {least} m");
+    }
+    assert!(retried > 0, "no reach got stuck");
+}
