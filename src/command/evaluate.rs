@@ -62,8 +62,9 @@ pub struct Options {
     /// trained at one arm stiffness or hand speed, tested at another
     #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "split", "model", "by_samples"])]
     train: Option<PathBuf>,
-    /// Write ROC curves (CSV): each category against the others by its lead; with --model or --train also outliers against known
-    /// categories
+    /// Write ROC curves (CSV): each category against the others by its lead; with --model or --train also outliers
+    ///
+    /// In the rows of outliers `threshold_nats` is the greatest lead that is called an outlier.
     #[arg(long, value_name = "FILE")]
     roc: Option<PathBuf>,
     #[command(flatten)]

@@ -168,17 +168,3 @@ fn table_given_for_frames() {
     online(fixture.table_csv()).refused(&["trials.csv", "found a table of trials", "leave --online out"]);
     online(fixture.table_parquet()).refused(&["trials.parquet", "underbrush.format"]);
 }
-
-#[test]
-fn frames_that_are_none() {
-    // Pins: a line on standard input that is no frame is refused by its number.
-    let arguments = || vec!["classify".into(), fixture().model().into(), "-".into()];
-    let answer = crate::support::call(arguments(), "{\"time_s\": 0}\n");
-    answer.refused(&[
-        "-:1",
-        "frame: found missing field",
-        "one frame as a JSON object a line",
-        "mend the line",
-    ]);
-    crate::support::call(arguments(), "no frame\n").refused(&["-:1", "frame: found expected"]);
-}

@@ -1,6 +1,7 @@
 //! Receiver operating characteristics: what a threshold costs and what it brings, for all thresholds.
 
 use serde::Serialize;
+use underbrush_recording::Category;
 
 use super::Evaluation;
 use crate::decision::Judge;
@@ -82,7 +83,7 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
     RocCurve::of(&positives, &negatives)
 }
 
-/// Outliers and blocks (what is never trained, [`is_trained`]) against the known categories. A trial is called an outlier
+/// Outliers against the categories that models are trained on ([`is_trained`]); a block is neither. A trial is called an outlier
 /// where its lead is at most a threshold and at least `uncertain_below`, nats (paper, section V-D). The threshold rises
 /// along the curve, so the smallest leads are called outliers first. A lead below `uncertain_below` is uncertain and never
 /// an outlier: the curve ends where all others are called outliers and goes on straight to (1, 1).
@@ -94,10 +95,10 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
 /// `judge` gives the priors; its rule is not used. For evaluation only: no threshold is ever chosen on outliers. `None`
 /// where the evaluation holds no outliers, or nothing else.
 pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
-    let scores = |known: bool| -> Vec<f64> {
+    let scores = |counts: &dyn Fn(&str) -> bool| -> Vec<f64> {
         let pool = evaluation.predictions.iter();
         let leads = pool
-            .filter(|prediction| is_trained(&prediction.category) == known)
+            .filter(|prediction| counts(&prediction.category))
             .map(|prediction| judge.lead(&prediction.scores).map_or(0.0, |(_, lead)| lead));
         leads
             .map(|lead| {
@@ -109,7 +110,8 @@ pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64)
             })
             .collect()
     };
-    let mut curve = RocCurve::of(&scores(false), &scores(true))?;
+    let outliers = scores(&|category| category == Category::Outlier.name());
+    let mut curve = RocCurve::of(&outliers, &scores(&is_trained))?;
     for point in &mut curve.points {
         // From the score back to the lead, without a negative zero.
         point.threshold = point.threshold.map(|score| 0.0 - score);

@@ -86,6 +86,8 @@ fn the_smallest_leads_are_called_outliers_first() {
         ("trunk", [0.0, 200.0]),
         ("outlier", [60.0, 0.0]),
         ("outlier", [0.0, 85.0]),
+        // A block is neither: it does not count.
+        ("block", [1.0, 0.0]),
     ]);
     let curve = outlier_roc(&evaluation, &judge, 0.0).unwrap();
     assert!((curve.area - 4.0 / 6.0).abs() < 1e-15, "{}", curve.area);
