@@ -125,7 +125,8 @@ fn every_figure_has_its_bound() {
 }
 
 /// Pins that the bound of the moment and the torque under which nothing is compared follow the arm: for Cody about the 4 cm
-/// of its flipper's sparsest taxels and 0.7 Nm, and a skin or dampers twice as large double them.
+/// of its flipper's sparsest taxels and 0.7 Nm. A skin larger by a fifth raises the first by a fifth (up to the 5 cm that any
+/// taxel reaches at most), and dampers twice as strong double the second.
 #[test]
 fn bounds_follow_the_arm_and_its_skin() {
     let moment_m = |arm: &Arm| {
@@ -146,12 +147,12 @@ fn bounds_follow_the_arm_and_its_skin() {
         .iter_mut()
         .flat_map(|patch| &mut patch.taxels)
     {
-        taxel.position_link *= 2.0;
+        taxel.position_link *= 1.2;
     }
     for joint in &mut larger.joints {
         joint.damping_nm_s_per_rad *= 2.0;
     }
-    assert!((moment_m(&larger) / moment_m(&cody) - 2.0).abs() < 1e-12);
+    assert!((moment_m(&larger) / moment_m(&cody) - 1.2).abs() < 1e-12);
     let ratio = least_contact_torque_nm(&larger) / least_contact_torque_nm(&cody);
     assert!((ratio - 2.0).abs() < 1e-12);
     // The forearm's taxels alone are much closer to each other.
