@@ -32,7 +32,7 @@ pub fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), Failure> {
     output::write_file(path, &serde_json::to_vec_pretty(&sealed).map_err(fault)?)
 }
 
-/// The content of a file that [`write`] has written. A file that is damaged is as good as none, and is remarked on.
+/// The content of a file that [`write()`] has written. A file that is damaged is as good as none, and is remarked on.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Option<T> {
     let bytes = std::fs::read(path).ok()?;
     let sealed = serde_json::from_slice::<Sealed>(&bytes)
