@@ -98,7 +98,7 @@ pub fn any_length_options() -> TrialOptions {
     }
 }
 
-/// The default seed. Choice: the first that nothing was chosen on. The README reports seeds 100 to 119.
+/// The default seed. Choice: the first that nothing was chosen on. The README reports seeds from there on.
 pub const DEFAULT_SEED: u64 = 100;
 
 /// Seeds on which something was chosen so that trials per reach and Table I come near the paper's, and what.
