@@ -191,7 +191,7 @@ impl Campaign {
         Ok(DatasetPlan {
             provenance: self.provenance(plans, first.controller.name()),
             robot: first.arm.name.clone(),
-            rate_hz: 1.0 / underbrush_sim::world::FRAME_PERIOD_S,
+            rate_hz: 1.0 / underbrush_recording::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: first.arm.skin.layout.clone(),
             episodes: jobs

@@ -4,14 +4,15 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
+use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::{Arm, ArmAtStart};
 use underbrush_sim::clutter::{Clutter, Standing};
 use underbrush_sim::object::{Footing, Specification};
 use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::range::Quantity;
 use underbrush_sim::scene::Scene;
-use underbrush_sim::scene::quantity::Quantity;
 use underbrush_sim::seed::stream;
-use underbrush_sim::world::{FRAME_PERIOD_S, World};
+use underbrush_sim::world::World;
 
 /// Equilibrium angles at the start, degrees: upper arm hanging, forearm forward at half the leaves' height, turned
 /// inward.

@@ -173,7 +173,7 @@ fn setup(sweep: &Sweep) -> Value {
     let soft = &physics.parameters.contact_softness;
     json!({
         "engine": ENGINE,
-        "frame_period_s": underbrush_sim::world::FRAME_PERIOD_S,
+        "frame_period_s": underbrush_recording::FRAME_PERIOD_S,
         "gravity_m_per_s2": options.gravity_m_per_s2,
         "contact_natural_frequency_hz": soft.natural_frequency,
         "contact_damping_ratio": soft.damping_ratio,

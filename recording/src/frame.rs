@@ -3,6 +3,9 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+/// Period of the skin's readings and of frames, s (100 Hz).
+pub const FRAME_PERIOD_S: f64 = 0.01;
+
 /// A rigid pose, in the frame that the field's name ends with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {

@@ -21,7 +21,7 @@ pub mod trial;
 pub use audit::{Audit, AuditCount, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
 pub use category::Category;
-pub use frame::{Frame, Pose, TaxelReading};
+pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading};
 pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::Limits;

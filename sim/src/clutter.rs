@@ -7,8 +7,8 @@ use rapier3d::prelude::{Cuboid, Pose};
 use underbrush_recording::{InputError, ObjectRecord};
 
 use crate::arm::ArmAtStart;
-use crate::geometry::{Capsule, LaidFootprint};
-use crate::object::{Footprint, Object};
+use crate::geometry::{Capsule, Footprint, LaidFootprint};
+use crate::object::Object;
 use crate::scene::Scene;
 use crate::seed::stream;
 

@@ -4,8 +4,6 @@ use glam::{DVec2, DVec3};
 use rapier3d::parry::query::{self, details::closest_points_segment_segment_with_locations};
 use rapier3d::prelude::{Pose, Segment, Shape, SharedShape};
 
-use crate::object::Footprint;
-
 /// A segment with a radius: the plain shape of a link or a plant, for questions of clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
@@ -74,6 +72,15 @@ impl PlacedShape {
             shape.support_point(&self.pose, direction_world).dot(direction_world)
         })
     }
+}
+
+/// The ground area of an object, for placing objects without overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Footprint {
+    /// A disc of this radius, m.
+    Disc(f64),
+    /// A rectangle of these half sizes along its own x and y, m.
+    Rectangle(f64, f64),
 }
 
 /// A footprint laid on the ground.

@@ -23,6 +23,7 @@ mod monitor;
 pub mod object;
 pub mod physics;
 mod quadrature;
+pub mod range;
 pub mod reach;
 pub mod scene;
 pub mod seed;

@@ -3,10 +3,9 @@
 use std::collections::VecDeque;
 
 use glam::DVec3;
-use underbrush_recording::Outcome;
+use underbrush_recording::{FRAME_PERIOD_S, Outcome};
 
 use crate::controller::Preset;
-use crate::world::FRAME_PERIOD_S;
 
 /// Watches the way to one goal.
 pub struct Monitor {

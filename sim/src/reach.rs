@@ -1,7 +1,7 @@
 //! One reach: sense → control → step → record, goal after goal.
 
 use glam::DVec3;
-use underbrush_recording::{Audit, Frame, GoalRecord, Outcome, Pose, Recording, SafetyStop};
+use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Outcome, Pose, Recording, SafetyStop};
 
 use crate::body_log::BodyLog;
 use crate::clutter::Clutter;
@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use crate::sensor::Sensor;
 use crate::skin::SkinPatch;
 use crate::touch::{Touch, feel};
-use crate::world::{FRAME_PERIOD_S, World};
+use crate::world::World;
 use back_off::Way;
 pub use plan::ReachPlan;
 

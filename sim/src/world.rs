@@ -6,6 +6,7 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::*;
+use underbrush_recording::FRAME_PERIOD_S;
 
 use crate::arm::Arm;
 use crate::arm::engine::{self, ArmHandles};
@@ -15,9 +16,6 @@ use crate::object::Mechanism;
 use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
 use crate::skin::ContactPoint;
 use crate::touch::Touch;
-
-/// Period of the skin and of frames, s (100 Hz).
-pub const FRAME_PERIOD_S: f64 = 0.01;
 
 /// A resting object is put into the solver when a link of the arm comes this near to it, m: the centimetre at which the
 /// engine makes contacts, and one frame at 1 m/s, twice the fastest preset's hand speed.

@@ -86,7 +86,7 @@ impl Summary {
             dataset: dataset.dir().to_path_buf(),
             reaches: episodes.len(),
             frames,
-            simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
+            simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
             wall_s,
             ends: Ends::of(episodes),
             audit: audit::worst(episodes, dataset.layout()),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use underbrush_recording::Category;
 use underbrush_sim::clutter::{Clutter, Standing};
-use underbrush_sim::object::Footprint;
+use underbrush_sim::geometry::Footprint;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::world::World;

@@ -3,13 +3,14 @@
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rapier3d::prelude::{ColliderHandle, Pose};
+use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, Standing};
 use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::skin::{ContactPoint, SkinPatch};
-use underbrush_sim::world::{FRAME_PERIOD_S, World};
+use underbrush_sim::world::World;
 
 use crate::CheckError;
 

@@ -1,8 +1,8 @@
 //! Check 16: the sensor's statistics and its closed forms.
 
+use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
-use underbrush_sim::world::FRAME_PERIOD_S;
 
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 

@@ -71,7 +71,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         .frames
         .get(&file.tip_link)
         .copied()
-        .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, known_links(&chain)))?;
+        .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, chain.known_links()))?;
     let skin_source = open(&folder.join(&file.skin))?;
     let skin = skin_file::read_skin(&skin_source, &chain)?;
     let own_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -94,12 +94,6 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         friction: file.friction,
         skin,
     })
-}
-
-/// The names that a file may give a link, for error texts.
-pub(super) fn known_links(chain: &Chain) -> String {
-    let names: Vec<&str> = chain.frames.keys().map(String::as_str).collect();
-    format!("a link of the chain: {}", names.join(", "))
 }
 
 /// Joins what the URDF says of each moving joint with its table in the TOML file.
@@ -211,7 +205,7 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
     let start = table.span().start;
     let hull = table.get_ref();
     let Some((link, pose)) = chain.frames.get(&hull.link).copied() else {
-        return Err(source.fault_after(start, "hull.link", &hull.link, known_links(chain)));
+        return Err(source.fault_after(start, "hull.link", &hull.link, chain.known_links()));
     };
     for point in &hull.points_m {
         source.check_each(start, "hull.points_m", point, limits::PLACE_M)?;

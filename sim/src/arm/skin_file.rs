@@ -7,7 +7,6 @@ use toml::Spanned;
 use underbrush_recording::limits::{MOST_PATCHES, MOST_TAXELS, short};
 use underbrush_recording::{Grid, InputError, Patch, SkinLayout, Taxel};
 
-use super::file::known_links;
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
 use super::source::{Source, listed};
 use super::urdf::Chain;
@@ -149,7 +148,7 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
     for table in &file.patch {
         let Some((link, pose)) = chain.frames.get(&table.get_ref().link).copied() else {
             let found = &table.get_ref().link;
-            return Err(source.fault_after(table.span().start, "patch.link", found, known_links(chain)));
+            return Err(source.fault_after(table.span().start, "patch.link", found, chain.known_links()));
         };
         let PatchTaxels {
             form,

@@ -24,6 +24,14 @@ pub(super) struct Chain {
     pub(super) frames: BTreeMap<String, (usize, Pose)>,
 }
 
+impl Chain {
+    /// The names that a file may give a link, for error texts.
+    pub(super) fn known_links(&self) -> String {
+        let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
+        format!("a link of the chain: {}", names.join(", "))
+    }
+}
+
 /// What the URDF says of a joint.
 pub(super) struct ChainJoint {
     pub(super) name: String,

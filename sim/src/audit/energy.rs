@@ -17,11 +17,12 @@
 
 use glam::DVec3;
 use rapier3d::prelude::Pose;
+use underbrush_recording::FRAME_PERIOD_S;
 
 use crate::arm::Arm;
 use crate::arm::engine::{ArmHandles, JointState};
 use crate::physics::Physics;
-use crate::world::{FRAME_PERIOD_S, SolverContact};
+use crate::world::SolverContact;
 
 /// A joint this near to a mechanical limit is held by it, rad: a tenth of a degree.
 const STOP_RAD: f64 = 2e-3;

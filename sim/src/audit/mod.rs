@@ -1,7 +1,7 @@
 //! The audit of a reach: how far its physics was from what it should be, and the bounds that it should keep.
 
 use glam::DVec3;
-use underbrush_recording::{Audit, AuditField, SkinLayout};
+use underbrush_recording::{Audit, AuditField, FRAME_PERIOD_S, SkinLayout};
 
 pub mod energy;
 #[cfg(test)]
@@ -12,7 +12,7 @@ use crate::arm::engine::ArmHandles;
 use crate::arm::skin::reach_m;
 use crate::physics::Physics;
 use crate::touch::Touch;
-use crate::world::{FRAME_PERIOD_S, SolverContact};
+use crate::world::SolverContact;
 use energy::EnergyBalance;
 
 /// A figure of the audit with the bound that it should keep.

@@ -7,8 +7,8 @@ use underbrush_recording::{Category, InputError};
 use super::Standing;
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, segment_distance};
+use crate::range::Quantity;
 use crate::scene::Scene;
-use crate::scene::quantity::Quantity;
 
 /// Goals tried before the scene is refused.
 const GOAL_TRIES: usize = 5000;

@@ -6,9 +6,10 @@ use underbrush_recording::{Category, InputError};
 
 use super::Standing;
 use crate::arm::ArmAtStart;
-use crate::object::{Footing, Footprint, StandsOn};
-use crate::scene::quantity::Quantity;
-use crate::scene::{Placement, Scene};
+use crate::geometry::Footprint;
+use crate::object::{Footing, StandsOn};
+use crate::range::{Placement, Quantity};
+use crate::scene::Scene;
 
 /// Room kept between the arm's start posture and any object, m.
 pub(super) const START_CLEARANCE_M: f64 = 0.02;

@@ -11,10 +11,10 @@ use serde::Deserialize;
 use underbrush_recording::Category;
 
 use super::mechanism::{Maxwell, Spring, box_mass};
-use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use super::{FRICTION, Footing, Mechanism, Object, Specification, StandsOn};
+use crate::geometry::Footprint;
 use crate::physics::{Physics, groups};
-use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// Length and width of a block, m (paper, section IV-A).
 const LENGTH_M: f64 = 0.25;

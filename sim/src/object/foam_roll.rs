@@ -11,12 +11,10 @@ use serde::Deserialize;
 use underbrush_recording::Category;
 
 use super::mechanism::{Maxwell, Spring, massless};
-use super::{
-    EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn,
-};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Mechanism, Object, Specification, StandsOn};
+use crate::geometry::Footprint;
 use crate::physics::{Physics, groups};
-use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// Slices into which a roll is cut along its height: each about half as high as the arm is thick.
 const SLICES: usize = 10;

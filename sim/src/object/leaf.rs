@@ -9,7 +9,8 @@ use rapier3d::prelude::*;
 use underbrush_recording::Category;
 
 use super::mechanism::{Spring, box_mass, massless};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footprint, Mechanism, Object};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Mechanism, Object};
+use crate::geometry::Footprint;
 use crate::physics::{Physics, groups};
 use crate::quadrature::gauss_legendre;
 

@@ -10,8 +10,9 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::Category;
 
+use crate::geometry::Footprint;
 use crate::physics::Physics;
-use crate::scene::quantity::{DrawError, Quantity};
+use crate::range::{DrawError, Limited, Placement};
 
 pub mod foam_block;
 pub mod foam_roll;
@@ -44,7 +45,7 @@ pub trait Specification {
     fn count(&self) -> u32;
 
     /// Where they may stand, where the group says so.
-    fn place(&self) -> Option<&crate::scene::Placement>;
+    fn place(&self) -> Option<&Placement>;
 
     /// Every range of it with its name and the physical limits of its values, for validation and error texts.
     fn quantities(&self) -> Vec<Limited<'_>>;
@@ -64,16 +65,6 @@ pub trait Specification {
     fn stands_on(&self) -> StandsOn;
 }
 
-/// One range of a specification with the physical limits of its values.
-pub struct Limited<'a> {
-    /// Key in the scene file.
-    pub name: &'static str,
-    /// The range.
-    pub quantity: &'a Quantity,
-    /// Smallest and largest value that make physical sense.
-    pub limits: (f64, f64),
-}
-
 /// What an object needs under its foot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandsOn {
@@ -90,15 +81,6 @@ pub struct Footing {
     pub height_m: f64,
     /// Modulus of the foam, Pa; `None` on the bare table.
     pub foam_modulus_pa: Option<f64>,
-}
-
-/// The ground area of an object, for placing objects without overlap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Footprint {
-    /// A disc of this radius, m.
-    Disc(f64),
-    /// A rectangle of these half sizes along its own x and y, m.
-    Rectangle(f64, f64),
 }
 
 /// One concrete object, ready to be built.

@@ -9,10 +9,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_recording::Category;
 
-use super::{FRICTION, Footing, Footprint, Limited, Mechanism, Object, Specification, StandsOn};
+use super::{FRICTION, Footing, Mechanism, Object, Specification, StandsOn};
+use crate::geometry::Footprint;
 use crate::physics::{Physics, groups};
-use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// A group of trunks in a scene file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

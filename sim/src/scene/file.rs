@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::limits;
-use super::quantity::{Quantity, Within};
 use crate::object::{Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
+use crate::range::{PLACE_M, Quantity, Within};
 use crate::sensor::SensorOptions;
 
 /// The keys of a scene file.
@@ -83,7 +83,7 @@ pub struct Workspace {
     /// Rightmost and leftmost foot, m.
     pub y_m: [f64; 2],
     /// Height of the table top, m.
-    #[schemars(range(min = limits::PLACE_M.least, max = limits::PLACE_M.most))]
+    #[schemars(range(min = PLACE_M.least, max = PLACE_M.most))]
     pub table_height_m: f64,
 }
 
@@ -97,21 +97,6 @@ impl Default for Workspace {
             table_height_m: -0.58,
         }
     }
-}
-
-/// Where the feet of one group of objects may stand.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Placement {
-    /// Forward, m, world frame; within the workspace if not given.
-    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
-    pub x_m: Option<Quantity>,
-    /// Left, m, world frame; within the workspace if not given.
-    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
-    pub y_m: Option<Quantity>,
-    /// Turn about the vertical, degrees; any if not given.
-    #[schemars(transform = Within((limits::YAW_DEG.least, limits::YAW_DEG.most)))]
-    pub yaw_deg: Option<Quantity>,
 }
 
 /// Goals of a reach: points for the arm's tip, drawn so that the way there passes through clutter.
@@ -129,13 +114,13 @@ pub struct Goals {
     #[schemars(range(min = limits::PATIENCE_S.least, max = limits::PATIENCE_S.most))]
     pub patience_s: Option<f64>,
     /// Forward, m, world frame.
-    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
+    #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
     pub x_m: Quantity,
     /// Left, m, world frame.
-    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
+    #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
     pub y_m: Quantity,
     /// Up, m, world frame.
-    #[schemars(transform = Within((limits::PLACE_M.least, limits::PLACE_M.most)))]
+    #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
     pub z_m: Quantity,
 }
 

@@ -16,12 +16,6 @@ pub const SUBSTEPS: Limits = Limits::new(1.0, 64.0, "substeps");
 /// A tenth of the shortest step, for the same reason, s.
 pub const SHORTEST_SUBSTEP_S: f64 = 1e-5;
 
-/// Coordinates of objects, goals and the workspace, in the frame of the arm's base: the longest arms reach 3 to 4 m.
-pub const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
-
-/// Turn about the vertical: once around, either way.
-pub const YAW_DEG: Limits = Limits::new(-360.0, 360.0, "deg");
-
 /// Factor on stiffness: a tenth and ten times that of the arm's file. Farther off it is another arm, with a file of its own.
 pub const STIFFNESS_SCALE: Limits = Limits::new(0.1, 10.0, "");
 

@@ -4,18 +4,17 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::InputError;
 use underbrush_recording::limits::short;
+use underbrush_recording::{FRAME_PERIOD_S, InputError};
 
-use crate::object::Limited;
+use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
 use crate::toml_text::{key_at, line_of};
 
 mod file;
 pub mod limits;
-pub mod quantity;
 
-pub use file::{Goals, Objects, PhysicsSection, Placement, RobotSection, SceneFile, Workspace};
+pub use file::{Goals, Objects, PhysicsSection, RobotSection, SceneFile, Workspace};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
 #[derive(Clone, Debug)]
@@ -89,15 +88,15 @@ impl Scene {
         let file = &self.file;
         let workspace = &file.workspace;
         for (key, [low, high]) in [("workspace.x_m", workspace.x_m), ("workspace.y_m", workspace.y_m)] {
-            if !(limits::PLACE_M.hold(low) && limits::PLACE_M.hold(high) && low < high) {
-                let allowed = format!("two numbers from {}, the smaller first", limits::PLACE_M);
+            if !(PLACE_M.hold(low) && PLACE_M.hold(high) && low < high) {
+                let allowed = format!("two numbers from {}, the smaller first", PLACE_M);
                 return Err(self.fault(key, format!("[{}, {}]", short(low), short(high)), allowed));
             }
         }
         self.check_numbers()?;
         self.check_steps()?;
         self.sensor_fault(file.sensor.fault())?;
-        let anywhere = (limits::PLACE_M.least, limits::PLACE_M.most);
+        let anywhere = (PLACE_M.least, PLACE_M.most);
         for (name, quantity) in [
             ("x_m", &file.goals.x_m),
             ("y_m", &file.goals.y_m),
@@ -120,11 +119,7 @@ impl Scene {
         let file = &self.file;
         let (goals, physics, robot) = (&file.goals, &file.physics, &file.robot);
         let numbers = [
-            (
-                "workspace.table_height_m",
-                file.workspace.table_height_m,
-                limits::PLACE_M,
-            ),
+            ("workspace.table_height_m", file.workspace.table_height_m, PLACE_M),
             ("robot.stiffness_scale", robot.stiffness_scale, limits::STIFFNESS_SCALE),
             (
                 "robot.hand_speed_scale",
@@ -155,7 +150,7 @@ impl Scene {
     /// Whole steps make a frame, and substeps are not too short.
     fn check_steps(&self) -> Result<(), InputError> {
         let physics = &self.file.physics;
-        let steps = crate::world::FRAME_PERIOD_S / physics.step_s;
+        let steps = FRAME_PERIOD_S / physics.step_s;
         if (steps - steps.round()).abs() > 1e-6 {
             let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 … 0.0001)";
             return Err(self.fault("physics.step_s", short(physics.step_s), allowed));
@@ -185,11 +180,7 @@ impl Scene {
                 for (name, quantity, limits) in [
                     ("place.x_m", &placement.x_m, anywhere),
                     ("place.y_m", &placement.y_m, anywhere),
-                    (
-                        "place.yaw_deg",
-                        &placement.yaw_deg,
-                        (limits::YAW_DEG.least, limits::YAW_DEG.most),
-                    ),
+                    ("place.yaw_deg", &placement.yaw_deg, (YAW_DEG.least, YAW_DEG.most)),
                 ] {
                     if let Some(quantity) = quantity {
                         self.check_quantity(&place, &Limited { name, quantity, limits })?;

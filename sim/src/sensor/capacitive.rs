@@ -1,12 +1,11 @@
 //! The capacitive skin: a continuous cover over capacitors (crosstalk, creep) and the authors' driver behind them.
 
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::{Grid, Patch};
+use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch};
 
 use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
 use super::stray::Strays;
-use crate::world::FRAME_PERIOD_S;
 
 /// Retardation times of the cover's creep, s: one a decade, so that between the first and the last a held force's reading
 /// grows with the logarithm of time, as rubber's strain does.

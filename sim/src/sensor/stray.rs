@@ -3,9 +3,9 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use underbrush_recording::FRAME_PERIOD_S;
 
 use super::options::SensorOptions;
-use crate::world::FRAME_PERIOD_S;
 
 /// The strays of one patch. Each taxel's offset is a telegraph process: zero for a while, then one force for a while.
 pub struct Strays {

@@ -35,7 +35,7 @@ fn press(object: Box<dyn Object>, gap_m: f64, force_n: f64, seconds: f64) -> (Ar
     let equilibrium: Vec<f64> = (0..posture.len())
         .map(|joint| posture[joint] + torque[joint] / arm.joints[joint].stiffness_nm_per_rad)
         .collect();
-    for _ in 0..(seconds / crate::world::FRAME_PERIOD_S) as usize {
+    for _ in 0..(seconds / underbrush_recording::FRAME_PERIOD_S) as usize {
         world.advance_frame(&arm, &equilibrium, &clutter);
         world.audit_frame(&arm, &Touch::default());
     }

@@ -200,7 +200,7 @@ impl Reaches {
         Reaches {
             count: episodes.len(),
             frames,
-            simulated_s: frames as f64 * underbrush_sim::world::FRAME_PERIOD_S,
+            simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
             ends: Ends::of(episodes),
             audit: audit::worst(episodes, layout),
         }

@@ -5,9 +5,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{LARGEST_LOAD_SHARE, Leaf, root_stiffness_nm_per_rad};
-use crate::object::{Footing, Limited, Object, Specification, StandsOn};
-use crate::scene::Placement;
-use crate::scene::quantity::{DrawError, Quantity, Within};
+use crate::object::{Footing, Object, Specification, StandsOn};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// A group of leaves in a scene file. The blade's foot frame: x normal to the blade, y along its width, z up.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

@@ -9,10 +9,10 @@ mod stray;
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
+use underbrush_recording::FRAME_PERIOD_S;
 
 use super::{FabricOptions, Sensor, SensorOptions};
 use crate::arm::Arm;
-use crate::world::FRAME_PERIOD_S;
 
 /// Patches of Cody's skin.
 const FOREARM: usize = 0;

@@ -3,7 +3,7 @@
 use underbrush_classifier::evaluate::StreamFrame;
 use underbrush_classifier::report::{Axis, Chart, Dash, Layer, Shape, Style};
 
-use underbrush_sim::world::FRAME_PERIOD_S;
+use underbrush_recording::FRAME_PERIOD_S;
 
 use super::super::online::{Classified, Online};
 use super::super::results::Results;

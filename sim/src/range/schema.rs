@@ -1,0 +1,44 @@
+//! JSON Schema of a [`Quantity`], for editors.
+
+use schemars::transform::Transform;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+
+use super::Quantity;
+
+impl JsonSchema for Quantity {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Quantity".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let number = json_schema!({ "type": "number" });
+        let mut schema = forms(&number, &number);
+        schema.insert("description".into(), "A number, or a range to draw from.".into());
+        schema
+    }
+}
+
+/// The three forms of a quantity whose values and standard deviation have these schemas.
+fn forms(value: &Schema, deviation: &Schema) -> Schema {
+    let pair = |second: &Schema| json_schema!({ "type": "array", "prefixItems": [value, second], "items": false, "minItems": 2, "maxItems": 2 });
+    let range = |key: &str, pair: Schema| json_schema!({ "type": "object", "properties": { key: pair }, "required": [key], "additionalProperties": false });
+    json_schema!({ "oneOf": [value, range("uniform", pair(value)), range("normal", pair(deviation))] })
+}
+
+/// Puts a field's limits into its schema.
+pub struct Within(pub (f64, f64));
+
+impl Transform for Within {
+    fn transform(&mut self, schema: &mut Schema) {
+        let (least, most) = self.0;
+        let value = json_schema!({ "type": "number", "minimum": least, "maximum": most });
+        let deviation = json_schema!({ "type": "number", "minimum": 0.0, "maximum": most - least });
+        let mut forms = forms(&value, &deviation);
+        if schema.remove("$ref").is_some() {
+            if let Some(forms) = forms.remove("oneOf") {
+                schema.insert("oneOf".into(), forms);
+            }
+        } else if let Some(first) = schema.get_mut("anyOf").and_then(|kinds| kinds.get_mut(0)) {
+            *first = forms.into();
+        }
+    }
+}
