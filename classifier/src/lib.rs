@@ -11,7 +11,7 @@
 //! | trials train one model per category, by a recipe | [`ModelSet::train`], [`recipe::Recipe`], [`hmm`] |
 //! | models score a trial, or a stream while the arm moves | [`ModelSet::score`], [`online::OnlineClassifier`] |
 //! | scores become a verdict | [`decision::Decision`] |
-//! | anything else that learns from trials stands beside them | [`learner::Learner`], [`baseline`] |
+//! | anything else that learns from trials stands beside them | [`estimator::Estimator`], [`baseline`] |
 //! | verdicts become tables with confidence intervals | [`evaluate`] |
 //! | tables become charts and a page | [`report`] |
 //!
@@ -54,10 +54,10 @@
 
 pub mod baseline;
 pub mod decision;
+pub mod estimator;
 pub mod evaluate;
 pub mod feature;
 pub mod hmm;
-pub mod learner;
 mod model_file;
 mod model_set;
 pub mod online;

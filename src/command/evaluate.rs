@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
-use underbrush_classifier::baseline::{Logistic, NaiveBayes, NearestNeighbours, RecursiveRegression};
+use underbrush_classifier::baseline::{EchoStateNetwork, Logistic, NaiveBayes, NearestNeighbours};
+use underbrush_classifier::estimator::{Classifier, Estimator};
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
     evaluate,
 };
-use underbrush_classifier::learner::{Classifier, Learner};
 use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
 
@@ -40,7 +40,7 @@ does outlier for anything but an outlier. Trials that no object truly touched ar
 pub struct Options {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required)
     trials: PathBuf,
-    /// What is learned from the trials
+    /// The classifier to fit and test
     #[arg(long, value_enum, default_value = "hmm")]
     classifier: ClassifierName,
     /// Also ask for a verdict (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact; with a
@@ -83,8 +83,9 @@ enum ClassifierName {
     NearestNeighbours,
     /// Naive Bayes on what the taxel felt so far
     NaiveBayes,
-    /// Recursive regression: the state of a fixed random recurrent network, read out at every sample
-    Recursive,
+    /// Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample
+    #[value(alias = "recursive")]
+    EchoStateNetwork,
     /// Logistic regression on what the taxel and its contact region felt so far
     Logistic,
     /// The same without the contact region: it knows what the hidden Markov models know with force and motion
@@ -116,7 +117,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         (None, Some(train)) => {
             let decision = options.decision.decision(&options.scores())?;
             (
-                evaluate(learned(&options, train)?.as_ref(), &trials, &decision),
+                evaluate(fitted(&options, train)?.as_ref(), &trials, &decision),
                 decision,
             )
         }
@@ -124,7 +125,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             let decision = options.decision.decision(&options.scores())?;
             let own = *folds.insert(options.folds(&trials));
             (
-                cross_validate(&trials, options.learner().as_ref(), own, &decision),
+                cross_validate(&trials, options.estimator().as_ref(), own, &decision),
                 decision,
             )
         }
@@ -135,13 +136,13 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     let (mut by_samples, mut by_samples_of_all) = (None, None);
     if let Some(folds) = folds.filter(|_| options.by_samples) {
-        let learner = options.learner();
-        let series = accuracy_by_samples(&trials, learner.as_ref(), folds);
+        let estimator = options.estimator();
+        let series = accuracy_by_samples(&trials, estimator.as_ref(), folds);
         by_samples = Some(series.map_err(|error| about(error.into()))?);
         let least = options.cut.min_samples();
         if least > 1 {
             let all = input::some_trials(&options.trials, &options.cut.of_any_length())?;
-            let series = accuracy_by_samples_of_all(&all, learner.as_ref(), folds, least);
+            let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, least);
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }
@@ -194,12 +195,12 @@ impl Options {
         }
     }
 
-    fn learner(&self) -> Box<dyn Learner> {
+    fn estimator(&self) -> Box<dyn Estimator> {
         match self.classifier {
             ClassifierName::Hmm => Box::new(self.recipe.recipe()),
             ClassifierName::NearestNeighbours => Box::new(NearestNeighbours::default()),
             ClassifierName::NaiveBayes => Box::new(NaiveBayes),
-            ClassifierName::Recursive => Box::new(RecursiveRegression::default()),
+            ClassifierName::EchoStateNetwork => Box::new(EchoStateNetwork::default()),
             ClassifierName::Logistic => Box::new(Logistic::default()),
             ClassifierName::LogisticTaxel => Box::new(Logistic {
                 features: StreamFeatureSet::Taxel,
@@ -221,9 +222,9 @@ impl Options {
     }
 }
 
-/// What is learned from the trials in another file.
-fn learned(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
+/// A classifier fitted to the trials in another file.
+fn fitted(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
     let trials = input::some_trials(path, &options.cut)?;
-    let learned = options.learner().learn(&trials.iter().collect::<Vec<_>>());
-    learned.map_err(|error| Failure::from(error).about(path))
+    let classifier = options.estimator().fit(&trials.iter().collect::<Vec<_>>());
+    classifier.map_err(|error| Failure::from(error).about(path))
 }

@@ -92,6 +92,7 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
         "hmm",
         "nearest-neighbours",
         "naive-bayes",
+        "echo-state-network",
         "recursive",
         "logistic",
         "logistic-taxel",

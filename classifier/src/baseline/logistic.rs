@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use underbrush_recording::Trial;
 
 use super::table::{Standardization, Table};
-use crate::learner::{Classifier, Learner};
+use crate::estimator::{Classifier, Estimator};
 use crate::model_set::ModelError;
 use crate::stream_feature::StreamFeatureSet;
 
@@ -30,12 +30,12 @@ impl Default for Logistic {
     }
 }
 
-impl Learner for Logistic {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for Logistic {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         let mut table = Table::of(trials, self.features)?;
         let standardization = Standardization::of(&mut table, self.features);
         let weights = minimize(&table, self.features.dimension() + 1, self.penalty)?;
-        Ok(Box::new(Learned {
+        Ok(Box::new(Fitted {
             features: self.features,
             categories: table.categories,
             standardization,
@@ -44,7 +44,7 @@ impl Learner for Logistic {
     }
 }
 
-struct Learned {
+struct Fitted {
     features: StreamFeatureSet,
     categories: Vec<String>,
     standardization: Standardization,
@@ -52,7 +52,7 @@ struct Learned {
     weights: DMatrix<f64>,
 }
 
-impl Classifier for Learned {
+impl Classifier for Fitted {
     fn categories(&self) -> Vec<String> {
         self.categories.clone()
     }
@@ -166,12 +166,12 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
     (gradient, hessian)
 }
 
-/// The largest slope of the objective at the weights learned, by central differences.
+/// The largest slope of the objective at the fitted weights, by central differences.
 #[cfg(test)]
-pub(super) fn largest_slope(trials: &[&Trial], learner: &Logistic) -> f64 {
-    let mut table = Table::of(trials, learner.features).unwrap();
-    Standardization::of(&mut table, learner.features);
-    let weights = minimize(&table, learner.features.dimension() + 1, learner.penalty).unwrap();
+pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
+    let mut table = Table::of(trials, estimator.features).unwrap();
+    Standardization::of(&mut table, estimator.features);
+    let weights = minimize(&table, estimator.features.dimension() + 1, estimator.penalty).unwrap();
     let objective = |weights: &DMatrix<f64>| {
         let entropies = table.rows.iter().map(|row| {
             let scores: Vec<f64> = (0..weights.nrows())
@@ -184,7 +184,7 @@ pub(super) fn largest_slope(trials: &[&Trial], learner: &Logistic) -> f64 {
             let total: f64 = scores.iter().map(|score: &f64| score.exp()).sum();
             -row.weight * (scores[row.category].exp() / total).ln()
         });
-        entropies.sum::<f64>() + 0.5 * learner.penalty * weights.iter().map(|w| w * w).sum::<f64>()
+        entropies.sum::<f64>() + 0.5 * estimator.penalty * weights.iter().map(|w| w * w).sum::<f64>()
     };
     let slope = |index: usize| {
         let (mut up, mut down) = (weights.clone(), weights.clone());

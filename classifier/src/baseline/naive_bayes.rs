@@ -3,7 +3,7 @@
 use underbrush_recording::Trial;
 
 use super::table::{Standardization, Table};
-use crate::learner::{Classifier, Learner};
+use crate::estimator::{Classifier, Estimator};
 use crate::model_set::ModelError;
 use crate::stream_feature::StreamFeatureSet;
 
@@ -17,8 +17,8 @@ const LEAST_VARIANCE: f64 = 1e-2;
 
 const FEATURES: StreamFeatureSet = StreamFeatureSet::Taxel;
 
-impl Learner for NaiveBayes {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for NaiveBayes {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         let mut table = Table::of(trials, FEATURES)?;
         let standardization = Standardization::of(&mut table, FEATURES);
         let gaussians = (0..table.categories.len()).map(|category| {
@@ -32,7 +32,7 @@ impl Learner for NaiveBayes {
             };
             (0..FEATURES.dimension()).map(of_feature).collect()
         });
-        Ok(Box::new(Learned {
+        Ok(Box::new(Fitted {
             gaussians: gaussians.collect(),
             categories: table.categories,
             standardization,
@@ -46,14 +46,14 @@ struct Gaussian {
     variance: f64,
 }
 
-struct Learned {
+struct Fitted {
     categories: Vec<String>,
     standardization: Standardization,
     /// By category and feature.
     gaussians: Vec<Vec<Gaussian>>,
 }
 
-impl Classifier for Learned {
+impl Classifier for Fitted {
     fn categories(&self) -> Vec<String> {
         self.categories.clone()
     }

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 use underbrush_recording::Trial;
 
+use crate::estimator::{Classifier, Estimator};
 use crate::feature::FeatureError;
-use crate::learner::{Classifier, Learner};
 use crate::model_set::{ModelError, trials_by_category};
 
 /// k nearest neighbours on principal components of force, contact area and contact motion over a window from the first
@@ -37,8 +37,8 @@ impl Default for NearestNeighbours {
 /// Force, contact area, motion.
 const CHANNELS: usize = 3;
 
-impl Learner for NearestNeighbours {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for NearestNeighbours {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         if self.window == 0 || self.neighbours == 0 {
             return Err(ModelError::Mismatch {
                 found: format!("{} samples and {} neighbours", self.window, self.neighbours),
@@ -64,7 +64,7 @@ impl Learner for NearestNeighbours {
                 .for_each(|value| *value = (*value - mean[d]) * scale[d / self.window]);
         }
         let components = principal_components(&matrix, self.explained);
-        Ok(Box::new(Learned {
+        Ok(Box::new(Fitted {
             options: *self,
             count: by_category.values().map(Vec::len).collect(),
             categories: by_category.into_keys().collect(),
@@ -143,7 +143,7 @@ fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&order[..kept])
 }
 
-struct Learned {
+struct Fitted {
     options: NearestNeighbours,
     categories: Vec<String>,
     /// Training trials by category.
@@ -156,7 +156,7 @@ struct Learned {
     category_of: Vec<usize>,
 }
 
-impl Learned {
+impl Fitted {
     /// ln of votes over trials of the category: frequent categories have more neighbours to offer. Each category has one
     /// vote more than its neighbours, shared among all, so that none is ever impossible.
     fn scores(&self, mut channels: Vec<f64>) -> Vec<f64> {
@@ -183,7 +183,7 @@ impl Learned {
     }
 }
 
-impl Classifier for Learned {
+impl Classifier for Fitted {
     fn categories(&self) -> Vec<String> {
         self.categories.clone()
     }

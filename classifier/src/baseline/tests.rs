@@ -3,8 +3,8 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Region, Sample, Trial};
 
 use super::*;
+use crate::estimator::Estimator;
 use crate::feature::FeatureError;
-use crate::learner::Learner;
 use crate::model_set::ModelError;
 use crate::recipe::Recipe;
 
@@ -43,7 +43,7 @@ fn trials() -> Vec<Trial> {
     leaves.chain(trunks).collect()
 }
 
-fn learners() -> Vec<(&'static str, Box<dyn Learner>)> {
+fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
     vec![
         (
             "hidden Markov models",
@@ -54,19 +54,19 @@ fn learners() -> Vec<(&'static str, Box<dyn Learner>)> {
         ),
         ("nearest neighbours", Box::new(NearestNeighbours::default())),
         ("naive Bayes", Box::new(NaiveBayes)),
-        ("recursive regression", Box::new(RecursiveRegression::default())),
+        ("echo-state network", Box::new(EchoStateNetwork::default())),
         ("logistic regression", Box::new(Logistic::default())),
     ]
 }
 
 #[test]
-fn every_learner_tells_different_things_apart_and_never_looks_ahead() {
+fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
     // Pins, for all that implement the trait: new presses are told apart; the scores after k samples are those of a trial
     // that ended there, and counts beyond the end are the whole; the order of training trials does not matter much.
     let trials = trials();
     let known: Vec<&Trial> = trials.iter().collect();
-    for (name, learner) in learners() {
-        let classifier = learner.learn(&known).unwrap();
+    for (name, estimator) in estimators() {
+        let classifier = estimator.fit(&known).unwrap();
         assert_eq!(classifier.categories(), ["leaf", "trunk"], "{name}");
         for (category, speed, taxels) in [("leaf", 1.0, 2), ("trunk", 6.0, 4)] {
             let new = press(1000, category, speed, taxels, 20);
@@ -98,13 +98,13 @@ fn frequent_categories_have_no_advantage() {
         press(number, category, 1.0 + 5.0 * rng.random::<f64>(), 3, 12)
     };
     const SETS: u64 = 60;
-    for (name, learner) in learners() {
+    for (name, estimator) in estimators() {
         let shares: Vec<f64> = (0..SETS)
             .map(|set| {
                 let trials: Vec<Trial> = (0..240)
                     .map(|n| draw(1000 * set + n, if n % 6 == 0 { "leaf" } else { "trunk" }))
                     .collect();
-                let classifier = learner.learn(&trials.iter().collect::<Vec<_>>()).unwrap();
+                let classifier = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
                 let new = (0..40).map(|n| draw(100_000 + 1000 * set + n, "leaf"));
                 let leaves = new.filter(|press| {
                     let scores = classifier.scores(press).unwrap();
@@ -134,13 +134,13 @@ fn logistic_regression_is_at_its_minimum() {
     // objective as it stands in the documentation, and that posteriors sum to one.
     let trials: Vec<Trial> = trials();
     let known: Vec<&Trial> = trials.iter().collect();
-    let learner = Logistic::default();
-    let classifier = learner.learn(&known).unwrap();
+    let estimator = Logistic::default();
+    let classifier = estimator.fit(&known).unwrap();
     for trial in &trials {
         let total: f64 = classifier.scores(trial).unwrap().iter().map(|score| score.exp()).sum();
         assert!((total - 1.0).abs() < 1e-12);
     }
-    assert!(logistic::largest_slope(&known, &learner) < 1e-5);
+    assert!(logistic::largest_slope(&known, &estimator) < 1e-5);
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn windows_are_padded_with_their_last_sample() {
     // what comes after the window does not count.
     let trials = trials();
     let classifier = NearestNeighbours::default()
-        .learn(&trials.iter().collect::<Vec<_>>())
+        .fit(&trials.iter().collect::<Vec<_>>())
         .unwrap();
     let short = press(1000, "leaf", 3.0, 3, 10);
     let mut held = short.clone();
@@ -170,7 +170,7 @@ fn windows_are_padded_with_their_last_sample() {
 fn what_cannot_be_learned_is_refused() {
     // Pins the errors for trials without categories and for trials that lack the region.
     let mut trials = trials();
-    for (name, learner) in learners().into_iter().skip(1) {
+    for (name, estimator) in estimators().into_iter().skip(1) {
         let blind: Vec<Trial> = trials
             .iter()
             .cloned()
@@ -179,18 +179,18 @@ fn what_cannot_be_learned_is_refused() {
                 ..trial
             })
             .collect();
-        let error = learner.learn(&blind.iter().collect::<Vec<_>>()).err();
+        let error = estimator.fit(&blind.iter().collect::<Vec<_>>()).err();
         assert_eq!(error, Some(ModelError::NoCategories { trials: 60 }), "{name}");
     }
     trials[0].samples[2].region = None;
     let missing = ModelError::Feature(FeatureError::MissingRegion { trial: 0, sample: 2 });
     let known: Vec<&Trial> = trials.iter().collect();
-    assert_eq!(Logistic::default().learn(&known).err(), Some(missing.clone()));
-    assert_eq!(NearestNeighbours::default().learn(&known).err(), Some(missing));
-    assert!(NaiveBayes.learn(&known).is_ok());
+    assert_eq!(Logistic::default().fit(&known).err(), Some(missing.clone()));
+    assert_eq!(NearestNeighbours::default().fit(&known).err(), Some(missing));
+    assert!(NaiveBayes.fit(&known).is_ok());
     trials[0].samples[2].motion_m = None;
     let missing = ModelError::Feature(FeatureError::MissingMotion { trial: 0, sample: 2 });
     let known: Vec<&Trial> = trials.iter().collect();
-    assert_eq!(NaiveBayes.learn(&known).err(), Some(missing.clone()));
-    assert_eq!(RecursiveRegression::default().learn(&known).err(), Some(missing));
+    assert_eq!(NaiveBayes.fit(&known).err(), Some(missing.clone()));
+    assert_eq!(EchoStateNetwork::default().fit(&known).err(), Some(missing));
 }

@@ -8,7 +8,7 @@ use super::{
     bootstrap_by_reach,
 };
 use crate::decision::Decision;
-use crate::learner::Learner;
+use crate::estimator::Estimator;
 
 /// Counts of samples at which contacts are looked at, before their end.
 pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
@@ -50,10 +50,10 @@ pub struct AccuracyBySamples {
 /// As [`super::cross_validate`].
 pub fn accuracy_by_samples(
     trials: &[Trial],
-    learner: &dyn Learner,
+    estimator: &dyn Estimator,
     folds: Folds,
 ) -> Result<Vec<AccuracyBySamples>, EvaluateError> {
-    accuracy_by_samples_of_all(trials, learner, folds, 1)
+    accuracy_by_samples_of_all(trials, estimator, folds, 1)
 }
 
 /// As [`accuracy_by_samples`], tested on all trials, short ones too, but learned only from those of at least
@@ -63,14 +63,14 @@ pub fn accuracy_by_samples(
 /// As [`super::cross_validate`], and where a fold leaves no trial of a category that is long enough to learn from.
 pub fn accuracy_by_samples_of_all(
     trials: &[Trial],
-    learner: &dyn Learner,
+    estimator: &dyn Estimator,
     folds: Folds,
     min_training_samples: usize,
 ) -> Result<Vec<AccuracyBySamples>, EvaluateError> {
     let limits: Vec<Option<usize>> = SAMPLE_COUNTS.into_iter().map(Some).chain([None]).collect();
     let outcome = across_folds(
         trials,
-        learner,
+        estimator,
         folds,
         min_training_samples,
         |classifier, fold, tested| {

@@ -7,7 +7,7 @@ use underbrush_recording::Trial;
 use super::threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds, rates};
 use super::{EvaluateError, Evaluation, Folds, across_folds, predict};
 use crate::decision::{Choice, Decision};
-use crate::learner::Learner;
+use crate::estimator::Estimator;
 
 /// A cross-validation that also keeps the scores while contacts last.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +23,8 @@ impl HeldOut {
     ///
     /// # Errors
     /// As [`super::cross_validate`].
-    pub fn of(trials: &[Trial], learner: &dyn Learner, folds: Folds) -> Result<Self, EvaluateError> {
-        let outcome = across_folds(trials, learner, folds, 1, |classifier, fold, tested| {
+    pub fn of(trials: &[Trial], estimator: &dyn Estimator, folds: Folds) -> Result<Self, EvaluateError> {
+        let outcome = across_folds(trials, estimator, folds, 1, |classifier, fold, tested| {
             let predictions = predict(classifier, tested.iter().copied(), &Decision::argmax(), fold)?;
             let with_scores = predictions.into_iter().zip(tested).map(|(prediction, trial)| {
                 let counts: Vec<usize> = (1..=trial.samples.len()).collect();

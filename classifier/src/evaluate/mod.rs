@@ -28,8 +28,8 @@ pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
 pub use threshold::{ChosenThresholds, Rates, ThresholdError, ThresholdTargets, choose_thresholds};
 
 use crate::decision::{Decision, DecisionError, Verdict};
+use crate::estimator::{Classifier, Estimator};
 use crate::hmm::TrainingHistory;
-use crate::learner::{Classifier, Learner};
 use crate::model_set::{ModelError, is_trained};
 
 /// Why an evaluation is impossible.
@@ -216,11 +216,11 @@ pub fn evaluate(
 /// [`EvaluateError`] where a category is too small for the folds, or training or scoring fails.
 pub fn cross_validate(
     trials: &[Trial],
-    learner: &dyn Learner,
+    estimator: &dyn Estimator,
     folds: Folds,
     decision: &Decision,
 ) -> Result<Evaluation, EvaluateError> {
-    let outcome = across_folds(trials, learner, folds, 1, |classifier, fold, tested| {
+    let outcome = across_folds(trials, estimator, folds, 1, |classifier, fold, tested| {
         predict(classifier, tested.iter().copied(), decision, fold)
     })?;
     Evaluation::of(outcome.results, &outcome.categories, outcome.training)
@@ -238,7 +238,7 @@ struct AcrossFolds<T> {
 /// gives one result a trial, in order; for each fold.
 fn across_folds<T: Send>(
     trials: &[Trial],
-    learner: &dyn Learner,
+    estimator: &dyn Estimator,
     folds: Folds,
     min_training_samples: usize,
     test: impl Fn(&dyn Classifier, usize, &[&Trial]) -> Result<Vec<T>, EvaluateError> + Sync,
@@ -262,8 +262,11 @@ fn across_folds<T: Send>(
         .into_par_iter()
         .map(|fold| {
             let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
-            let (learned, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
-            let categories: BTreeSet<&str> = learned.iter().filter_map(|trial| trial.category.as_deref()).collect();
+            let (long_enough, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
+            let categories: BTreeSet<&str> = long_enough
+                .iter()
+                .filter_map(|trial| trial.category.as_deref())
+                .collect();
             let mut unlearned = short.iter().filter_map(|trial| trial.category.as_deref());
             if let Some(category) = unlearned.find(|category| !categories.contains(category)) {
                 return Err(EvaluateError::TooShort {
@@ -272,7 +275,7 @@ fn across_folds<T: Send>(
                     samples: min_training_samples,
                 });
             }
-            let classifier = learner.learn(&learned)?;
+            let classifier = estimator.fit(&long_enough)?;
             let results = test(classifier.as_ref(), fold, &of(fold, true))?;
             Ok((classifier.categories(), results, classifier.training().cloned()))
         })

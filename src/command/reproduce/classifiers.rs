@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::baseline::{Logistic, NaiveBayes, NearestNeighbours, RecursiveRegression};
+use underbrush_classifier::baseline::{EchoStateNetwork, Logistic, NaiveBayes, NearestNeighbours};
 use underbrush_classifier::decision::Decision;
+use underbrush_classifier::estimator::Estimator;
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
 };
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::learner::Learner;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
@@ -45,11 +45,11 @@ pub struct Speed {
     pub all_contacts: Vec<AccuracyBySamples>,
 }
 
-type Named = (&'static str, Box<dyn Learner>);
+type Named = (&'static str, Box<dyn Estimator>);
 
 /// The paper's best models and the baselines. [`MARKOV_FORCE_AND_MOTION`] and [`LOGISTIC_TAXEL`] see the same of a contact,
 /// force and motion of the taxel.
-fn learners() -> [Named; 7] {
+fn estimators() -> [Named; 7] {
     let markov = |features| {
         Box::new(Recipe {
             states: 20,
@@ -66,7 +66,7 @@ fn learners() -> [Named; 7] {
         (MARKOV_FORCE_AND_MOTION, markov(FeatureSet::ForceAndMotion)),
         ("nearest neighbours", Box::new(NearestNeighbours::default())),
         ("naive Bayes", Box::new(NaiveBayes)),
-        ("recursive regression", Box::new(RecursiveRegression::default())),
+        ("echo-state network", Box::new(EchoStateNetwork::default())),
         (LOGISTIC_TAXEL, Box::new(taxel_alone)),
         (LOGISTIC_REGION, Box::new(Logistic::default())),
     ]
@@ -80,28 +80,28 @@ const FOLDS: Folds = Folds {
 
 /// Cross-validates all classifiers on whole trials.
 pub fn run(taxel_trials: &[Trial]) -> Result<Vec<Compared>, Failure> {
-    let compare = |(classifier, learner): &Named| {
-        let evaluation = cross_validate(taxel_trials, learner.as_ref(), FOLDS, &Decision::argmax())?;
+    let compare = |(classifier, estimator): &Named| {
+        let evaluation = cross_validate(taxel_trials, estimator.as_ref(), FOLDS, &Decision::argmax())?;
         Ok(Compared {
             classifier,
             accuracy: Accuracy::of(&evaluation),
         })
     };
-    let compared: Vec<Result<Compared, Failure>> = learners().par_iter().map(compare).collect();
+    let compared: Vec<Result<Compared, Failure>> = estimators().par_iter().map(compare).collect();
     compared.into_iter().collect()
 }
 
 /// Asks all classifiers after ever more samples. `contacts` are all contacts of the reaches that `taxel_trials` come from;
 /// each classifier learns from the same trials in both cases.
 pub fn speeds(taxel_trials: &[Trial], contacts: &[Trial]) -> Result<Vec<Speed>, Failure> {
-    let measure = |(classifier, learner): &Named| {
-        let (learner, least) = (learner.as_ref(), data::trial_options().min_samples);
+    let measure = |(classifier, estimator): &Named| {
+        let (estimator, least) = (estimator.as_ref(), data::trial_options().min_samples);
         Ok(Speed {
             classifier,
-            lasting_contacts: accuracy_by_samples(taxel_trials, learner, FOLDS)?,
-            all_contacts: accuracy_by_samples_of_all(contacts, learner, FOLDS, least)?,
+            lasting_contacts: accuracy_by_samples(taxel_trials, estimator, FOLDS)?,
+            all_contacts: accuracy_by_samples_of_all(contacts, estimator, FOLDS, least)?,
         })
     };
-    let speeds: Vec<Result<Speed, Failure>> = learners().par_iter().map(measure).collect();
+    let speeds: Vec<Result<Speed, Failure>> = estimators().par_iter().map(measure).collect();
     speeds.into_iter().collect()
 }

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::baseline::Logistic;
 use underbrush_classifier::decision::Decision;
+use underbrush_classifier::estimator::Estimator;
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::learner::Learner;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
@@ -80,20 +80,20 @@ pub fn splits(settings: &[Setting]) -> Result<Vec<Split>, Failure> {
         features: StreamFeatureSet::Taxel,
         ..Logistic::default()
     };
-    let learners: [(&str, Box<dyn Learner>); 4] = [
+    let estimators: [(&str, Box<dyn Estimator>); 4] = [
         ("hidden Markov models, force, 10 states", Box::new(Recipe::authors())),
         ("hidden Markov models, force and motion, 10 states", Box::new(motion)),
         (LOGISTIC_TAXEL, Box::new(taxel_alone)),
         (LOGISTIC_REGION, Box::new(Logistic::default())),
     ];
-    let cases: Vec<_> = learners
+    let cases: Vec<_> = estimators
         .iter()
-        .flat_map(|learner| settings.iter().map(move |trained| (learner, trained)))
+        .flat_map(|estimator| settings.iter().map(move |trained| (estimator, trained)))
         .collect();
-    let row = |((classifier, learner), trained): &(&(&str, Box<dyn Learner>), &Setting)| {
+    let row = |((classifier, estimator), trained): &(&(&str, Box<dyn Estimator>), &Setting)| {
         let (mut predictions, mut categories) = (vec![Vec::new(); settings.len()], Vec::new());
         for fold in 0..2 {
-            let learned = learner.learn(&trained.folds[1 - fold].iter().collect::<Vec<_>>())?;
+            let learned = estimator.fit(&trained.folds[1 - fold].iter().collect::<Vec<_>>())?;
             categories = learned.categories();
             for (tested, predictions) in settings.iter().zip(&mut predictions) {
                 let evaluation = evaluate(learned.as_ref(), &tested.folds[fold], &Decision::argmax())?;

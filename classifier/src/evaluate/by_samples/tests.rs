@@ -3,9 +3,9 @@ use std::collections::BTreeMap;
 use underbrush_recording::Sample;
 
 use super::*;
+use crate::estimator::Classifier;
 use crate::evaluate::FoldBy;
 use crate::hmm::TrainingHistory;
-use crate::learner::Classifier;
 use crate::model_set::ModelError;
 
 /// A trial of `length` samples; its force rises to the true category only with the third sample.
@@ -35,8 +35,8 @@ struct Threshold {
     least: usize,
 }
 
-impl Learner for Threshold {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for Threshold {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         assert!(trials.iter().all(|trial| trial.samples.len() >= self.least));
         Ok(Box::new(Passed))
     }

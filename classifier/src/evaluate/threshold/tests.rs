@@ -5,9 +5,9 @@ use rand_distr::{Distribution, Normal};
 use underbrush_recording::{Sample, Trial};
 
 use super::*;
+use crate::estimator::{Classifier, Estimator};
 use crate::evaluate::tests::scored;
 use crate::evaluate::{Folds, HeldOut};
-use crate::learner::{Classifier, Learner};
 use crate::model_set::ModelError;
 
 const TARGETS: ThresholdTargets = ThresholdTargets {
@@ -174,8 +174,8 @@ fn what_cannot_be_held_is_refused() {
 /// The score of a trunk after k samples is the sum of their forces, that of a leaf 0: nothing is learned.
 struct Sum;
 
-impl Learner for Sum {
-    fn learn(&self, _: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for Sum {
+    fn fit(&self, _: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         Ok(Box::new(Sum))
     }
 }

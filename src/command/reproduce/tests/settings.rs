@@ -47,10 +47,10 @@ fn settings_are_tested_on_clutter_that_was_not_learned() {
     assert_eq!(reaches(&apart.folds[1]), BTreeSet::from([2, 6, 7]));
 
     let swapped = setting("swapped", &trials(2.0, 0.5));
-    let learners = 4;
+    let estimators = 4;
     let found = splits::splits(&[apart, swapped]).unwrap();
     let accuracies: Vec<f64> = found.iter().map(|split| split.accuracy.accuracy).collect();
-    assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(learners));
+    assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(estimators));
     for split in &found {
         let own = &split.accuracy;
         assert!(own.trials == 28 && own.low == own.high && own.balanced_accuracy == own.accuracy);

@@ -1,15 +1,15 @@
-//! A recursive kernel method, one step a sample.
+//! Echo-state network: a fixed random recurrent network with a fitted linear readout.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Sample, Trial};
 
+use crate::estimator::{Classifier, Estimator};
 use crate::feature::FeatureError;
-use crate::learner::{Classifier, Learner};
 use crate::model_set::{ModelError, trials_by_category};
 
-/// Regression on the state of a fixed random recurrent network, in the spirit of the online recursive kernel Gaussian
+/// Ridge regression on the state of a fixed random recurrent network, in the spirit of the online recursive kernel Gaussian
 /// process of \[3\]: such a network is a finite form of a recursive kernel (Hermans and Schrauwen 2012, Neural Computation
 /// 24), in which the mean of a Gaussian process is ridge regression. Nothing is stored of the past but the state.
 ///
@@ -17,7 +17,7 @@ use crate::model_set::{ModelError, trials_by_category};
 /// category (one or zero) at every sample, trials of a category and categories weighing alike. The score is the logarithm
 /// of the readout's mean since contact, which is an estimate of the posterior.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RecursiveRegression {
+pub struct EchoStateNetwork {
     /// Units of the network.
     pub units: usize,
     /// The part a of the state that is renewed at each sample; above 0, at most 1.
@@ -26,11 +26,11 @@ pub struct RecursiveRegression {
     pub penalty: f64,
 }
 
-impl Default for RecursiveRegression {
+impl Default for EchoStateNetwork {
     /// 60 units; a tenth of a second's memory at 100 Hz, the order of the mean number of samples at which the paper
     /// decides (11.9); a penalty that only keeps the regression well posed. Choices.
     fn default() -> Self {
-        RecursiveRegression {
+        EchoStateNetwork {
             units: 60,
             leak: 0.1,
             penalty: 1e-6,
@@ -47,8 +47,8 @@ const INPUT_SCALE: [f64; 2] = [1.0, 100.0];
 /// Readouts are no probabilities; they are kept above this before the logarithm is taken.
 const LEAST_POSTERIOR: f64 = 1e-3;
 
-impl Learner for RecursiveRegression {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for EchoStateNetwork {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         let by_category = trials_by_category(trials.iter().copied());
         if by_category.is_empty() {
             return Err(ModelError::NoCategories { trials: trials.len() });
@@ -73,7 +73,7 @@ impl Learner for RecursiveRegression {
             found: format!("a regression with penalty {} that has no solution", self.penalty),
             allowed: "finite samples and a positive penalty".into(),
         })?;
-        Ok(Box::new(Learned {
+        Ok(Box::new(Fitted {
             categories: by_category.into_keys().collect(),
             network,
             readout,
@@ -108,7 +108,7 @@ struct Network {
 
 impl Network {
     /// The same weights for the same options, always.
-    fn new(options: &RecursiveRegression) -> Self {
+    fn new(options: &EchoStateNetwork) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut draw = |rows: usize, columns: usize, most: f64| {
             DMatrix::from_fn(rows, columns, |_, _| most * (2.0 * rng.random::<f64>() - 1.0))
@@ -137,14 +137,14 @@ impl Network {
     }
 }
 
-struct Learned {
+struct Fitted {
     categories: Vec<String>,
     network: Network,
     /// A column a category.
     readout: DMatrix<f64>,
 }
 
-impl Classifier for Learned {
+impl Classifier for Fitted {
     fn categories(&self) -> Vec<String> {
         self.categories.clone()
     }

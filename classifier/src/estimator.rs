@@ -9,15 +9,15 @@ use crate::hmm::TrainingHistory;
 use crate::model_set::{ModelError, ModelSet};
 use crate::recipe::Recipe;
 
-/// Learns from labelled trials.
-pub trait Learner: Sync {
-    /// A classifier learned from these trials; the same bytes for the same trials, whatever the number of threads.
+/// Options of a classifier that can be fitted to labelled trials.
+pub trait Estimator: Sync {
+    /// A classifier fitted to these trials; the same bytes for the same trials, whatever the number of threads.
     ///
     /// Trials without a category, blocks and outliers teach nothing ([`crate::is_trained`]).
     ///
     /// # Errors
-    /// [`ModelError`] where nothing can be learned or a trial lacks what the learner needs.
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError>;
+    /// [`ModelError`] where nothing can be fitted or a trial lacks what the estimator needs.
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError>;
 }
 
 /// Tells the categories apart, from what was felt so far.
@@ -63,8 +63,8 @@ impl dyn Classifier + '_ {
     }
 }
 
-impl Learner for Recipe {
-    fn learn(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Estimator for Recipe {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         let (models, _) = ModelSet::train_on(trials.iter().copied(), self)?;
         Ok(Box::new(models))
     }
