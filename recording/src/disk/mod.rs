@@ -12,12 +12,12 @@
 //! the same bytes: nothing about the run (date, machine, threads) is stored.
 
 mod check;
-mod check_physics;
 mod dataset;
 mod dictionary;
 mod error;
 mod features;
 mod frames;
+mod input_file;
 mod parquet_file;
 mod recording_file;
 mod seal;

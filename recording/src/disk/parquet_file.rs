@@ -1,7 +1,6 @@
 //! Parquet files as this crate writes and reads them.
 
 use std::fs::File;
-use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -16,6 +15,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
 use parquet::schema::types::ColumnPath;
 
+use super::input_file::open_input;
 use super::whole_file::{self, TemporaryFile};
 use super::{DiskError, seal};
 use crate::InputError;
@@ -142,20 +142,6 @@ fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> R
         Ok(result) => result.map_err(|error| broken(path, error)),
         Err(_) => Err(broken(path, "damaged bytes that cannot be decoded")),
     }
-}
-
-/// Opens a file that the user named; that it is not there, or is a folder, is bad input and no failure of the disk.
-pub(super) fn open_input(path: &Path) -> Result<File, DiskError> {
-    let bad =
-        |found: &str| -> DiskError { InputError::new(path, "file", found, "a readable file", "check the path").into() };
-    let file = File::open(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => bad("no such file"),
-        _ => DiskError::io(path, "read")(error),
-    })?;
-    if file.metadata().map_err(DiskError::io(path, "read"))?.is_dir() {
-        return Err(bad("a folder"));
-    }
-    Ok(file)
 }
 
 /// Reads the footer of a Parquet file.

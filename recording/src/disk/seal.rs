@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::DiskError;
-use super::parquet_file::open_input;
+use super::input_file::open_input;
 use crate::InputError;
 
 /// Metadata key of the hash.

@@ -16,12 +16,12 @@ use super::assembled::Assembled;
 use super::card::card;
 use super::checksums::{FileSum, files_below};
 use super::episode_table::{Episode, Place, number_tasks, write_episodes, write_tasks};
-use super::info::{FORMAT, Info, MEGABYTES_PER_FILE, ProvenanceFile};
+use super::info::{FORMAT, Info, ProvenanceFile};
 use super::names;
+use super::staging::Staging;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use super::taxel_table::write_taxels;
-use super::writer::DatasetWriter;
 use crate::disk::DiskError;
 use crate::disk::features::{features, schema};
 use crate::disk::frames::{Numbering, frame_columns};
@@ -29,18 +29,15 @@ use crate::disk::parquet_file::ROWS_PER_BATCH;
 use crate::disk::recording_file::read_recording;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
 
-/// Staged bytes at which a new data file begins.
-pub(super) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
-
 /// Writes everything but `incomplete/` from the staged reaches; `meta/info.json` last.
-pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
-    let (dir, plan) = (set.dir(), set.plan());
+pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
+    let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(&plan.joint_names, &plan.layout);
     let mut assembled = Assembled::read(dir).unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
     remove_all_but(dir, assembled.checksums.names().collect())?;
     remove_leftovers(&dir.join(names::CARD));
     for position in 0..assembled.episodes.len() {
-        remove_if_there(&set.staged(position))?;
+        remove_if_there(&staging.path(position))?;
     }
     create_folder(&dir.join("meta/episodes/chunk-000"))?;
     write_taxels(&dir.join(names::TAXELS), &plan.layout)?;
@@ -53,16 +50,16 @@ pub(super) fn assemble(set: &DatasetWriter) -> Result<(), DiskError> {
     write_tasks(&dir.join(names::TASKS), &tasks)?;
 
     let schema = schema(&features);
-    let mut files = TableFiles::new(dir, set.bytes_per_file, assembled.files);
+    let mut files = TableFiles::new(dir, staging.bytes_per_file, assembled.files);
     let mut still_staged = assembled.episodes.len();
     for (position, planned) in plan.episodes.iter().enumerate().skip(still_staged) {
-        let path = set.staged(position);
+        let path = staging.path(position);
         let staged_bytes = fs::metadata(&path).map_err(DiskError::io(&path, "read"))?.len();
         let recording = read_recording(&path)?;
         if files.is_full_for(staged_bytes) {
             assembled.files_end(&mut files, dir)?;
             for position in still_staged..assembled.episodes.len() {
-                remove_if_there(&set.staged(position))?;
+                remove_if_there(&staging.path(position))?;
             }
             still_staged = assembled.episodes.len();
         }

@@ -21,6 +21,7 @@ mod info;
 mod plan;
 mod reader;
 mod row_groups;
+mod staging;
 mod statistics;
 mod table_files;
 mod taxel_table;

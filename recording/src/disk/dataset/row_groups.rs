@@ -13,7 +13,8 @@ use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
 
 use crate::disk::DiskError;
-use crate::disk::parquet_file::{Batches, EPISODE_COLUMN, broken, open_input, read_footer};
+use crate::disk::input_file::open_input;
+use crate::disk::parquet_file::{Batches, EPISODE_COLUMN, broken, read_footer};
 use crate::disk::table::Columns;
 
 /// The footers of the files that were read so far: parsing one again for every reach would take longer the more reaches a

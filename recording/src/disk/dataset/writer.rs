@@ -1,15 +1,17 @@
 //! Making a data set: reaches are staged one by one, in any order and from many threads, then put together.
 
 use std::fs::{self, File, TryLockError};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 
 use super::assembled::Assembled;
 use super::checksums::FileSum;
+use super::finish::assemble;
 use super::info::read_json;
 use super::plan::first_difference;
-use super::{Dataset, DatasetPlan, finish, names};
+use super::staging::{BYTES_PER_FILE, Staging};
+use super::{Dataset, DatasetPlan, names};
 use crate::disk::check::{Violation, check_robot, require};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
 use crate::disk::{DiskError, write_recording};
@@ -22,12 +24,10 @@ use crate::{InputError, Recording};
 /// finished set depend on plan and recordings alone: not on the order of staging, nor on crashes and resumptions.
 #[derive(Debug)]
 pub struct DatasetWriter {
-    dir: PathBuf,
-    plan: DatasetPlan,
+    /// The folder, the plan and the staged reaches.
+    pub(in crate::disk) staging: Staging,
     /// A killed [`DatasetWriter::finish`] had written everything and only `incomplete/` is left to remove.
     whole: bool,
-    /// Staged bytes at which a new data file begins.
-    pub(in crate::disk) bytes_per_file: u64,
     /// Held until the end; the system releases it if the process dies.
     _lock: File,
 }
@@ -132,28 +132,19 @@ impl DatasetWriter {
         settle_plan(&dir, &plan)?;
         let whole = dir.join(names::INFO).exists();
         Ok(DatasetWriter {
-            dir,
-            plan,
+            staging: Staging {
+                dir,
+                plan,
+                bytes_per_file: BYTES_PER_FILE,
+            },
             whole,
-            bytes_per_file: finish::BYTES_PER_FILE,
             _lock: lock,
         })
     }
 
     /// The plan.
     pub fn plan(&self) -> &DatasetPlan {
-        &self.plan
-    }
-
-    /// The folder.
-    pub(super) fn dir(&self) -> &Path {
-        &self.dir
-    }
-
-    /// Where the reach at a position is staged.
-    pub(super) fn staged(&self, position: usize) -> PathBuf {
-        self.dir
-            .join(format!("{}/reach-{position:06}.parquet", names::INCOMPLETE))
+        &self.staging.plan
     }
 
     /// Positions in the plan that are still to run, ascending. A staged file that is torn or changed counts as missing.
@@ -165,10 +156,10 @@ impl DatasetWriter {
             return Ok(Vec::new());
         }
         // Reaches in whole files of the set are there, though no longer staged.
-        let assembled = Assembled::read(&self.dir).map_or(0, |assembled| assembled.episodes.len());
+        let assembled = Assembled::read(&self.staging.dir).map_or(0, |assembled| assembled.episodes.len());
         let mut missing = Vec::new();
-        for position in assembled..self.plan.episodes.len() {
-            let path = self.staged(position);
+        for position in assembled..self.staging.plan.episodes.len() {
+            let path = self.staging.path(position);
             let sum = path.with_extension("json");
             // The sum is written after the file: without it the file is not known to be whole.
             let whole =
@@ -187,7 +178,7 @@ impl DatasetWriter {
     /// not the planned one, has no frames or breaks a rule of its types; [`DiskError::Io`] and [`DiskError::Encode`]
     /// when the disk refuses.
     pub fn stage(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
-        let path = self.staged(position);
+        let path = self.staging.path(position);
         self.check_planned(position, recording)?;
         write_recording(&path, recording)?;
         let sum = path.with_extension("json");
@@ -195,9 +186,9 @@ impl DatasetWriter {
     }
 
     fn check_planned(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
-        let (plan, provenance) = (&self.plan, &self.plan.provenance);
+        let (plan, provenance) = (&self.staging.plan, &self.staging.plan.provenance);
         let Some(episode) = plan.episodes.get(position) else {
-            let (dir, count) = (self.dir.clone(), plan.episodes.len());
+            let (dir, count) = (self.staging.dir.clone(), plan.episodes.len());
             return Err(DiskError::NoSuchReach {
                 dir,
                 index: position,
@@ -238,7 +229,7 @@ impl DatasetWriter {
         let frames = !recording.frames.is_empty();
         planned
             .and_then(|()| require(frames, || "frames".into(), || "none".into(), "at least one frame"))
-            .map_err(|violation| violation.unwritable(&self.staged(position)))
+            .map_err(|violation| violation.unwritable(&self.staging.path(position)))
     }
 
     /// Puts the staged reaches together in the order of the plan and removes `incomplete/`.
@@ -249,16 +240,16 @@ impl DatasetWriter {
     pub fn finish(self) -> Result<Dataset, DiskError> {
         if let [first, rest @ ..] = self.missing()?.as_slice() {
             return Err(DiskError::ReachesMissing {
-                dir: self.dir,
+                dir: self.staging.dir,
                 count: rest.len() + 1,
                 first: *first,
             });
         }
         if !self.whole {
-            finish::assemble(&self)?;
+            assemble(&self.staging)?;
         }
         // The plan goes last: while it is there, the rest can be taken up again.
-        let incomplete = self.dir.join(names::INCOMPLETE);
+        let incomplete = self.staging.dir.join(names::INCOMPLETE);
         for name in list(&incomplete)?
             .iter()
             .filter(|name| !names::PLAN.ends_with(name.as_str()))
@@ -268,8 +259,8 @@ impl DatasetWriter {
         }
         sync_folder(&incomplete)?;
         fs::remove_dir_all(&incomplete).map_err(DiskError::io(&incomplete, "remove"))?;
-        sync_folder(&self.dir)?;
-        Dataset::open(&self.dir)
+        sync_folder(&self.staging.dir)?;
+        Dataset::open(&self.staging.dir)
     }
 }
 

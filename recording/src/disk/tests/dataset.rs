@@ -95,7 +95,7 @@ pub(super) fn plan() -> DatasetPlan {
 pub(in crate::disk) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
     let mut writer = DatasetWriter::create(dir, plan(), resume).unwrap();
     // Small enough that the reaches fill several data files.
-    writer.bytes_per_file = 60_000;
+    writer.staging.bytes_per_file = 60_000;
     writer
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, place_columns};
-use crate::disk::parquet_file::open_input;
+use crate::disk::input_file::open_input;
 use crate::disk::{DiskError, whole_file};
 use crate::{InputError, Trial};
 

@@ -17,7 +17,9 @@ fn copy(from: &Path, to: &Path) {
 /// Positions of the reaches that are still staged.
 fn staged(writer: &DatasetWriter) -> Vec<usize> {
     let positions = 0..writer.plan().episodes.len();
-    positions.filter(|position| writer.staged(*position).exists()).collect()
+    positions
+        .filter(|position| writer.staging.path(*position).exists())
+        .collect()
 }
 
 /// Pins that a reach is freed as soon as whole files hold it, so that finishing does not take the room of the set twice,
@@ -45,8 +47,8 @@ fn reaches_are_freed_file_by_file() {
             copy(&ready, &dir);
             let writer = begin(&dir, true);
             // Putting together ends at a reach that is not there, as if it had been killed then.
-            fs::remove_file(writer.staged(killed_at)).unwrap();
-            assemble(&writer).unwrap_err();
+            fs::remove_file(writer.staging.path(killed_at)).unwrap();
+            assemble(&writer.staging).unwrap_err();
             let kept =
                 (0..files.len()).filter(|position| *position > killed_at || files[*position] == files[killed_at - 1]);
             let kept: Vec<usize> = kept.filter(|position| *position != killed_at).collect();

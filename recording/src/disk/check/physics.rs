@@ -1,7 +1,7 @@
 //! Rules of physics that the numbers of a recording keep: time goes on at the rate of the frames, orientations are
 //! rotations, and normal forces push.
 
-use super::check::{Violation, require};
+use super::violation::{Violation, require};
 use crate::{Frame, Pose, Recording};
 
 /// How far the length of a quaternion may be from 1. Choice: ten times the rounding of single precision, in which many

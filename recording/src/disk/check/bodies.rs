@@ -1,0 +1,61 @@
+//! Rules for the bodies of a recording and their tracks.
+
+use super::violation::{Violation, finite, pose_numbers, require};
+use crate::Recording;
+use crate::body::{BodyOwner, ORIENTATION_STEP};
+
+/// Checks the bodies: known objects, unit quaternions, tracks that go on frame by frame.
+pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
+    for (index, body) in recording.bodies.iter().enumerate() {
+        let field = |name: &str| format!("bodies[{index}].{name}");
+        if let BodyOwner::Object(object) = body.owner {
+            let known = usize::from(object) < recording.objects.len();
+            require(
+                known,
+                || field("owner"),
+                || format!("object {object}"),
+                "the index of an object",
+            )?;
+        }
+        let poses = body
+            .parts
+            .iter()
+            .map(|part| part.pose_body)
+            .chain([body.rest_pose_world]);
+        for pose in poses {
+            finite(pose_numbers(&pose), || field("parts and rest_pose_world"))?;
+            require_unit(pose.orientation.length(), || field("parts and rest_pose_world"))?;
+        }
+        for part in &body.parts {
+            finite(part.shape.numbers(), || field("parts"))?;
+        }
+        let mut next = 0;
+        for point in &body.track {
+            let known = point.frame >= next && (point.frame as usize) < recording.frames.len();
+            let found = || point.frame.to_string();
+            require(
+                known,
+                || field("track"),
+                found,
+                "the index of a frame after that of the point before",
+            )?;
+            next = point.frame + 1;
+            let numbers = point.position_world_m.into_iter().chain(point.orientation_world);
+            finite(numbers.map(f64::from), || field("track"))?;
+            let squares = point.orientation_world.map(|number| f64::from(number).powi(2));
+            require_unit(squares.iter().sum::<f64>().sqrt(), || field("track"))?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks the length of a quaternion, which is 1 but for the rounding of a track.
+fn require_unit(length: f64, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    let unit = (length - 1.0).abs() <= 2.0 * ORIENTATION_STEP;
+    require(
+        unit,
+        field,
+        || format!("a quaternion of length {length}"),
+        "a quaternion of length 1",
+    )
+}

@@ -1,0 +1,77 @@
+//! Rules for a single frame: one number per joint, one pose per patch, taxels that exist and are sorted.
+
+use super::violation::{Violation, finite, pose_numbers, require};
+use crate::{Frame, Recording};
+
+/// Checks the lengths, indices and numbers of a frame.
+pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(), Violation> {
+    let field = |name: &str| format!("frames[{index}].{name}");
+    let joints = recording.joint_names.len();
+    for (name, values) in [
+        ("joint_angle_rad", &frame.joint_angle_rad),
+        ("joint_velocity_rad_per_s", &frame.joint_velocity_rad_per_s),
+        ("equilibrium_angle_rad", &frame.equilibrium_angle_rad),
+        ("joint_torque_nm", &frame.joint_torque_nm),
+    ] {
+        let found = || format!("{} numbers for {joints} joints", values.len());
+        require(values.len() == joints, || field(name), found, "one number a joint")?;
+        finite(values.iter().copied(), || field(name))?;
+    }
+    let patches = recording.layout.patches.len();
+    let lengths = [frame.patch_pose_world.len(), frame.contact_force_world.len()];
+    let found = || format!("{lengths:?} for {patches} patches");
+    let each = lengths == [patches; 2];
+    require(
+        each,
+        || field("patch_pose_world and contact_force_world"),
+        found,
+        "one a patch",
+    )?;
+    let numbers = [frame.time_s].into_iter().chain(frame.goal_position_world.to_array());
+    finite(numbers.chain(pose_numbers(&frame.tip_pose_world)), || {
+        field("time, goal or tip pose")
+    })?;
+    finite(frame.patch_pose_world.iter().flat_map(pose_numbers), || {
+        field("patch_pose_world")
+    })?;
+    finite(
+        frame.contact_force_world.iter().flat_map(|force| force.to_array()),
+        || field("contact_force_world"),
+    )?;
+    let sorted = frame
+        .taxels
+        .is_sorted_by(|a, b| (a.patch, a.taxel) < (b.patch, b.taxel));
+    let found = || "out of order or twice the same".to_string();
+    require(
+        sorted,
+        || field("taxels"),
+        found,
+        "taxels sorted by patch, then taxel, each once",
+    )?;
+    for (position, reading) in frame.taxels.iter().enumerate() {
+        let field = || field(&format!("taxels[{position}]"));
+        let patch = recording.layout.patches.get(usize::from(reading.patch));
+        let known = patch.is_some_and(|patch| usize::from(reading.taxel) < patch.taxels.len());
+        let found = || format!("patch {} taxel {}", reading.patch, reading.taxel);
+        require(known, field, found, "a taxel of the layout")?;
+        let object = reading.object.map_or(0, usize::from);
+        let known = reading.object.is_none() || object < recording.objects.len();
+        require(known, field, || format!("object {object}"), "the index of an object")?;
+        let [first_shear, second_shear] = reading.true_shear_force_n;
+        let forces = [
+            reading.true_normal_force_n,
+            first_shear,
+            second_shear,
+            reading.sensed_force_n,
+        ];
+        finite(forces, field)?;
+        let something = reading.object.is_some() || forces.iter().any(|&force| force != 0.0);
+        require(
+            something,
+            field,
+            || "all zeros".into(),
+            "only taxels that feel or report something",
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,131 @@
+//! The rules that a recording keeps, checked before it is written and after it is read.
+//!
+//! What passes can be laid out in dense columns without loss and indexed without bounds errors.
+
+mod bodies;
+mod frames;
+mod layout;
+mod physics;
+mod violation;
+
+use self::bodies::check_bodies;
+use self::frames::check_frame;
+pub(super) use self::layout::{check_layout, check_robot};
+use self::physics::check_physics;
+use self::violation::finite;
+pub(super) use self::violation::{Violation, require};
+use crate::{Audit, Outcome, Recording};
+
+/// Checks everything in a recording but its frames.
+fn check_header(recording: &Recording) -> Result<(), Violation> {
+    check_robot(&recording.layout, recording.rate_hz, &recording.joint_names)?;
+    let objects = recording.objects.len();
+    // The per-taxel ground truth holds object indices as 16-bit integers with −1 for "none".
+    require(
+        objects <= 32768,
+        || "objects".into(),
+        || format!("{objects} objects"),
+        "at most 32768 objects",
+    )?;
+    for field in Audit::FIELDS {
+        finite([(field.get)(&recording.audit)], || format!("audit.{}", field.name))?;
+    }
+    for (index, object) in recording.objects.iter().enumerate() {
+        let numbers = object
+            .position_world
+            .to_array()
+            .into_iter()
+            .chain(object.parameters.values().copied());
+        finite(numbers, || format!("objects[{index}]"))?;
+    }
+    for (index, goal) in recording.goals.iter().enumerate() {
+        let times = [goal.start_time_s, goal.end_time_s];
+        finite(goal.position_world.to_array().into_iter().chain(times), || {
+            format!("goals[{index}]")
+        })?;
+        let Some(stop) = &goal.safety_stop else { continue };
+        let field = |name: &str| format!("goals[{index}].safety_stop{name}");
+        require(
+            goal.outcome == Outcome::Aborted,
+            || field(""),
+            || format!("one on a goal that {}", goal.outcome.name()),
+            "none unless the outcome is aborted",
+        )?;
+        check_place(recording, &stop.link, stop.patch, stop.object, field)?;
+        finite([stop.force_n], || field(".force_n"))?;
+    }
+    for (index, contact) in recording.contacts.iter().enumerate() {
+        let field = |name: &str| format!("contacts[{index}].{name}");
+        check_place(recording, &contact.link, contact.patch, contact.object, |name| {
+            format!("contacts[{index}]{name}")
+        })?;
+        let ordered = contact.first_frame <= contact.last_frame;
+        require(
+            ordered,
+            || field("last_frame"),
+            || contact.last_frame.to_string(),
+            "first_frame or later",
+        )?;
+        finite([contact.peak_force_n, contact.mean_force_n], || {
+            field("peak_force_n and mean_force_n")
+        })?;
+    }
+    Ok(())
+}
+
+/// Checks where an object pressed on the arm: a patch with its own link, or a link that has a name, and a known object.
+fn check_place(
+    recording: &Recording,
+    link: &str,
+    patch: Option<u16>,
+    object: u16,
+    field: impl Fn(&str) -> String,
+) -> Result<(), Violation> {
+    if let Some(patch) = patch {
+        let known = recording.layout.patches.get(usize::from(patch));
+        require(
+            known.is_some(),
+            || field(".patch"),
+            || patch.to_string(),
+            "the index of a patch of the layout",
+        )?;
+        require(
+            known.is_some_and(|patch| patch.link == link),
+            || field(".link"),
+            || format!("{link:?}"),
+            "the link that carries the patch",
+        )?;
+    } else {
+        require(
+            !link.is_empty(),
+            || field(".link"),
+            || "no name".into(),
+            "the name of a link",
+        )?;
+    }
+    require(
+        usize::from(object) < recording.objects.len(),
+        || field(".object"),
+        || object.to_string(),
+        "the index of an object",
+    )
+}
+
+/// Checks a whole recording.
+pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
+    check_header(recording)?;
+    let count = recording.frames.len();
+    for (index, contact) in recording.contacts.iter().enumerate() {
+        let inside = usize::try_from(contact.last_frame).is_ok_and(|last| last < count);
+        let field = || format!("contacts[{index}].last_frame");
+        require(inside, field, || contact.last_frame.to_string(), "the index of a frame")?;
+    }
+    recording
+        .frames
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
+    check_physics(recording)?;
+    // Last: its tracks speak of frames.
+    check_bodies(recording)
+}

@@ -1,0 +1,71 @@
+//! A broken rule: where it was broken, what was found there and what is allowed.
+
+use std::path::Path;
+
+use crate::InputError;
+use crate::disk::DiskError;
+
+/// A rule broken by a recording or a trial.
+#[derive(Debug, PartialEq)]
+pub(in crate::disk) struct Violation {
+    /// Where.
+    pub(in crate::disk) field: String,
+    /// What stands there.
+    pub(in crate::disk) found: String,
+    /// The rule.
+    pub(in crate::disk) allowed: &'static str,
+}
+
+impl Violation {
+    /// The error for something that was to be written to a file.
+    pub(in crate::disk) fn unwritable(self, path: &Path) -> DiskError {
+        let Violation { field, found, allowed } = self;
+        DiskError::Unwritable {
+            path: path.to_path_buf(),
+            field,
+            found,
+            allowed: allowed.to_string(),
+        }
+    }
+
+    /// The error for something that was read from a file.
+    pub(in crate::disk) fn misread(self, path: &Path) -> DiskError {
+        let remedy = "write the file again with the program that made it";
+        InputError::new(path, self.field, self.found, self.allowed, remedy).into()
+    }
+}
+
+/// `Err` with field, found and allowed unless the rule holds.
+pub(in crate::disk) fn require(
+    holds: bool,
+    field: impl FnOnce() -> String,
+    found: impl FnOnce() -> String,
+    allowed: &'static str,
+) -> Result<(), Violation> {
+    if holds {
+        Ok(())
+    } else {
+        Err(Violation {
+            field: field(),
+            found: found(),
+            allowed,
+        })
+    }
+}
+
+/// `Err` with the first number that is not finite.
+pub(super) fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    match values.into_iter().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(Violation {
+            field: field(),
+            found: value.to_string(),
+            allowed: "finite numbers",
+        }),
+    }
+}
+
+/// All numbers of a pose.
+pub(super) fn pose_numbers(pose: &crate::Pose) -> impl Iterator<Item = f64> {
+    pose.position.to_array().into_iter().chain(pose.orientation.to_array())
+}

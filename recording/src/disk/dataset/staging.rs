@@ -1,0 +1,28 @@
+//! Where the reaches of an unfinished data set wait until they are put together.
+
+use std::path::PathBuf;
+
+use super::info::MEGABYTES_PER_FILE;
+use super::{DatasetPlan, names};
+
+/// Staged bytes at which a new data file begins.
+pub(super) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
+
+/// An unfinished data set: its folder, its plan, and one staged file per finished reach.
+#[derive(Debug)]
+pub(in crate::disk) struct Staging {
+    /// The folder of the data set.
+    pub(super) dir: PathBuf,
+    /// What the set will hold.
+    pub(super) plan: DatasetPlan,
+    /// Staged bytes at which a new data file begins.
+    pub(in crate::disk) bytes_per_file: u64,
+}
+
+impl Staging {
+    /// Where the reach at a position of the plan is staged.
+    pub(super) fn path(&self, position: usize) -> PathBuf {
+        self.dir
+            .join(format!("{}/reach-{position:06}.parquet", names::INCOMPLETE))
+    }
+}
