@@ -4,7 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_recording::{Body, BodyOwner, BodyPart, BodyShape, Pose as RecordedPose};
 
-use crate::arm::{Arm, LinkShape};
+use crate::arm::Arm;
 use crate::clutter::Clutter;
 use crate::physics::Physics;
 use crate::world::World;
@@ -26,7 +26,7 @@ impl BodyLog {
                 .colliders
                 .iter()
                 .map(|part| BodyPart {
-                    shape: of_link(&part.shape),
+                    shape: part.shape.clone(),
                     pose_body: recorded(&part.pose_link),
                 })
                 .collect(),
@@ -105,24 +105,6 @@ fn recorded(pose: &Pose) -> RecordedPose {
 fn body_pose(physics: &Physics, collider: ColliderHandle) -> Pose {
     let body = physics.colliders[collider].parent();
     body.map_or(Pose::IDENTITY, |body| *physics.bodies[body].position())
-}
-
-fn of_link(shape: &LinkShape) -> BodyShape {
-    match shape {
-        LinkShape::Sphere { radius_m } => BodyShape::Sphere { radius_m: *radius_m },
-        LinkShape::Cylinder { radius_m, length_m } => BodyShape::Cylinder {
-            radius_m: *radius_m,
-            length_m: *length_m,
-        },
-        LinkShape::Capsule { radius_m, length_m } => BodyShape::Capsule {
-            radius_m: *radius_m,
-            length_m: *length_m,
-        },
-        LinkShape::Box { size_m } => BodyShape::Box { size_m: *size_m },
-        LinkShape::Hull { points_m } => BodyShape::Hull {
-            points_m: points_m.clone(),
-        },
-    }
 }
 
 /// A collision shape of the engine with its pose in its body. The engine's cylinders lie along y and its capsules

@@ -3,6 +3,24 @@
 use glam::{DVec2, DVec3};
 use rapier3d::parry::query::{self, details::closest_points_segment_segment_with_locations};
 use rapier3d::prelude::{Pose, Segment, Shape, SharedShape};
+use underbrush_recording::BodyShape;
+
+/// The engine's shape for a shape of a file or a recording, and the rotation from the engine's frame to that shape's;
+/// `None` for a hull without volume.
+pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
+    // The engine's cylinders and capsules lie along y, ours along z.
+    let along_z = Pose::rotation(DVec3::X * std::f64::consts::FRAC_PI_2);
+    Some(match shape {
+        BodyShape::Sphere { radius_m } => (SharedShape::ball(*radius_m), Pose::IDENTITY),
+        BodyShape::Cylinder { radius_m, length_m } => (SharedShape::cylinder(length_m / 2.0, *radius_m), along_z),
+        BodyShape::Capsule { radius_m, length_m } => (SharedShape::capsule_y(length_m / 2.0, *radius_m), along_z),
+        BodyShape::Box { size_m } => (
+            SharedShape::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0),
+            Pose::IDENTITY,
+        ),
+        BodyShape::Hull { points_m } => (SharedShape::convex_hull(points_m)?, Pose::IDENTITY),
+    })
+}
 
 /// A segment with a radius: the plain shape of a link or a plant, for questions of clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::Pose;
 
 use super::{Arm, Link};
-use crate::geometry::PlacedShape;
+use crate::geometry::{PlacedShape, engine_shape};
 
 /// Where an arm starts, how far it reaches and how thick it is: what the clutter must know of it.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ fn path_length_m(points: &[DVec3]) -> f64 {
 /// A link's collision shapes where they are in the world.
 fn placed_shapes(link: &Link, link_pose: &Pose) -> Vec<PlacedShape> {
     let shapes = link.colliders.iter().filter_map(|collider| {
-        let (shape, turn) = collider.shape.engine_shape()?;
+        let (shape, turn) = engine_shape(&collider.shape)?;
         let pose = *link_pose * collider.pose_link * turn;
         Some(PlacedShape { shape, pose })
     });

@@ -3,6 +3,7 @@
 use rapier3d::prelude::*;
 
 use super::{Arm, Link};
+use crate::geometry::engine_shape;
 use crate::physics::Physics;
 
 /// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
@@ -59,7 +60,7 @@ pub fn insert_arm(arm: &Arm, posture_rad: &[f64], physics: &mut Physics, groups:
             .bodies
             .insert(builder.additional_mass_properties(mass_properties(link)));
         for part in &link.colliders {
-            let Some((shape, turn)) = part.shape.engine_shape() else {
+            let Some((shape, turn)) = engine_shape(&part.shape) else {
                 continue;
             };
             let collider = ColliderBuilder::new(shape)

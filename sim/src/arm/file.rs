@@ -5,13 +5,14 @@ use std::path::Path;
 use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
-use underbrush_recording::InputError;
 use underbrush_recording::limits::short;
+use underbrush_recording::{BodyShape, InputError};
 
 use super::limits;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, read_chain};
-use super::{Arm, ArmSource, Joint, LinkCollider, LinkShape, skin_file};
+use super::{Arm, ArmSource, Joint, LinkCollider, skin_file};
+use crate::geometry::engine_shape;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -211,10 +212,8 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
         source.check_each(start, "hull.points_m", point, limits::PLACE_M)?;
     }
     let points_m: Vec<DVec3> = hull.points_m.iter().copied().map(DVec3::from_array).collect();
-    let shape = LinkShape::Hull { points_m };
-    let volume_m3 = shape
-        .engine_shape()
-        .map_or(0.0, |(shape, _)| shape.mass_properties(1.0).mass());
+    let shape = BodyShape::Hull { points_m };
+    let volume_m3 = engine_shape(&shape).map_or(0.0, |(shape, _)| shape.mass_properties(1.0).mass());
     if !limits::HULL_VOLUME_M3.hold(volume_m3) {
         let found = format!("{} points around {} m³", hull.points_m.len(), short(volume_m3));
         let allowed = format!(

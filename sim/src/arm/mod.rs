@@ -7,8 +7,8 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
-use rapier3d::prelude::{Pose, SharedShape};
-use underbrush_recording::{InputError, SkinLayout};
+use rapier3d::prelude::Pose;
+use underbrush_recording::{BodyShape, InputError, SkinLayout};
 
 mod at_start;
 pub mod engine;
@@ -74,43 +74,9 @@ pub struct Link {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkCollider {
     /// Shape.
-    pub shape: LinkShape,
+    pub shape: BodyShape,
     /// Pose of the shape's frame in the link frame.
     pub pose_link: Pose,
-}
-
-/// A convex collision shape, centred on its frame; cylinder and capsule lie along z.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LinkShape {
-    /// Sphere.
-    Sphere {
-        /// Radius, m.
-        radius_m: f64,
-    },
-    /// Cylinder.
-    Cylinder {
-        /// Radius, m.
-        radius_m: f64,
-        /// Length, m.
-        length_m: f64,
-    },
-    /// Capsule.
-    Capsule {
-        /// Radius, m.
-        radius_m: f64,
-        /// Length of the cylindrical part, m.
-        length_m: f64,
-    },
-    /// Box.
-    Box {
-        /// Full edge lengths, m.
-        size_m: DVec3,
-    },
-    /// Convex hull of points.
-    Hull {
-        /// The points, m.
-        points_m: Vec<DVec3>,
-    },
 }
 
 /// One compliant revolute joint: torque = K (φ − q) − D q̇ about its axis, with the equilibrium angle φ.
@@ -232,24 +198,6 @@ fn cody_file(path: &Path) -> Result<String, InputError> {
             "a file of the crate",
             "add it to the crate",
         )),
-    }
-}
-
-impl LinkShape {
-    /// The engine's shape and the turn from its frame to this one's; `None` for a hull without volume.
-    pub fn engine_shape(&self) -> Option<(SharedShape, Pose)> {
-        // The engine's cylinders and capsules lie along y.
-        let along_z = Pose::rotation(DVec3::X * std::f64::consts::FRAC_PI_2);
-        Some(match self {
-            LinkShape::Sphere { radius_m } => (SharedShape::ball(*radius_m), Pose::IDENTITY),
-            LinkShape::Cylinder { radius_m, length_m } => (SharedShape::cylinder(length_m / 2.0, *radius_m), along_z),
-            LinkShape::Capsule { radius_m, length_m } => (SharedShape::capsule_y(length_m / 2.0, *radius_m), along_z),
-            LinkShape::Box { size_m } => (
-                SharedShape::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0),
-                Pose::IDENTITY,
-            ),
-            LinkShape::Hull { points_m } => (SharedShape::convex_hull(points_m)?, Pose::IDENTITY),
-        })
     }
 }
 

@@ -8,6 +8,7 @@ use underbrush_recording::{InputError, Patch, Taxel};
 use super::skin::{FACING_COSINE, reach_m};
 use super::source::Source;
 use super::{Arm, Link};
+use crate::geometry::engine_shape;
 
 /// A link's collision shapes, posed in its frame.
 struct Surface(Vec<(SharedShape, Pose)>);
@@ -18,7 +19,7 @@ const STEP_M: f64 = 5e-4;
 impl Surface {
     fn of(link: &Link) -> Self {
         let shapes = link.colliders.iter().filter_map(|collider| {
-            let (shape, turn) = collider.shape.engine_shape()?;
+            let (shape, turn) = engine_shape(&collider.shape)?;
             Some((shape, collider.pose_link * turn))
         });
         Surface(shapes.collect())

@@ -5,14 +5,14 @@ use std::fmt::Display;
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use rapier3d::prelude::Pose;
-use underbrush_recording::InputError;
 use underbrush_recording::limits::short;
+use underbrush_recording::{BodyShape, InputError};
 use urdf_rs::{Geometry, JointType, Robot};
 
 use super::limits::{self, MOST_JOINTS};
 use super::source::{Source, directions, listed, unit};
 use super::urdf_text::{Elements, elements};
-use super::{Link, LinkCollider, LinkShape};
+use super::{Link, LinkCollider};
 
 /// What the URDF says of a chain.
 pub(super) struct Chain {
@@ -302,26 +302,26 @@ impl<'a> Reader<'a> {
         Ok(turn * matrix * turn.transpose())
     }
 
-    fn shape(&self, link: &str, place: &str, geometry: &Geometry) -> Result<LinkShape, InputError> {
+    fn shape(&self, link: &str, place: &str, geometry: &Geometry) -> Result<BodyShape, InputError> {
         let (sizes, shape) = match geometry {
-            Geometry::Sphere { radius } => (vec![*radius], LinkShape::Sphere { radius_m: *radius }),
+            Geometry::Sphere { radius } => (vec![*radius], BodyShape::Sphere { radius_m: *radius }),
             Geometry::Cylinder { radius, length } => (
                 vec![*radius, *length],
-                LinkShape::Cylinder {
+                BodyShape::Cylinder {
                     radius_m: *radius,
                     length_m: *length,
                 },
             ),
             Geometry::Capsule { radius, length } => (
                 vec![*radius, *length],
-                LinkShape::Capsule {
+                BodyShape::Capsule {
                     radius_m: *radius,
                     length_m: *length,
                 },
             ),
             Geometry::Box { size } => (
                 size.0.to_vec(),
-                LinkShape::Box {
+                BodyShape::Box {
                     size_m: DVec3::from_array(size.0),
                 },
             ),
