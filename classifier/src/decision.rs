@@ -1,4 +1,4 @@
-//! From log-likelihoods to verdicts: priors, and thresholds on the lead of the best category.
+//! From log-likelihoods to verdicts: priors, and thresholds on the margin of the best category.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,7 +12,7 @@ use thiserror::Error;
 pub enum Verdict {
     /// This category.
     Category(String),
-    /// Too little lead to tell.
+    /// Too little margin to tell.
     Uncertain,
     /// Foreign to all categories (paper, section V-D).
     Outlier,
@@ -35,22 +35,23 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// How the lead of the best category over the second, in nats of log-posterior, becomes a verdict.
+/// How the margin of the best category over the second, in nats of log-posterior, becomes a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Rule {
-    /// The best category (eq. 2); uncertain only in a dead heat.
+    /// The best category (eq. 2); uncertain only in a tie.
     Argmax,
-    /// The best category, uncertain where its lead is below a threshold (section V-B).
+    /// The best category, uncertain where its margin is below a threshold (section V-B).
     UncertainBelow {
-        /// The least lead of a verdict, nats.
-        lead: f64,
+        /// The smallest margin that gives a category, nats.
+        #[serde(alias = "lead")]
+        margin: f64,
     },
     /// Section V-D: uncertain below one threshold, the best category above another, an outlier between them.
     OutlierBand {
-        /// Uncertain where the lead is below this, nats.
+        /// Uncertain where the margin is below this, nats.
         uncertain_below: f64,
-        /// The best category where the lead is above this, nats.
+        /// The best category where the margin is above this, nats.
         category_above: f64,
     },
 }
@@ -97,7 +98,7 @@ pub struct Decision {
     /// P(λ_c) of eq. 3 by category, in any common unit; empty: all alike, as in eq. 2.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub prior: BTreeMap<String, f64>,
-    /// From the lead to a verdict.
+    /// From the margin to a verdict.
     pub rule: Rule,
 }
 
@@ -148,7 +149,7 @@ impl Decision {
         }
         let (low, high) = match self.rule {
             Rule::Argmax => (0.0, 0.0),
-            Rule::UncertainBelow { lead } => (lead, lead),
+            Rule::UncertainBelow { margin } => (margin, margin),
             Rule::OutlierBand {
                 uncertain_below,
                 category_above,
@@ -190,9 +191,9 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// The best category's index and its lead over the second, nats of log-posterior, from 0 and infinite where no other
+    /// The best category's index and its margin over the second, nats of log-posterior, from 0 and infinite where no other
     /// category admits the data; `None` where none does (all −inf). Scores beyond the categories are not looked at.
-    pub fn lead(&self, log_likelihood: &[f64]) -> Option<(usize, f64)> {
+    pub fn margin(&self, log_likelihood: &[f64]) -> Option<(usize, f64)> {
         let (mut best, mut index, mut second) = (f64::NEG_INFINITY, 0, f64::NEG_INFINITY);
         for (i, (likelihood, prior)) in log_likelihood.iter().zip(&self.log_prior).enumerate() {
             let posterior = likelihood + prior;
@@ -207,18 +208,18 @@ impl Judge {
 
     /// The choice for log-likelihoods in the order of the categories.
     ///
-    /// Where no model admits the data (all −inf) or two lead together, there is no lead: uncertain.
-    /// A single category always leads. Scores beyond the categories are not looked at.
+    /// Where no model admits the data (all −inf) or two categories tie, the choice is uncertain.
+    /// A single category always wins. Scores beyond the categories are not looked at.
     pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
-        let Some((index, lead)) = self.lead(log_likelihood) else {
+        let Some((index, margin)) = self.margin(log_likelihood) else {
             return Choice::Uncertain;
         };
         match self.rule {
-            _ if lead == 0.0 => Choice::Uncertain,
+            _ if margin == 0.0 => Choice::Uncertain,
             Rule::Argmax => Choice::Category(index),
-            Rule::UncertainBelow { lead: least } if lead < least => Choice::Uncertain,
-            Rule::OutlierBand { uncertain_below, .. } if lead < uncertain_below => Choice::Uncertain,
-            Rule::OutlierBand { category_above, .. } if lead <= category_above => Choice::Outlier,
+            Rule::UncertainBelow { margin: min } if margin < min => Choice::Uncertain,
+            Rule::OutlierBand { uncertain_below, .. } if margin < uncertain_below => Choice::Uncertain,
+            Rule::OutlierBand { category_above, .. } if margin <= category_above => Choice::Outlier,
             _ => Choice::Category(index),
         }
     }
@@ -261,9 +262,9 @@ mod tests {
 
     #[test]
     fn the_papers_thresholds_cut_where_it_says() {
-        // Pins section V-D: > 80 category, 15 … 80 outlier, < 15 uncertain, whichever category leads.
+        // Pins section V-D: > 80 category, 15 … 80 outlier, < 15 uncertain, whichever category is best.
         let judge = Decision::paper().prepare(&categories()).unwrap();
-        for (lead, expected) in [
+        for (margin, expected) in [
             (80.001, Choice::Category(1)),
             (80.0, Choice::Outlier),
             (15.0, Choice::Outlier),
@@ -274,7 +275,7 @@ mod tests {
             (-200.0, Choice::Category(0)),
             (f64::INFINITY, Choice::Category(1)),
         ] {
-            assert_eq!(judge.choose(&[0.0, lead]), expected, "lead {lead}");
+            assert_eq!(judge.choose(&[0.0, margin]), expected, "margin {margin}");
         }
     }
 
@@ -296,7 +297,7 @@ mod tests {
 
     #[test]
     fn impossible_data_are_uncertain() {
-        // Pins that −inf everywhere and dead heats give no category, and one model alone always leads.
+        // Pins that −inf everywhere and ties give no category, and a single model always wins.
         let judge = Decision::argmax().prepare(&categories()).unwrap();
         assert_eq!(judge.choose(&[f64::NEG_INFINITY; 2]), Choice::Uncertain);
         assert_eq!(judge.choose(&[-3.0, -3.0]), Choice::Uncertain);
@@ -311,7 +312,7 @@ mod tests {
     #[test]
     fn plain_threshold() {
         // Pins the rule of section V-B at its border.
-        let judge = Decision::new(Rule::UncertainBelow { lead: 2.0 })
+        let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 })
             .prepare(&categories())
             .unwrap();
         assert_eq!(judge.choose(&[2.0, 0.0]), Choice::Category(0));
@@ -334,8 +335,8 @@ mod tests {
                 uncertain_below: 80.0,
                 category_above: 15.0,
             }),
-            Decision::new(Rule::UncertainBelow { lead: f64::NAN }),
-            Decision::new(Rule::UncertainBelow { lead: -1.0 }),
+            Decision::new(Rule::UncertainBelow { margin: f64::NAN }),
+            Decision::new(Rule::UncertainBelow { margin: -1.0 }),
         ];
         for decision in refused {
             assert!(decision.prepare(&categories()).is_err(), "{decision:?}");
@@ -354,5 +355,17 @@ mod tests {
             r#"{"rule":{"outlier_band":{"uncertain_below":15.0,"category_above":80.0}}}"#
         );
         assert_eq!(serde_json::from_str::<Decision>(&text).unwrap(), Decision::paper());
+    }
+
+    /// Pins that model files written before `lead` was renamed to `margin` still load, and that new files say `margin`.
+    #[test]
+    fn the_old_key_of_the_margin_still_loads() {
+        let rule = Rule::UncertainBelow { margin: 3.5 };
+        for key in ["lead", "margin"] {
+            let text = format!(r#"{{"uncertain_below":{{"{key}":3.5}}}}"#);
+            assert_eq!(serde_json::from_str::<Rule>(&text).unwrap(), rule);
+        }
+        let written = serde_json::to_string(&rule).unwrap();
+        assert_eq!(written, r#"{"uncertain_below":{"margin":3.5}}"#);
     }
 }

@@ -15,9 +15,9 @@ pub struct DecisionArguments {
     /// From log-likelihoods to verdicts; the model's own if not given (train --false-positive-rate), argmax if it has none
     #[arg(long, value_enum)]
     decision: Option<DecisionName>,
-    /// With `--decision uncertain`: least lead of the best category, nats [default: 15]
-    #[arg(long, value_name = "NATS")]
-    lead: Option<f64>,
+    /// With `--decision uncertain`: smallest margin of the best category that gives a verdict, nats [default: 15]
+    #[arg(long, alias = "lead", value_name = "NATS")]
+    margin: Option<f64>,
     /// Prior of a category, such as leaf=0.7; the model's own if none is given, all alike if it has none
     #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
     prior: Vec<(String, f64)>,
@@ -27,9 +27,9 @@ pub struct DecisionArguments {
 enum DecisionName {
     /// The best category
     Argmax,
-    /// The best category, uncertain below a lead
+    /// The best category, uncertain below a margin
     Uncertain,
-    /// The paper's thresholds: lead over 80 a category, 15 to 80 an outlier, under 15 uncertain; for Viterbi scores of
+    /// The paper's thresholds: margin over 80 a category, 15 to 80 an outlier, under 15 uncertain; for Viterbi scores of
     /// hidden Markov models of unscaled force only
     Paper,
 }
@@ -42,7 +42,7 @@ fn prior(text: &str) -> Result<(String, f64), String> {
     parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
-/// The scores that are to be judged: thresholds on a lead mean something for one kind of score only.
+/// The scores that are to be judged: thresholds on a margin mean something for one kind of score only.
 pub struct Scores<'a> {
     /// The decision that comes with the models, where they have one.
     own: Option<&'a Decision>,
@@ -96,9 +96,9 @@ impl DecisionArguments {
     /// # Errors
     /// Where an option does not apply to them.
     pub fn decision(&self, scores: &Scores) -> Result<Decision, Failure> {
-        if self.lead.is_some() && self.decision != Some(DecisionName::Uncertain) {
+        if self.margin.is_some() && self.decision != Some(DecisionName::Uncertain) {
             return Err(Failure::usage(
-                "--lead applies to --decision uncertain only; add that, or leave --lead out",
+                "--margin applies to --decision uncertain only; add that, or leave --margin out",
             ));
         }
         let own = scores.own.cloned().unwrap_or(Decision::argmax());
@@ -112,12 +112,12 @@ impl DecisionArguments {
             (None, _) => own.rule,
             (Some(DecisionName::Argmax), _) => Rule::Argmax,
             (Some(DecisionName::Uncertain), _) => Rule::UncertainBelow {
-                lead: self.lead.unwrap_or(15.0),
+                margin: self.margin.unwrap_or(15.0),
             },
             (Some(DecisionName::Paper), Some(misfit)) => {
                 return Err(Failure::usage(format!(
                     "--decision paper does not apply: its thresholds of 15 and 80 nats belong to Viterbi scores of hidden \
-                     Markov models of unscaled force, and {misfit}; use --decision uncertain with a --lead, or train \
+                     Markov models of unscaled force, and {misfit}; use --decision uncertain with a --margin, or train \
                      --false-positive-rate"
                 )));
             }

@@ -50,21 +50,21 @@ pub struct Options {
     /// Number of folds
     #[arg(long, default_value_t = 2, value_name = "N")]
     folds: usize,
-    /// How trials are dealt to the folds [default: reach where every trial names its reach, else position; position with
-    /// --preset paper]
-    #[arg(long, value_enum)]
-    split: Option<Split>,
+    /// What is kept together when trials are assigned to folds [default: reach where every trial names its reach, else
+    /// position; position with --preset paper]
+    #[arg(long, alias = "split", value_enum)]
+    group: Option<Group>,
     /// Evaluate the models in this file on trials that they were not trained on, outliers among them, instead of
     /// cross-validating
-    #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "split", "classifier"])]
+    #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "group", "classifier"])]
     model: Option<PathBuf>,
     /// Learn from all trials in this table, data set or recording and test on the others, instead of cross-validating:
     /// trained at one arm stiffness or hand speed, tested at another
-    #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "split", "model", "by_samples"])]
+    #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "group", "model", "by_samples"])]
     train: Option<PathBuf>,
-    /// Write ROC curves (CSV): each category against the others by its lead; with --model or --train also outliers
+    /// Write ROC curves (CSV): each category against the others by its margin; with --model or --train also outliers
     ///
-    /// In the rows of outliers `threshold_nats` is the greatest lead that is called an outlier.
+    /// In the rows of outliers `threshold_nats` is the greatest margin that is called an outlier.
     #[arg(long, value_name = "FILE")]
     roc: Option<PathBuf>,
     #[command(flatten)]
@@ -93,7 +93,7 @@ enum ClassifierName {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Split {
+enum Group {
     /// By position in each category, unshuffled: first half, second half (the authors' way)
     Position,
     /// By whole reaches, so that no contact is in two folds
@@ -139,10 +139,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         let estimator = options.estimator();
         let series = accuracy_by_samples(&trials, estimator.as_ref(), folds);
         by_samples = Some(series.map_err(|error| about(error.into()))?);
-        let least = options.cut.min_samples();
-        if least > 1 {
+        let min_samples = options.cut.min_samples();
+        if min_samples > 1 {
             let all = input::some_trials(&options.trials, &options.cut.of_any_length())?;
-            let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, least);
+            let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, min_samples);
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }
@@ -212,9 +212,9 @@ impl Options {
     fn folds(&self, trials: &[Trial]) -> Folds {
         Folds {
             count: self.folds,
-            by: match self.split {
-                Some(Split::Position) => FoldBy::Position,
-                Some(Split::Reach) => FoldBy::Reach,
+            by: match self.group {
+                Some(Group::Position) => FoldBy::Position,
+                Some(Group::Reach) => FoldBy::Reach,
                 None if self.cut.is_paper() => FoldBy::Position,
                 None => FoldBy::advised(trials),
             },

@@ -147,7 +147,7 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
     } = chosen.decision.rule
     {
         text += &format!(
-            "A lead over {category_above:.2} nats is a category, from {uncertain_below:.2} an outlier, less is uncertain\n"
+            "A margin over {category_above:.2} nats is a category, from {uncertain_below:.2} an outlier, less is uncertain\n"
         );
     }
     text += &format!("On {} held-out trials:", chosen.trials);

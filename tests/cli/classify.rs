@@ -129,7 +129,7 @@ fn frames_on_standard_input_are_answered_alike() {
 
 #[test]
 fn priors_and_rules_change_verdicts() {
-    // Pins: a prior of almost one decides trials of a single sample; a lead that no trial has makes all uncertain.
+    // Pins: a prior of almost one decides trials of a single sample; a margin that no trial has makes all uncertain.
     let fixture = fixture();
     let verdicts = |options: &[&str]| {
         let mut arguments = vec!["classify".into(), fixture.model().into(), fixture.table_csv().into()];
@@ -143,7 +143,7 @@ fn priors_and_rules_change_verdicts() {
     let even = verdicts(&[]);
     let biased = verdicts(&["--prior", "leaf=1e-300", "--prior", "trunk=1"]);
     assert!(count(&biased, "trunk") > count(&even, "trunk"), "{biased:?}");
-    let doubtful = verdicts(&["--decision", "uncertain", "--lead", "1e9"]);
+    let doubtful = verdicts(&["--decision", "uncertain", "--margin", "1e9"]);
     assert_eq!(count(&doubtful, "uncertain"), even.len());
 }
 

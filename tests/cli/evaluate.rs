@@ -11,7 +11,7 @@ fn data_set_and_tables_are_judged_alike() {
     let fixture = fixture();
     let sources = [fixture.dataset(), fixture.table_csv(), fixture.table_parquet()];
     let figures =
-        sources.map(|source| underbrush!["evaluate", source, "--states", "2", "--split", "position", "--json"].json());
+        sources.map(|source| underbrush!["evaluate", source, "--states", "2", "--group", "position", "--json"].json());
     assert_eq!(figures[0], figures[1]);
     assert_eq!(figures[1], figures[2]);
 }
@@ -25,7 +25,7 @@ fn the_confusion_matrix_counts_each_trial_once() {
         fixture().table_csv(),
         "--states",
         "2",
-        "--split",
+        "--group",
         "position",
         "--json"
     ]
@@ -62,7 +62,7 @@ fn text_names_the_figures() {
         fixture().table_csv(),
         "--states",
         "2",
-        "--split",
+        "--group",
         "position"
     ]
     .success();
@@ -102,7 +102,7 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
             table,
             "--classifier",
             name,
-            "--split",
+            "--group",
             "position",
             "--by-samples",
             "--json"
@@ -164,10 +164,10 @@ fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
     path
 }
 
-/// Pins the default split: by reach where every trial names its reach, and not where one does not; and that the paper's
-/// preset splits by position.
+/// Pins the default grouping: by reach where every trial names its reach, else by position; that the paper's preset groups
+/// by position; and that the old name of the option still works.
 #[test]
-fn the_advised_split_is_the_default() {
+fn the_advised_grouping_is_the_default() {
     let folder = tempfile::tempdir().unwrap();
     let table = table_with_reaches(folder.path());
     let evaluate = |more: &[&str]| {
@@ -178,15 +178,16 @@ fn the_advised_split_is_the_default() {
     };
     let by_default = evaluate(&[]);
     assert_eq!(by_default["folds"]["by"], "reach");
+    assert_eq!(by_default, evaluate(&["--group", "reach"]));
     assert_eq!(by_default, evaluate(&["--split", "reach"]));
     assert_ne!(
         by_default["predictions"],
-        evaluate(&["--split", "position"])["predictions"]
+        evaluate(&["--group", "position"])["predictions"]
     );
     let paper = evaluate(&["--preset", "paper", "--min-samples", "1"]);
-    assert_eq!(paper, evaluate(&["--split", "position"]));
+    assert_eq!(paper, evaluate(&["--group", "position"]));
     assert_eq!(
-        evaluate(&["--preset", "paper", "--split", "reach", "--min-samples", "1"]),
+        evaluate(&["--preset", "paper", "--group", "reach", "--min-samples", "1"]),
         by_default
     );
 
@@ -236,11 +237,11 @@ fn options_that_do_not_apply_are_refused() {
 }
 
 /// Pins that thresholds are refused for scores that they do not belong to: the paper's for anything but Viterbi scores of
-/// unscaled force, --lead without the rule that reads it.
+/// unscaled force, --margin without the rule that reads it.
 #[test]
 fn thresholds_are_refused_for_other_scores() {
     let (table, model) = (fixture().table_csv(), fixture().model());
-    let paper = ["--decision", "paper", "--split", "position"];
+    let paper = ["--decision", "paper", "--group", "position"];
     let evaluate = |option: &str, value: &str| {
         underbrush!["evaluate", table, option, value, paper[0], paper[1], paper[2], paper[3]]
     };
@@ -250,8 +251,11 @@ fn thresholds_are_refused_for_other_scores() {
     evaluate("--states", "2").success();
     underbrush!["classify", model, table, "--decision", "paper", "--score", "forward"].refused(&["forward"]);
     underbrush!["classify", model, table, "--decision", "paper"].success();
-    underbrush!["classify", model, table, "--lead", "3"].refused(&["--lead", "--decision uncertain"]);
-    underbrush!["classify", model, table, "--lead", "3", "--decision", "uncertain"].success();
+    underbrush!["classify", model, table, "--margin", "3"].refused(&["--margin", "--decision uncertain"]);
+    let uncertain =
+        |option: &str| underbrush!["classify", model, table, option, "3", "--decision", "uncertain"].success();
+    // The option's old name still works.
+    assert_eq!(uncertain("--margin"), uncertain("--lead"));
 }
 
 /// Pins the series over all contacts: every trial counts at every point, short ones too, and both texts say what they are
@@ -264,7 +268,7 @@ fn by_samples_is_also_about_short_contacts() {
     let long = known().filter(|trial| trial.samples.len() >= 2).count() as u64;
     assert!(long < known().count() as u64);
     let call = |json: &str| {
-        let split = ["--split", "position", "--min-samples", "2"];
+        let split = ["--group", "position", "--min-samples", "2"];
         underbrush![
             "evaluate",
             table,

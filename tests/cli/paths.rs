@@ -54,7 +54,7 @@ fn any_path_is_read_and_written() {
     underbrush!["inspect", scene].success();
     underbrush!["classify", model, recording, "--online"].success();
     underbrush!["score", model, binary_table].success();
-    underbrush!["evaluate", table, "--split", "position", "--json"].success();
+    underbrush!["evaluate", table, "--group", "position", "--json"].success();
     let out = named("pictures");
     underbrush!["validate", "--only", "hmm", "--pictures", out].success();
     assert!(out.join("skin.svg").exists());

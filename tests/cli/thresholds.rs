@@ -59,11 +59,11 @@ fn classify_follows_the_thresholds_in_the_model() {
     let mut seen = std::collections::BTreeSet::new();
     for row in &rows {
         let of = |model: &str| scores[&(model.to_string(), row["trial"].parse().unwrap())];
-        let lead = of("leaf") - of("trunk");
-        let expected = match lead.abs() {
-            lead if lead < low => "uncertain",
-            lead if lead <= high => "outlier",
-            _ if lead > 0.0 => "leaf",
+        let margin = of("leaf") - of("trunk");
+        let expected = match margin.abs() {
+            margin if margin < low => "uncertain",
+            margin if margin <= high => "outlier",
+            _ if margin > 0.0 => "leaf",
             _ => "trunk",
         };
         assert_eq!(row["verdict"], expected, "{row:?}");

@@ -82,7 +82,7 @@ impl Folds {
     /// The fold of each trial, in the same order; every category is in every fold.
     ///
     /// The i-th of n units of a category (trials, or reaches in the order of their index) is in fold ⌊i·k/n⌋. A reach
-    /// belongs to the category of most of its trials (the first by name in a draw).
+    /// belongs to the category of most of its trials (the first by name in a tie).
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });
@@ -148,9 +148,9 @@ fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<
 }
 
 fn winner<'a>(votes: &BTreeMap<&'a str, usize>) -> Option<&'a str> {
-    let most = votes.values().max()?;
+    let max = votes.values().max()?;
     votes
         .iter()
-        .find(|(_, count)| *count == most)
+        .find(|(_, count)| *count == max)
         .map(|(category, _)| *category)
 }

@@ -50,7 +50,7 @@ pub enum EvaluateError {
     /// A category too small to be in every fold.
     #[error(
         "category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data{}",
-        if *unit == "reaches" { ", or split by position" } else { "" }
+        if *unit == "reaches" { ", or group by position" } else { "" }
     )]
     TooFew {
         /// The category.
@@ -63,7 +63,7 @@ pub enum EvaluateError {
         folds: usize,
     },
     /// Folds by reach need to know the reach.
-    #[error("trial {trial} names no reach; fill the column reach, or split by position")]
+    #[error("trial {trial} names no reach; fill the column reach, or group by position")]
     NoReach {
         /// Number of the trial in its table.
         trial: u64,

@@ -10,7 +10,7 @@ use crate::model_set::is_trained;
 /// The error rates at one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RocPoint {
-    /// The least score that is taken for positive, or the greatest lead (see [`outlier_roc`]); `None`: nothing is taken
+    /// The smallest score that is taken for positive, or the greatest margin (see [`outlier_roc`]); `None`: nothing is taken
     /// for positive.
     pub threshold: Option<f64>,
     /// Negatives taken for positive, as a fraction of the negatives.
@@ -24,7 +24,7 @@ pub struct RocPoint {
 pub struct RocCurve {
     /// From the strictest threshold, which takes nothing for positive, to the one that takes everything.
     pub points: Vec<RocPoint>,
-    /// The area under the curve: the probability that a positive scores higher than a negative, draws counted half.
+    /// The area under the curve: the probability that a positive scores higher than a negative, ties counted half.
     pub area: f64,
 }
 
@@ -46,13 +46,13 @@ impl RocCurve {
         }];
         let (mut taken_positives, mut taken_negatives, mut area) = (0usize, 0usize, 0.0);
         // 0 and −0 are one score, as are equal ones.
-        for draw in scored.chunk_by(|a, b| a.0 == b.0) {
+        for tied in scored.chunk_by(|a, b| a.0 == b.0) {
             let before = (taken_positives, taken_negatives);
-            taken_positives += draw.iter().filter(|(_, positive)| *positive).count();
-            taken_negatives += draw.iter().filter(|(_, positive)| !positive).count();
+            taken_positives += tied.iter().filter(|(_, positive)| *positive).count();
+            taken_negatives += tied.iter().filter(|(_, positive)| !positive).count();
             area += (taken_negatives - before.1) as f64 * (taken_positives + before.0) as f64 / 2.0;
             points.push(RocPoint {
-                threshold: Some(draw[0].0),
+                threshold: Some(tied[0].0),
                 false_positive_rate: taken_negatives as f64 / negatives.len() as f64,
                 true_positive_rate: taken_positives as f64 / positives.len() as f64,
             });
@@ -64,8 +64,8 @@ impl RocCurve {
     }
 }
 
-/// One category against all others: positives are its trials, the score is its lead over the best of the others, nats
-/// (negative where another leads). `None` where all trials, or none, are of the category.
+/// One category against all others: positives are its trials, the score is its margin over the best of the others, nats
+/// (negative where another category scores higher). `None` where all trials, or none, are of the category.
 pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve> {
     let own = evaluation.known_categories().iter().position(|name| name == category)?;
     let (mut positives, mut negatives) = (Vec::new(), Vec::new());
@@ -73,23 +73,23 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
         let others = prediction.scores.iter().enumerate().filter(|(index, _)| *index != own);
         let best_other = others.map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
         let score = prediction.scores.get(own).copied().unwrap_or(f64::NEG_INFINITY);
-        // Where nothing admits the trial there is no lead; ∞ − ∞ would be NaN.
-        let lead = if score == best_other { 0.0 } else { score - best_other };
+        // Where nothing admits the trial there is no margin; ∞ − ∞ would be NaN.
+        let margin = if score == best_other { 0.0 } else { score - best_other };
         match prediction.category == category {
-            true => positives.push(lead),
-            false => negatives.push(lead),
+            true => positives.push(margin),
+            false => negatives.push(margin),
         }
     }
     RocCurve::of(&positives, &negatives)
 }
 
 /// Outliers against the categories that models are trained on ([`is_trained`]); a block is neither. A trial is called an outlier
-/// where its lead is at most a threshold and at least `uncertain_below`, nats (paper, section V-D). The threshold rises
-/// along the curve, so the smallest leads are called outliers first. A lead below `uncertain_below` is uncertain and never
+/// where its margin is at most a threshold and at least `uncertain_below`, nats (paper, section V-D). The threshold rises
+/// along the curve, so the smallest margins are called outliers first. A margin below `uncertain_below` is uncertain and never
 /// an outlier: the curve ends where all others are called outliers and goes on straight to (1, 1).
 ///
-/// [`RocPoint::threshold`] is the greatest lead that is called an outlier, nats: the curve passes through every
-/// [`crate::decision::Rule::OutlierBand`] with this `uncertain_below`. A trial that no category admits counts as a lead
+/// [`RocPoint::threshold`] is the greatest margin that is called an outlier, nats: the curve passes through every
+/// [`crate::decision::Rule::OutlierBand`] with this `uncertain_below`. A trial that no category admits counts as a margin
 /// of 0.
 ///
 /// `judge` gives the priors; its rule is not used. For evaluation only: no threshold is ever chosen on outliers. `None`
@@ -97,15 +97,15 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
 pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
     let scores = |counts: &dyn Fn(&str) -> bool| -> Vec<f64> {
         let pool = evaluation.predictions.iter();
-        let leads = pool
+        let margins = pool
             .filter(|prediction| counts(&prediction.category))
-            .map(|prediction| judge.lead(&prediction.scores).map_or(0.0, |(_, lead)| lead));
-        leads
-            .map(|lead| {
-                if lead < uncertain_below {
+            .map(|prediction| judge.margin(&prediction.scores).map_or(0.0, |(_, margin)| margin));
+        margins
+            .map(|margin| {
+                if margin < uncertain_below {
                     f64::NEG_INFINITY
                 } else {
-                    -lead
+                    -margin
                 }
             })
             .collect()
@@ -113,7 +113,7 @@ pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64)
     let outliers = scores(&|category| category == Category::Outlier.name());
     let mut curve = RocCurve::of(&outliers, &scores(&is_trained))?;
     for point in &mut curve.points {
-        // From the score back to the lead, without a negative zero.
+        // From the score back to the margin, without a negative zero.
         point.threshold = point.threshold.map(|score| 0.0 - score);
     }
     Some(curve)

@@ -4,16 +4,16 @@
 //! contacts that it has not learned. Split by reach, because contacts of one reach resemble each other.
 //!
 //! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For each category c: of the
-//! held-out trials of other categories, at most a fraction α may be taken for c with a lead above the threshold. The
-//! threshold is the smallest lead for which this is so for every c. The fraction is counted as (k + 1) / (n + 1) for k
+//! held-out trials of other categories, at most a fraction α may be taken for c with a margin above the threshold. The
+//! threshold is the smallest margin for which this is so for every c. The fraction is counted as (k + 1) / (n + 1) for k
 //! such trials of n.
 //!
 //! **The uncertain threshold** limits false alarms. Without a model of outliers nothing can be said about how many
 //! outliers are found, only about how many known contacts are wrongly called outliers. Let π be the prior of an outlier:
 //! of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known ones falls into the band between the
 //! thresholds, false alarms are no more than the outliers there are as long as β (1 − π) ≤ π. So the uncertain threshold
-//! is the smallest lead for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1), weighted by
-//! the priors of eq. 3. A low prior of outliers makes the band narrow, as in the paper, and what leads by less is
+//! is the smallest margin for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1), weighted by
+//! the priors of eq. 3. A low prior of outliers makes the band narrow, as in the paper, and what has a smaller margin is
 //! uncertain.
 //!
 //! # What this does not promise
@@ -27,7 +27,7 @@
 //!   thresholds are then used with yet another model, learned from all trials.
 //! * Trials are clustered: one contact lights several taxels, and one reach makes many contacts. The n trials say less
 //!   than n independent ones would, and the rate of a new reach may be far from α.
-//! * The leads are those of whole trials. A lead grows with the number of samples, so the same thresholds, used online
+//! * The margins are those of whole trials. A margin grows with the number of samples, so the same thresholds, used online
 //!   after each sample, leave a contact uncertain for most of its time: on trials of the paper's length they may never be
 //!   passed. [`super::HeldOut::choose_thresholds`] measures this on the held-out trials
 //!   ([`ChosenThresholds::sample_by_sample`]), so that a caller can warn.
@@ -118,9 +118,9 @@ pub enum ThresholdError {
         /// The rate asked for.
         rate: f64,
     },
-    /// Mistakes with an infinite lead.
+    /// Mistakes with an infinite margin.
     #[error(
-        "trials of other categories are taken for {category} with an infinite lead more often than in a fraction {rate}; \
+        "trials of other categories are taken for {category} with an infinite margin more often than in a fraction {rate}; \
          train models that exclude nothing (a larger variance floor, ergodic) or allow a higher rate"
     )]
     NoThreshold {
@@ -148,10 +148,10 @@ pub fn choose_thresholds(
         rule,
     };
     let judge = with_rule(Rule::Argmax).prepare(categories)?;
-    let leads: Vec<Lead> = leads(held_out, &judge);
-    let category_above = category_above(&leads, categories, targets.false_positive_rate)?;
+    let margins: Vec<HeldOutMargin> = margins(held_out, &judge);
+    let category_above = category_above(&margins, categories, targets.false_positive_rate)?;
     let decision = with_rule(Rule::OutlierBand {
-        uncertain_below: uncertain_below(&leads, categories, prior, targets.outlier_prior, category_above),
+        uncertain_below: uncertain_below(&margins, categories, prior, targets.outlier_prior, category_above),
         category_above,
     });
     let judge = decision.prepare(categories)?;
@@ -180,31 +180,31 @@ fn check(targets: ThresholdTargets) -> Result<(), ThresholdError> {
     Ok(())
 }
 
-/// A held-out trial: its category, the category that leads and by how much, nats.
-struct Lead<'a> {
+/// A held-out trial: its category, the best category and its margin, nats.
+struct HeldOutMargin<'a> {
     truth: &'a str,
     taken_for: usize,
-    lead: f64,
+    margin: f64,
 }
 
-fn leads<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<Lead<'a>> {
-    let leads = held_out.predictions.iter().map(|prediction| {
-        // What no category admits is uncertain whatever the thresholds: as good as no lead.
-        let (taken_for, lead) = judge.lead(&prediction.scores).unwrap_or((0, 0.0));
-        Lead {
+fn margins<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<HeldOutMargin<'a>> {
+    let margins = held_out.predictions.iter().map(|prediction| {
+        // What no category admits is uncertain whatever the thresholds: as good as no margin.
+        let (taken_for, margin) = judge.margin(&prediction.scores).unwrap_or((0, 0.0));
+        HeldOutMargin {
             truth: &prediction.category,
             taken_for,
-            lead,
+            margin,
         }
     });
-    leads.collect()
+    margins.collect()
 }
 
-/// The smallest lead above which every category is safe.
-fn category_above(leads: &[Lead], categories: &[String], rate: f64) -> Result<f64, ThresholdError> {
+/// The smallest margin above which every category is safe.
+fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -> Result<f64, ThresholdError> {
     let mut threshold = 0.0f64;
     for (index, category) in categories.iter().enumerate() {
-        let others = leads.iter().filter(|lead| lead.truth != category);
+        let others = margins.iter().filter(|margin| margin.truth != category);
         let found = others.clone().count();
         // No category's trials can be taken for it where there is only one category.
         if found == 0 {
@@ -220,8 +220,8 @@ fn category_above(leads: &[Lead], categories: &[String], rate: f64) -> Result<f6
             });
         }
         let mut mistakes: Vec<f64> = others
-            .filter(|lead| lead.taken_for == index)
-            .map(|lead| lead.lead)
+            .filter(|margin| margin.taken_for == index)
+            .map(|margin| margin.margin)
             .collect();
         mistakes.sort_by(|a, b| b.total_cmp(a));
         // With the threshold on the next mistake, which is then no longer above it, only the allowed ones are left.
@@ -235,10 +235,10 @@ fn category_above(leads: &[Lead], categories: &[String], rate: f64) -> Result<f6
     Ok(threshold)
 }
 
-/// The smallest lead such that few enough known trials are between it and `category_above`; `category_above` itself
+/// The smallest margin such that few enough known trials are between it and `category_above`; `category_above` itself
 /// where already one is too many.
 fn uncertain_below(
-    leads: &[Lead],
+    margins: &[HeldOutMargin],
     categories: &[String],
     prior: &BTreeMap<String, f64>,
     outlier_prior: f64,
@@ -253,22 +253,25 @@ fn uncertain_below(
             let share = prior
                 .get(category)
                 .map_or(1.0 / categories.len() as f64, |prior| prior / total);
-            let count = leads.iter().filter(|lead| lead.truth == category).count();
+            let count = margins.iter().filter(|margin| margin.truth == category).count();
             (category.as_str(), share / (count + 1) as f64)
         })
         .collect();
-    let mut in_band: Vec<&Lead> = leads.iter().filter(|lead| lead.lead <= category_above).collect();
-    in_band.sort_by(|a, b| b.lead.total_cmp(&a.lead));
+    let mut in_band: Vec<&HeldOutMargin> = margins
+        .iter()
+        .filter(|margin| margin.margin <= category_above)
+        .collect();
+    in_band.sort_by(|a, b| b.margin.total_cmp(&a.margin));
     let mut share: f64 = weight.values().sum();
     let mut threshold = category_above;
-    for draw in in_band.chunk_by(|a, b| a.lead == b.lead) {
-        share += draw.iter().filter_map(|lead| weight.get(lead.truth)).sum::<f64>();
+    for tied in in_band.chunk_by(|a, b| a.margin == b.margin) {
+        share += tied.iter().filter_map(|margin| weight.get(margin.truth)).sum::<f64>();
         if share > bound {
             return threshold;
         }
-        threshold = draw[0].lead;
+        threshold = tied[0].margin;
     }
-    // The whole rest is rare enough; what leads by less than any known trial was not seen, and is no category either.
+    // The whole rest is rare enough; a margin smaller than that of any known trial was not seen, and is no category either.
     if share <= bound { 0.0 } else { threshold }
 }
 

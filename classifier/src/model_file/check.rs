@@ -30,8 +30,8 @@ const SCALING_DEVIATION: Limits = Limits::new(1e-15, 1e4, "");
 /// Priors in a common unit: with a thousand million to one there is nothing to tell apart.
 const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 
-/// Leads: days at 100 Hz with a hundred nats a sample.
-const LEAD_NATS: Limits = Limits::new(0.0, 1e9, "nats");
+/// Margins: days at 100 Hz with a hundred nats a sample.
+const MARGIN_NATS: Limits = Limits::new(0.0, 1e9, "nats");
 
 /// Samples of a trial that are looked at: weeks at 100 Hz.
 const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");
@@ -138,16 +138,16 @@ fn decision_numbers(decision: &Decision) -> Result<(), Fault> {
     for (category, prior) in &decision.prior {
         within(format!("decision.prior.{category}"), *prior, PRIOR)?;
     }
-    let leads = match decision.rule {
+    let margins = match decision.rule {
         Rule::Argmax => vec![],
-        Rule::UncertainBelow { lead } => vec![("lead", lead)],
+        Rule::UncertainBelow { margin } => vec![("margin", margin)],
         Rule::OutlierBand {
             uncertain_below,
             category_above,
         } => vec![("uncertain_below", uncertain_below), ("category_above", category_above)],
     };
-    for (key, lead) in leads {
-        within(format!("decision.rule.{key}"), lead, LEAD_NATS)?;
+    for (key, margin) in margins {
+        within(format!("decision.rule.{key}"), margin, MARGIN_NATS)?;
     }
     Ok(())
 }

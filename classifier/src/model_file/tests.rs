@@ -69,7 +69,7 @@ fn numbers_that_json_cannot_hold_are_refused_on_reading_back() {
     // Pins that an infinite threshold set by hand does not pass silently.
     let mut set = ModelSet::from_json("m.json", MINIMAL).unwrap();
     set.decision = Some(Decision::new(crate::decision::Rule::UncertainBelow {
-        lead: f64::INFINITY,
+        margin: f64::INFINITY,
     }));
     assert!(set.save_string().is_err());
 }

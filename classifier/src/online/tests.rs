@@ -40,7 +40,7 @@ fn models(recording: &Recording, recipe: &Recipe) -> ModelSet {
 }
 
 fn options(score: ScoreKind) -> OnlineOptions {
-    let decision = Decision::new(Rule::UncertainBelow { lead: 1.0 });
+    let decision = Decision::new(Rule::UncertainBelow { margin: 1.0 });
     OnlineOptions {
         patch: None,
         threshold_n: 0.0,
@@ -121,7 +121,7 @@ fn a_frame_allocates_nothing() {
     );
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
         let options = OnlineOptions {
-            decision: Decision::new(Rule::UncertainBelow { lead: 1e9 }),
+            decision: Decision::new(Rule::UncertainBelow { margin: 1e9 }),
             ..options(kind)
         };
         let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, &options).unwrap();

@@ -12,7 +12,7 @@ pub(super) struct Component {
     pub(super) taxels: Vec<usize>,
     /// Unweighted mean of its taxels' centres, m, world frame (as in the authors' code; paper, section IV-C).
     pub(super) centre_world: DVec3,
-    /// The taxel with the largest sensed force, the first in a draw.
+    /// The taxel with the largest sensed force, the first in a tie.
     pub(super) strongest: usize,
     /// Its force, N: the feature "maximum force".
     pub(super) force_n: f64,

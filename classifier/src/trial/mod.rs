@@ -133,7 +133,7 @@ pub struct ContactTrial {
     /// [`TrialOptions::labels`].
     pub trial: Trial,
     /// Index in [`Recording::objects`] of the object that is the truth in most of the trial's samples (the one with the
-    /// smaller index in a draw); `None` where no sample has one.
+    /// smaller index in a tie); `None` where no sample has one.
     pub object: Option<u16>,
 }
 
@@ -222,12 +222,12 @@ impl OpenTrial {
         }
     }
 
-    /// The object with most samples, the smallest index in a draw.
+    /// The object with most samples, the smallest index in a tie.
     fn object(&self) -> Option<u16> {
-        let most = self.votes.values().max()?;
+        let max = self.votes.values().max()?;
         self.votes
             .iter()
-            .find(|(_, count)| *count == most)
+            .find(|(_, count)| *count == max)
             .map(|(object, _)| *object)
     }
 }

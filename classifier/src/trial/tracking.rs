@@ -70,7 +70,7 @@ struct Track {
     centre_world: DVec3,
 }
 
-/// For each component the track that it continues. Draws go to the track, then the component, of smaller index.
+/// For each component the track that it continues. Ties go to the track, then the component, of smaller index.
 fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<usize>> {
     let mut pairs = Vec::new();
     for (t, track) in tracks.iter().enumerate() {

@@ -66,8 +66,8 @@ pub struct Spread {
     pub mean: f64,
     /// Of a sample; `None` of one campaign.
     pub standard_deviation: Option<f64>,
-    pub least: f64,
-    pub most: f64,
+    pub min: f64,
+    pub max: f64,
 }
 
 impl Spread {
@@ -78,8 +78,8 @@ impl Spread {
         Spread {
             mean,
             standard_deviation: (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt()),
-            least: values.iter().copied().fold(f64::INFINITY, f64::min),
-            most: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            min: values.iter().copied().fold(f64::INFINITY, f64::min),
+            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         }
     }
 }

@@ -107,7 +107,7 @@ pub const CHOSEN_ON: [(std::ops::RangeInclusive<u64>, &str); 2] = [
     (0..=2, "patience and the number of goals"),
 ];
 
-/// The lead under which a taxel is uncertain online, nats. Section V-B gives no number; this is section V-D's.
+/// The margin under which a taxel is uncertain online, nats. Section V-B gives no number; this is section V-D's.
 pub const UNCERTAIN_BELOW_NATS: f64 = 15.0;
 
 /// Lengths to which Fig. 13 truncates trials, samples: the paper's four, and on.

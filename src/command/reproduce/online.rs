@@ -73,7 +73,7 @@ pub struct Online {
 /// Section V-B's rule.
 pub fn uncertain_rule() -> Rule {
     Rule::UncertainBelow {
-        lead: data::UNCERTAIN_BELOW_NATS,
+        margin: data::UNCERTAIN_BELOW_NATS,
     }
 }
 
@@ -173,7 +173,7 @@ fn rule_name(whose: &str, decision: &Decision) -> String {
             uncertain_below,
             category_above,
         } => format!("{whose}: {uncertain_below:.1} and {category_above:.1}"),
-        Rule::UncertainBelow { lead } => format!("{whose}: {lead:.1}"),
+        Rule::UncertainBelow { margin } => format!("{whose}: {margin:.1}"),
         Rule::Argmax => whose.to_owned(),
     }
 }

@@ -32,7 +32,7 @@ fn accuracy(own: &Accuracy, decimals: usize) -> [Cell; 5] {
     .map(|value| Cell::Number(value, decimals))
 }
 
-/// The same over campaigns: mean, standard deviation, least and most of the accuracy, mean and standard deviation of the
+/// The same over campaigns: mean, standard deviation, minimum and maximum of the accuracy, mean and standard deviation of the
 /// others.
 fn campaign_figures(own: &CampaignFigures) -> [Cell; 8] {
     let CampaignFigures {
@@ -44,8 +44,8 @@ fn campaign_figures(own: &CampaignFigures) -> [Cell; 8] {
     [
         Cell::Number(accuracy.mean, 1),
         Cell::optional(accuracy.standard_deviation, 1),
-        Cell::Number(accuracy.least, 1),
-        Cell::Number(accuracy.most, 1),
+        Cell::Number(accuracy.min, 1),
+        Cell::Number(accuracy.max, 1),
         Cell::Number(balanced_accuracy.mean, 1),
         Cell::optional(balanced_accuracy.standard_deviation, 1),
         Cell::Number(majority_baseline.mean, 1),

@@ -47,7 +47,7 @@ pub fn choose(taxel_trials: &[Trial], models: &ModelSet, outlier: &Found) -> Res
         false => None,
         true => {
             let judge = argmax.prepare(&models.categories())?;
-            // No trial is left uncertain: the smallest leads are called outliers, up to every threshold.
+            // No trial is left uncertain: the smallest margins are called outliers, up to every threshold.
             outlier_roc(&evaluate(models, &trials.taxel, &argmax)?, &judge, 0.0)
         }
     };

@@ -30,14 +30,14 @@ fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
     }
 }
 
-/// Learns nothing but the lengths it is given: all must be `least` or more. Takes for a trunk what has passed 1.5 N.
+/// Learns nothing but the lengths it is given: all must be `min` or more. Takes for a trunk what has passed 1.5 N.
 struct Threshold {
-    least: usize,
+    min: usize,
 }
 
 impl Estimator for Threshold {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        assert!(trials.iter().all(|trial| trial.samples.len() >= self.least));
+        assert!(trials.iter().all(|trial| trial.samples.len() >= self.min));
         Ok(Box::new(Passed))
     }
 }
@@ -83,7 +83,7 @@ const FOLDS: Folds = Folds {
 #[test]
 fn short_contacts_count_though_none_is_learned_from() {
     let all = trials();
-    let series = accuracy_by_samples_of_all(&all, &Threshold { least: 5 }, FOLDS, 5).unwrap();
+    let series = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap();
     let points: Vec<_> = [0, 2, 9].map(|index| &series[index]).into();
     // After 1 sample everything is taken for a leaf; after 3 the ten long trunks are right.
     assert_eq!(points[0].accuracy, 4.0 / 16.0);
@@ -95,7 +95,7 @@ fn short_contacts_count_though_none_is_learned_from() {
     assert_eq!(points[2].accuracy, 14.0 / 16.0);
 
     let long: Vec<Trial> = all.into_iter().filter(|trial| trial.samples.len() >= 5).collect();
-    let series = accuracy_by_samples(&long, &Threshold { least: 5 }, FOLDS).unwrap();
+    let series = accuracy_by_samples(&long, &Threshold { min: 5 }, FOLDS).unwrap();
     assert_eq!(series[2].accuracy, 1.0);
 }
 
@@ -103,7 +103,7 @@ fn short_contacts_count_though_none_is_learned_from() {
 /// that comes first.
 #[test]
 fn the_series_is_split_by_touch() {
-    let series = accuracy_by_samples(&trials(), &Threshold { least: 1 }, FOLDS).unwrap();
+    let series = accuracy_by_samples(&trials(), &Threshold { min: 1 }, FOLDS).unwrap();
     let split = series[9].by_touch.unwrap();
     let (touched, untouched) = (split.touched.unwrap(), split.untouched.unwrap());
     assert_eq!((touched.trials, touched.accuracy), (12, 1.0));
@@ -117,7 +117,7 @@ fn the_series_is_split_by_touch() {
 fn nothing_long_enough_to_learn_from_is_refused() {
     let mut all = trials();
     all.retain(|trial| trial.category.as_deref() == Some("trunk") || trial.samples.len() == 1);
-    let error = accuracy_by_samples_of_all(&all, &Threshold { least: 5 }, FOLDS, 5).unwrap_err();
+    let error = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap_err();
     let expected = EvaluateError::TooShort {
         category: "leaf".into(),
         fold: 0,

@@ -4,7 +4,7 @@ use crate::evaluate::tests::scored;
 
 #[test]
 fn the_area_is_the_chance_to_rank_a_pair_rightly() {
-    // Pins the area against counting all pairs, draws half, with ties and infinite scores.
+    // Pins the area against counting all pairs, ties half, with ties and infinite scores.
     let positives = [3.0, 1.0, 1.0, f64::INFINITY, -2.0, 0.0];
     let negatives = [1.0, -2.0, -0.0, 0.5, f64::NEG_INFINITY];
     let mut ranked = 0.0;
@@ -53,7 +53,7 @@ fn points_are_the_counts_at_their_thresholds() {
 
 #[test]
 fn a_category_is_set_against_all_others() {
-    // Pins the signed lead as score: leaf leads of 2, −1 and 0 (no category admits the trial) against 1 and −5.
+    // Pins the signed margin as score: leaf margins of 2, −1 and 0 (no category admits the trial) against 1 and −5.
     let never = f64::NEG_INFINITY;
     let evaluation = scored(&[
         ("leaf", [2.0, 0.0]),
@@ -75,11 +75,11 @@ fn rates(curve: &RocCurve) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Pins that the smallest leads are called outliers first, on scores whose answer is worked out by hand.
+/// Pins that the smallest margins are called outliers first, on scores whose answer is worked out by hand.
 #[test]
 fn the_smallest_leads_are_called_outliers_first() {
     let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()]).unwrap();
-    // Leads: outliers 60 and 85, known 90, 30 and 200. Of the 2 · 3 pairs the outlier leads by less in 4.
+    // Margins: outliers 60 and 85, known 90, 30 and 200. Of the 2 · 3 pairs the outlier has the smaller margin in 4.
     let evaluation = scored(&[
         ("leaf", [90.0, 0.0]),
         ("trunk", [0.0, 30.0]),
@@ -106,12 +106,12 @@ fn the_smallest_leads_are_called_outliers_first() {
         thresholds,
         [None, Some(30.0), Some(60.0), Some(85.0), Some(90.0), Some(200.0)]
     );
-    // Outliers whose leads are all smaller than any other are found without a false alarm; all larger, never.
+    // Outliers whose margins are all smaller than any other are found without a false alarm; all larger, never.
     let apart = |outlier: f64, known: f64| scored(&[("outlier", [outlier, 0.0]), ("leaf", [known, 0.0])]);
     let area = |evaluation| outlier_roc(&evaluation, &judge, 0.0).unwrap().area;
     assert_eq!(area(apart(2.0, 50.0)), 1.0);
     assert_eq!(area(apart(50.0, 2.0)), 0.0);
-    // No category admits the outlier, so nothing leads.
+    // No category admits the outlier, so there is no margin.
     let never = f64::NEG_INFINITY;
     let excluded = scored(&[("outlier", [never, never]), ("leaf", [1e-9, 0.0])]);
     assert_eq!(area(excluded), 1.0);
@@ -140,11 +140,11 @@ fn the_curve_passes_through_the_rule() {
             .filter(|prediction| judge.choose(&prediction.scores) == crate::decision::Choice::Outlier);
         called.count() as f64 / own.len() as f64
     };
-    // The last point with a lead of at most 80 nats, the paper's upper threshold.
+    // The last point with a margin of at most 80 nats, the paper's upper threshold.
     let at_80 = curve
         .points
         .iter()
-        .rfind(|point| point.threshold.is_some_and(|lead| lead <= 80.0))
+        .rfind(|point| point.threshold.is_some_and(|margin| margin <= 80.0))
         .unwrap();
     assert_eq!(
         (at_80.false_positive_rate, at_80.true_positive_rate),

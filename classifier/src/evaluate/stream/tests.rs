@@ -8,7 +8,7 @@ use crate::feature::FeatureSet;
 use crate::hmm::{GaussianHmm, HmmParameters, ScoreKind};
 use crate::trial::tests::{Drawn, recording};
 
-/// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then leads by
+/// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then adds to the margin
 /// (3 − 0.5)² / 2 = 3.125 nats.
 fn models() -> ModelSet {
     let model = |mean_n: f64| {
@@ -91,9 +91,9 @@ fn an_environment_is_everyones_truth() {
 
 #[test]
 fn samples_used_are_those_at_the_verdict() {
-    // Pins Fig. 9's quantity: with 10 nats to lead and 3.125 a sample a verdict needs 4 samples; before it counts 0,
+    // Pins Fig. 9's quantity: with a margin of 10 nats required and 3.125 a sample a verdict needs 4 samples; before it counts 0,
     // afterwards it stays 4 while samples since contact go on. A new contact begins anew.
-    let rule = Rule::UncertainBelow { lead: 10.0 };
+    let rule = Rule::UncertainBelow { margin: 10.0 };
     let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
     let used: Vec<f64> = stream.frames.iter().map(|frame| frame.mean_samples_used).collect();
     assert_eq!(used, [0.0, 0.0, 0.0, 4.0, 4.0, 3.0]);
@@ -121,7 +121,7 @@ fn a_foreign_object_is_rightly_an_outlier() {
         category_above: 10.0,
     };
     let stream = classify_stream(&models(), &recording, &options(rule), StreamTruth::Object).unwrap();
-    // Leads grow by 3.125 a sample: samples 1 to 3 are outliers, later ones a category.
+    // Margins grow by 3.125 a sample: samples 1 to 3 are outliers, later ones a category.
     assert_eq!(stream.taxel_frames[0], [3, 0, 0, 3]);
     assert_eq!(stream.taxel_frames[3], [3, 1, 0, 3 + 3 + 1]);
     assert_eq!(stream.total().correct, 3 + 7);

@@ -15,16 +15,16 @@ const TARGETS: ThresholdTargets = ThresholdTargets {
     outlier_prior: 0.05,
 };
 
-/// Scores of `count` trials of each category whose lead for their own is normal with mean 3 and deviation 3 nats.
+/// Scores of `count` trials of each category whose margin for their own is normal with mean 3 and deviation 3 nats.
 fn drawn(count: usize, seed: u64) -> Evaluation {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let lead = Normal::new(3.0, 3.0).unwrap();
+    let margin = Normal::new(3.0, 3.0).unwrap();
     let rows: Vec<(&str, [f64; 2])> = (0..2 * count)
         .map(|index| {
-            let lead = lead.sample(&mut rng);
+            let margin = margin.sample(&mut rng);
             match index % 2 {
-                0 => ("leaf", [lead, 0.0]),
-                _ => ("trunk", [0.0, lead]),
+                0 => ("leaf", [margin, 0.0]),
+                _ => ("trunk", [0.0, margin]),
             }
         })
         .collect();
@@ -93,8 +93,8 @@ fn new_trials_keep_the_rate_on_average() {
 fn counts_stand_at_the_border() {
     // Pins the counting on eleven hand-made trials a category: at a rate of 0.25 of 12, two mistakes may stay above.
     let mut rows: Vec<(&str, [f64; 2])> = Vec::new();
-    for lead in [-9.0, -7.0, -5.0, -3.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0] {
-        rows.push(("leaf", [lead, 0.0]));
+    for margin in [-9.0, -7.0, -5.0, -3.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0] {
+        rows.push(("leaf", [margin, 0.0]));
         rows.push(("trunk", [0.0, 20.0]));
     }
     let targets = ThresholdTargets {
@@ -103,7 +103,7 @@ fn counts_stand_at_the_border() {
     };
     let chosen = choose_thresholds(&scored(&rows), &BTreeMap::new(), targets).unwrap();
     // The third largest mistake is 5. The band may hold π/(1 − π) = 1/4 of the known: (k_leaf + 1 + 0 + 1)/12/2 ≤ 1/4
-    // for k_leaf ≤ 4, and leads of 5, 4, 3, 2 are in it.
+    // for k_leaf ≤ 4, and margins of 5, 4, 3, 2 are in it.
     assert_eq!(band(&chosen), (2.0, 5.0));
     assert_eq!(chosen.false_positive_rate["trunk"], 2.0 / 11.0);
     assert_eq!(chosen.true_positive_rate["leaf"], 4.0 / 11.0);
@@ -112,7 +112,7 @@ fn counts_stand_at_the_border() {
 
 #[test]
 fn no_outliers_expected_leaves_no_band() {
-    // Pins that a prior of zero makes the band empty but for a lead on the threshold itself.
+    // Pins that a prior of zero makes the band empty but for a margin on the threshold itself.
     let targets = ThresholdTargets {
         outlier_prior: 0.0,
         ..TARGETS
@@ -192,7 +192,7 @@ impl Classifier for Sum {
 }
 
 /// Pins what thresholds of whole trials do sample by sample, on trials of 10 samples that can be counted by hand. Right
-/// ones lead by 1 nat a sample, three leaves are wrong by 0.5 a sample, so that at a rate of 0.25 of 13 the threshold is
+/// ones have a margin of 1 nat a sample, three leaves are wrong by 0.5 a sample, so that at a rate of 0.25 of 13 the threshold is
 /// 5. No whole trial is uncertain; but right ones are for 4 of their 10 samples and wrong ones for 9.
 #[test]
 fn thresholds_of_whole_trials_are_late_sample_by_sample() {

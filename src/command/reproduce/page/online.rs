@@ -23,7 +23,7 @@ impl Report<'_> {
         let total = reach.stream.total();
         self.page.paragraph(&format!(
             "This is the first reach in mixed clutter in which the forearm touches both leaf and trunk: draw {}. {} of {} \
-             drawn did. The models have 10 states and see force alone; a taxel is uncertain below a lead of {} nats. The truth \
+             drawn did. The models have 10 states and see force alone; a taxel is uncertain below a margin of {} nats. The truth \
              of a taxel is the object that presses most on it. In {} of {} taxel frames nothing presses (strays, crosstalk \
              and creep): these have no truth and are counted apart.",
             reach.reach_index,
@@ -138,7 +138,7 @@ impl Report<'_> {
         self.page.section("Fig. 15: an outlier");
         self.page.published(
             "a foam roll is found to be an outlier in both of its phases of contact, with some taxels uncertain and few \
-             misclassified; a lead over 80 is a category, 15 to 80 an outlier, under 15 uncertain. No outlier is trained.",
+             misclassified; a margin over 80 is a category, 15 to 80 an outlier, under 15 uncertain. No outlier is trained.",
         );
         let outliers = &self.results.figure_15;
         self.page.paragraph(&format!(
@@ -164,8 +164,8 @@ impl Report<'_> {
                 self.page.paragraph(&words::roc(area));
             }
             let caption = "What every threshold would do. Left: leaves found against trunks mistaken for leaves as the least \
-                           lead of a leaf falls, on training trials held out by reach. Right: the roll found against leaves and \
-                           trunks mistaken for it as the greatest lead of an outlier rises, on the outlier reaches.";
+                           margin of a leaf falls, on training trials held out by reach. Right: the roll found against leaves and \
+                           trunks mistaken for it as the greatest margin of an outlier rises, on the outlier reaches.";
             self.page.figure(caption, &charts);
             self.numbers(tables::roc(self.thresholds));
         }

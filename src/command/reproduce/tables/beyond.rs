@@ -39,8 +39,8 @@ pub fn campaign_classifiers(results: &Results) -> Option<Table> {
         "classifier",
         "mean",
         "SD",
-        "least",
-        "most",
+        "min",
+        "max",
         "balanced",
         "SD",
         "majority",
@@ -108,7 +108,7 @@ pub fn by_samples(results: &Results) -> Table {
 
 /// The points of both curves.
 pub fn roc(thresholds: &Thresholds) -> Table {
-    let columns = ["curve", "lead_nats", "false_positive_rate", "true_positive_rate"];
+    let columns = ["curve", "margin_nats", "false_positive_rate", "true_positive_rate"];
     let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
     for (name, curve) in [
         ("leaf against trunk", &thresholds.category_roc),

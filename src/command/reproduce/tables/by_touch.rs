@@ -18,8 +18,8 @@ pub fn table_1_by_touch(results: &Results) -> Table {
 /// Fig. 13.
 pub fn figure_13_by_touch(results: &Results) -> Table {
     let rows = results.figure_13.iter().map(|point| {
-        let most = point.max_samples.map_or("all".to_owned(), |most| most.to_string());
-        (format!("{most} samples, {} states", point.states), &point.accuracy)
+        let max = point.max_samples.map_or("all".to_owned(), |max| max.to_string());
+        (format!("{max} samples, {} states", point.states), &point.accuracy)
     });
     split("figure_13_by_touch", "Fig. 13", rows)
 }

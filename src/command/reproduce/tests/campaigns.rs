@@ -87,7 +87,7 @@ fn campaigns_have_mean_and_spread() {
     assert_eq!(found.seeds, [3, 4, 5]);
     let own = &found.table_1[0].figures;
     assert_eq!(
-        (own.accuracy.mean, own.accuracy.least, own.accuracy.most),
+        (own.accuracy.mean, own.accuracy.min, own.accuracy.max),
         (76.0, 70.0, 84.0)
     );
     // Deviations −6, −2, 8: (36 + 4 + 64) / 2 = 52.
@@ -103,7 +103,7 @@ fn campaigns_have_mean_and_spread() {
     assert!(own.untouched.is_none());
     assert!((found.mean_absolute_difference_points["authors"] - 4.24).abs() < 1e-9);
     let some = &found.classifiers[0].figures.accuracy;
-    assert_eq!((some.mean, some.least, some.most), (77.0, 71.0, 85.0));
+    assert_eq!((some.mean, some.min, some.max), (77.0, 71.0, 85.0));
     let one = Campaigns::of(&campaigns[..1]).unwrap().unwrap();
     assert!(one.table_1[0].figures.accuracy.standard_deviation.is_none());
     assert!(Campaigns::of(&[]).unwrap().is_none());

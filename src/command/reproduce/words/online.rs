@@ -16,7 +16,7 @@ pub fn thresholds(thresholds: &Thresholds) -> String {
         Rule::OutlierBand {
             uncertain_below,
             category_above,
-        } => format!("uncertain below a lead of {uncertain_below:.1} nats, a category above {category_above:.1}"),
+        } => format!("uncertain below a margin of {uncertain_below:.1} nats, a category above {category_above:.1}"),
         other => format!("{other:?}"),
     };
     let rates: Vec<String> = chosen
@@ -57,7 +57,7 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
         format!("Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain");
     Some(if percent > 100.0 * FAILING_UNCERTAIN_SHARE {
         format!(
-            "{found}: the rule fails there. Its thresholds are leads of whole trials, and a lead grows with every sample, so \
+            "{found}: the rule fails there. Its thresholds are margins of whole trials, and a margin grows with every sample, so \
              a contact that still lasts seldom reaches them."
         )
     } else {
@@ -65,7 +65,7 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
     })
 }
 
-/// How well the roll is found by its small lead, whatever the threshold.
+/// How well the roll is found by its small margin, whatever the threshold.
 pub fn roc(area: f64) -> String {
     let worth = match area {
         _ if area > 0.55 => "better than",
@@ -73,7 +73,7 @@ pub fn roc(area: f64) -> String {
         _ => "about as good as",
     };
     format!(
-        "A trial of the roll has a smaller lead than one of leaf or trunk with a probability of {area:.3}, the area under its \
+        "A trial of the roll has a smaller margin than one of leaf or trunk with a probability of {area:.3}, the area under its \
          curve: {worth} chance, which is 0.5."
     )
 }
