@@ -9,7 +9,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeCone
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use nalgebra::{DMatrix, Matrix3xX};
-use rapier3d::prelude::Pose;
+use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::quadratic_program::{Outcome, QuadraticProgram};
 use underbrush_sim::controller::{
@@ -51,7 +51,7 @@ impl Situation {
         let tip = arm.tip_pose(&poses);
         Situation {
             tip,
-            tip_position_jacobian: arm.position_jacobian(&poses, arm.tip_link, tip.translation),
+            tip_position_jacobian: arm.position_jacobian(&poses, arm.tip_link, tip.position),
             tip_angular_jacobian: arm.angular_jacobian(&poses, arm.tip_link),
             contacts,
             angle_rad,
@@ -67,7 +67,7 @@ impl Situation {
             tip_position_jacobian: &self.tip_position_jacobian,
             tip_angular_jacobian: &self.tip_angular_jacobian,
             goal: Goal {
-                position_world: self.tip.translation + DVec3::X * 0.3,
+                position_world: self.tip.position + DVec3::X * 0.3,
                 orientation_world: None,
             },
             contacts: &self.contacts,

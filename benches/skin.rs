@@ -6,7 +6,8 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::DVec3;
-use rapier3d::prelude::{Capsule, Cuboid, Pose, Shape};
+use parry3d::shape::{Capsule, Cuboid, Shape};
+use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::skin::{ContactPoint, SkinPatch};
 
@@ -46,7 +47,7 @@ fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
     let around = contact.inward_link.cross(DVec3::Z).normalize();
     let angle = along.angle_between(around).min(FRAC_PI_2);
     let turn = turn * glam::DQuat::from_rotation_z(angle);
-    Pose::from_parts(contact.position_link - contact.inward_link * distance_m, turn)
+    Pose::new(contact.position_link - contact.inward_link * distance_m, turn)
 }
 
 fn spread(criterion: &mut Criterion) {

@@ -1,5 +1,7 @@
 //! One sample of arm and skin at 100 Hz, with its ground truth.
 
+use std::ops::Mul;
+
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -16,9 +18,63 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A local point in the pose's frame, m.
+    /// The pose of a frame in itself.
+    pub const IDENTITY: Pose = Pose {
+        position: DVec3::ZERO,
+        orientation: DQuat::IDENTITY,
+    };
+
+    /// A pose with this origin and rotation.
+    pub fn new(position: DVec3, orientation: DQuat) -> Self {
+        Pose { position, orientation }
+    }
+
+    /// A pose that is not rotated.
+    pub fn from_position(position: DVec3) -> Self {
+        Pose::new(position, DQuat::IDENTITY)
+    }
+
+    /// A rotation about the origin.
+    pub fn from_orientation(orientation: DQuat) -> Self {
+        Pose::new(DVec3::ZERO, orientation)
+    }
+
+    /// The pose of the outer frame in the local one.
+    pub fn inverse(&self) -> Self {
+        let orientation = self.orientation.inverse();
+        Pose::new(orientation * (-self.position), orientation)
+    }
+
+    /// Maps a point from the local frame to the outer one, m.
     pub fn transform_point(&self, point_local: DVec3) -> DVec3 {
-        self.position + self.orientation * point_local
+        self.orientation * point_local + self.position
+    }
+
+    /// Maps a vector from the local frame to the outer one.
+    pub fn transform_vector(&self, vector_local: DVec3) -> DVec3 {
+        self.orientation * vector_local
+    }
+
+    /// Maps a point from the outer frame to the local one, m.
+    pub fn inverse_transform_point(&self, point: DVec3) -> DVec3 {
+        self.orientation.inverse() * (point - self.position)
+    }
+
+    /// Maps a vector from the outer frame to the local one.
+    pub fn inverse_transform_vector(&self, vector: DVec3) -> DVec3 {
+        self.orientation.inverse() * vector
+    }
+}
+
+/// `outer * inner` is the pose in the outer frame of what has the pose `inner` in the local one.
+impl Mul for Pose {
+    type Output = Pose;
+
+    fn mul(self, inner: Pose) -> Pose {
+        Pose {
+            position: self.position + self.orientation * inner.position,
+            orientation: self.orientation * inner.orientation,
+        }
     }
 }
 

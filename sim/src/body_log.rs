@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 use rapier3d::prelude::*;
-use underbrush_recording::{Body, BodyOwner, BodyPart, BodyShape, Pose as RecordedPose};
+use underbrush_recording::{Body, BodyOwner, BodyPart, BodyShape, Pose};
 
 use crate::arm::Arm;
 use crate::clutter::Clutter;
+use crate::geometry::from_parry;
 use crate::physics::Physics;
 use crate::world::World;
 
@@ -27,10 +28,10 @@ impl BodyLog {
                 .iter()
                 .map(|part| BodyPart {
                     shape: part.shape.clone(),
-                    pose_body: recorded(&part.pose_link),
+                    pose_body: part.pose_link,
                 })
                 .collect(),
-            rest_pose_world: recorded(&world.link_pose(index)),
+            rest_pose_world: world.link_pose(index),
             track: Vec::new(),
         });
         let mut log = BodyLog {
@@ -59,12 +60,12 @@ impl BodyLog {
                 self.bodies.push(Body {
                     owner: BodyOwner::Object(index as u16),
                     parts: Vec::new(),
-                    rest_pose_world: recorded(&body_pose(physics, *handle)),
+                    rest_pose_world: body_pose(physics, *handle),
                     track: Vec::new(),
                 });
             }
             if let Some(body) = self.bodies.last_mut() {
-                let pose_body = collider.position_wrt_parent().copied().unwrap_or(Pose::IDENTITY);
+                let pose_body = collider.position_wrt_parent().map_or(Pose::IDENTITY, from_parry);
                 body.parts.push(of_collider(collider.shape(), &pose_body));
             }
         }
@@ -74,14 +75,14 @@ impl BodyLog {
     /// Takes the poses in a frame.
     pub fn observe(&mut self, frame: u32, world: &World) {
         for (index, link) in self.bodies.iter_mut().take(world.arm.links.len()).enumerate() {
-            link.observe(frame, &recorded(&world.link_pose(index)));
+            link.observe(frame, &world.link_pose(index));
         }
         for (object, (start, first_shapes)) in self.objects.iter().enumerate() {
             let colliders = world.colliders_of(object);
             for (body, shape) in self.bodies[*start..].iter_mut().zip(first_shapes) {
                 // What is left out of the engine stands as it was built.
                 let pose = colliders.map_or(body.rest_pose_world, |colliders| {
-                    recorded(&body_pose(&world.physics, colliders[*shape]))
+                    body_pose(&world.physics, colliders[*shape])
                 });
                 body.observe(frame, &pose);
             }
@@ -94,24 +95,17 @@ impl BodyLog {
     }
 }
 
-fn recorded(pose: &Pose) -> RecordedPose {
-    RecordedPose {
-        position: pose.translation,
-        orientation: pose.rotation,
-    }
-}
-
 /// Pose of the body that a collision shape sits on.
 fn body_pose(physics: &Physics, collider: ColliderHandle) -> Pose {
     let body = physics.colliders[collider].parent();
-    body.map_or(Pose::IDENTITY, |body| *physics.bodies[body].position())
+    body.map_or(Pose::IDENTITY, |body| from_parry(physics.bodies[body].position()))
 }
 
 /// A collision shape of the engine with its pose in its body. The engine's cylinders lie along y and its capsules
 /// between any two points; a recording's lie along z. A shape that a recording does not know is given as its bounding
 /// box.
 fn of_collider(shape: &dyn Shape, pose_body: &Pose) -> BodyPart {
-    let turned = |from: DVec3| Pose::from_rotation(glam::DQuat::from_rotation_arc(DVec3::Z, from));
+    let turned = |from: DVec3| Pose::from_orientation(glam::DQuat::from_rotation_arc(DVec3::Z, from));
     let (shape, local) = match shape.as_typed_shape() {
         TypedShape::Ball(ball) => (BodyShape::Sphere { radius_m: ball.radius }, Pose::IDENTITY),
         TypedShape::Cylinder(cylinder) => {
@@ -127,7 +121,7 @@ fn of_collider(shape: &dyn Shape, pose_body: &Pose) -> BodyPart {
                 radius_m: capsule.radius,
                 length_m: along.length(),
             };
-            let center = Pose::from_translation((capsule.segment.a + capsule.segment.b) / 2.0);
+            let center = Pose::from_position((capsule.segment.a + capsule.segment.b) / 2.0);
             (shape, center * turned(along.normalize_or(DVec3::Z)))
         }
         TypedShape::ConvexPolyhedron(hull) => {
@@ -141,12 +135,12 @@ fn of_collider(shape: &dyn Shape, pose_body: &Pose) -> BodyPart {
             let shape = BodyShape::Box {
                 size_m: 2.0 * bounds.half_extents(),
             };
-            (shape, Pose::from_translation(bounds.center()))
+            (shape, Pose::from_position(bounds.center()))
         }
     };
     BodyPart {
         shape,
-        pose_body: recorded(&(*pose_body * local)),
+        pose_body: *pose_body * local,
     }
 }
 

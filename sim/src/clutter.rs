@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
-use rapier3d::prelude::{Cuboid, Pose};
-use underbrush_recording::{InputError, ObjectRecord};
+use glam::{DQuat, DVec3};
+use parry3d::shape::Cuboid;
+use underbrush_recording::{InputError, ObjectRecord, Pose};
 
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, Footprint, LaidFootprint};
@@ -57,7 +57,7 @@ impl Standing {
         let center = self.foot_world + DVec3::Z * half_height;
         (
             Cuboid::new(DVec3::new(x, y, half_height)),
-            Pose::new(center, DVec3::Z * self.yaw_rad),
+            Pose::new(center, DQuat::from_scaled_axis(DVec3::Z * self.yaw_rad)),
         )
     }
 

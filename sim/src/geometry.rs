@@ -1,15 +1,16 @@
 //! Distances between segments, and ground areas that must not overlap.
 
-use glam::{DVec2, DVec3};
-use rapier3d::parry::query::{self, details::closest_points_segment_segment_with_locations};
-use rapier3d::prelude::{Pose, Segment, Shape, SharedShape};
-use underbrush_recording::BodyShape;
+use glam::{DQuat, DVec2, DVec3};
+use parry3d::math::Pose as ParryPose;
+use parry3d::query::{self, details::closest_points_segment_segment_with_locations};
+use parry3d::shape::{Segment, Shape, SharedShape};
+use underbrush_recording::{BodyShape, Pose};
 
-/// The engine's shape for a shape of a file or a recording, and the rotation from the engine's frame to that shape's;
-/// `None` for a hull without volume.
+/// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in that shape's frame; `None` for a
+/// hull without volume.
 pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
-    // The engine's cylinders and capsules lie along y, ours along z.
-    let along_z = Pose::rotation(DVec3::X * std::f64::consts::FRAC_PI_2);
+    // Parry's cylinders and capsules lie along y, ours along z.
+    let along_z = Pose::from_orientation(DQuat::from_scaled_axis(DVec3::X * std::f64::consts::FRAC_PI_2));
     Some(match shape {
         BodyShape::Sphere { radius_m } => (SharedShape::ball(*radius_m), Pose::IDENTITY),
         BodyShape::Cylinder { radius_m, length_m } => (SharedShape::cylinder(length_m / 2.0, *radius_m), along_z),
@@ -62,8 +63,25 @@ impl Capsule {
 /// Smallest distance between the segments `a`–`b` and `c`–`d`, m; a segment may be a point.
 pub fn segment_distance(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let (first, second) = (Segment::new(a, b), Segment::new(c, d));
-    let (on_first, on_second) = closest_points_segment_segment_with_locations(&Pose::IDENTITY, &first, &second);
+    let (on_first, on_second) = closest_points_segment_segment_with_locations(&ParryPose::IDENTITY, &first, &second);
     first.point_at(&on_first).distance(second.point_at(&on_second))
+}
+
+/// Distance of a point from the surface of a shape at `pose`, m; negative inside.
+pub fn signed_distance_m(shape: &dyn Shape, pose: &Pose, point: DVec3) -> f64 {
+    let projection = shape.project_point(&parry_pose(pose), point, false);
+    let distance = projection.point.distance(point);
+    if projection.is_inside { -distance } else { distance }
+}
+
+/// The pose as parry's own type.
+pub(crate) fn parry_pose(pose: &Pose) -> ParryPose {
+    ParryPose::from_parts(pose.position, pose.orientation)
+}
+
+/// A pose of parry's or of the engine's.
+pub(crate) fn from_parry(pose: &ParryPose) -> Pose {
+    Pose::new(pose.translation, pose.rotation)
 }
 
 /// A convex shape in its place in the world.
@@ -78,17 +96,25 @@ pub struct PlacedShape {
 impl PlacedShape {
     /// Distance to the surface of a capsule, m; 0 where they overlap.
     pub fn distance(&self, other: &Capsule) -> f64 {
-        let capsule = rapier3d::prelude::Capsule::new(other.start, other.end, other.radius_m);
+        let capsule = parry3d::shape::Capsule::new(other.start, other.end, other.radius_m);
         // All shapes of links are convex, and the engine knows how to measure them.
-        query::distance(&self.pose, self.shape.as_ref(), &Pose::IDENTITY, &capsule).map_or(0.0, |found| found.distance)
+        let pose = parry_pose(&self.pose);
+        query::distance(&pose, self.shape.as_ref(), &ParryPose::IDENTITY, &capsule).map_or(0.0, |found| found.distance)
     }
 
     /// How far the shape reaches in a direction, measured from the origin of the world, m.
     pub fn extent_m(&self, direction_world: DVec3) -> f64 {
         let farthest = self.shape.as_support_map();
         farthest.map_or(f64::NEG_INFINITY, |shape| {
-            shape.support_point(&self.pose, direction_world).dot(direction_world)
+            shape
+                .support_point(&parry_pose(&self.pose), direction_world)
+                .dot(direction_world)
         })
+    }
+
+    /// Distance of a point from the shape's surface, m; negative inside. The point is in the frame of the pose.
+    pub fn signed_distance_m(&self, point: DVec3) -> f64 {
+        signed_distance_m(self.shape.as_ref(), &self.pose, point)
     }
 }
 
@@ -254,7 +280,7 @@ mod tests {
         };
         let corner = PlacedShape {
             shape: SharedShape::cuboid(0.03, 0.03, 0.03),
-            pose: Pose::rotation(DVec3::Z * std::f64::consts::FRAC_PI_4),
+            pose: Pose::from_orientation(glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4)),
         };
         let half_diagonal = 0.03 * 2.0_f64.sqrt();
         assert!((corner.distance(&wall(0.1)) - (0.09 - half_diagonal)).abs() < 1e-6);

@@ -1,7 +1,7 @@
 //! One reach: sense → control → step → record, goal after goal.
 
 use glam::DVec3;
-use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Outcome, Pose, Recording, SafetyStop};
+use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Outcome, Recording, SafetyStop};
 
 use crate::body_log::BodyLog;
 use crate::clutter::Clutter;
@@ -132,7 +132,7 @@ impl<'a> Reach<'a> {
                 Way::ToGoal => (goal, None),
                 Way::Back => {
                     let arm = &self.plan.arm;
-                    let tip = (self.world.link_pose(arm.tip_link) * arm.tip_pose_link).translation;
+                    let tip = (self.world.link_pose(arm.tip_link) * arm.tip_pose_link).position;
                     waypoints = back_off::waypoints(tip, goal);
                     (waypoints[0], Some(back_off::TIME_S))
                 }
@@ -216,7 +216,7 @@ impl<'a> Reach<'a> {
             joint_angle_rad: &joint_angle_rad,
             equilibrium_angle_rad: &self.equilibrium_rad,
             tip_pose_world,
-            tip_position_jacobian: &arm.position_jacobian(&poses, arm.tip_link, tip_pose_world.translation),
+            tip_position_jacobian: &arm.position_jacobian(&poses, arm.tip_link, tip_pose_world.position),
             tip_angular_jacobian: &arm.angular_jacobian(&poses, arm.tip_link),
             // Goals are positions, as the operator's markers were used.
             goal: Goal {
@@ -235,10 +235,6 @@ impl<'a> Reach<'a> {
         self.contacts.observe(number as u32, &touch.pairs);
         self.bodies.observe(number as u32, &self.world);
         self.world.audit_frame(&self.plan.arm, touch);
-        let pose = |pose: rapier3d::prelude::Pose| Pose {
-            position: pose.translation,
-            orientation: pose.rotation,
-        };
         let arm = &self.world.arm;
         let physics = &self.world.physics;
         Frame {
@@ -247,13 +243,13 @@ impl<'a> Reach<'a> {
             joint_velocity_rad_per_s: arm.joint_velocity_rad_per_s(physics),
             equilibrium_angle_rad: self.equilibrium_rad.clone(),
             joint_torque_nm: arm.joint_torque_nm(physics),
-            tip_pose_world: pose(self.world.link_pose(self.plan.arm.tip_link) * self.plan.arm.tip_pose_link),
+            tip_pose_world: self.world.link_pose(self.plan.arm.tip_link) * self.plan.arm.tip_pose_link,
             goal_position_world: goal,
             goal_index: goal_index as u16,
             patch_pose_world: self
                 .patches
                 .iter()
-                .map(|patch| pose(self.world.link_pose(patch.link)))
+                .map(|patch| self.world.link_pose(patch.link))
                 .collect(),
             contact_force_world: touch.contact_force_world.clone(),
             taxels: touch.taxels.clone(),

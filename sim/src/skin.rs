@@ -14,10 +14,12 @@
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
-use rapier3d::prelude::{Pose, Shape};
+use parry3d::shape::Shape;
+use underbrush_recording::Pose;
 
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
+use crate::geometry::signed_distance_m;
 use crate::cone::{Carrier, solve_symmetric, within_cones};
 use crate::object::FRICTION;
 
@@ -162,7 +164,7 @@ impl SkinPatch {
                 let offset = point.position_link - center;
                 Cell {
                     taxel: point.taxel,
-                    gap: signed_distance(shape, shape_pose, point.position_link),
+                    gap: signed_distance_m(shape, shape_pose, point.position_link),
                     place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
                     stiffness: stiffness_n_per_m3 * point.area_m2,
                     share: -point.normal_link.dot(inward),
@@ -328,12 +330,6 @@ fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {
         let share = ((center - contact.position_link).dot(edge) / edge.length_squared().max(1e-12)).clamp(0.0, 1.0);
         center.distance_squared(contact.position_link + edge * share) < SEARCH_RADIUS_M * SEARCH_RADIUS_M
     })
-}
-
-fn signed_distance(shape: &dyn Shape, pose: &Pose, point: DVec3) -> f64 {
-    let projection = shape.project_point(pose, point, false);
-    let distance = projection.point.distance(point);
-    if projection.is_inside { -distance } else { distance }
 }
 
 #[cfg(test)]

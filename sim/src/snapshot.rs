@@ -4,7 +4,7 @@ use rapier3d::prelude::*;
 use underbrush_recording::{Category, Frame};
 
 use crate::clutter::Clutter;
-use crate::geometry::Capsule;
+use crate::geometry::{Capsule, from_parry};
 use crate::physics::Physics;
 use crate::world::World;
 
@@ -58,5 +58,5 @@ impl Snapshot {
 
 fn capsule(physics: &Physics, collider: ColliderHandle) -> Option<Capsule> {
     let collider = physics.colliders.get(collider)?;
-    Some(Capsule::around(collider.shape(), collider.position()))
+    Some(Capsule::around(collider.shape(), &from_parry(collider.position())))
 }

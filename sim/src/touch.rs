@@ -6,6 +6,7 @@ use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::{SkinLayout, TaxelReading};
 
+use crate::geometry::from_parry;
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SkinPatch};
 use crate::world::World;
@@ -142,7 +143,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
         let skin = &patches[*patch];
         let shape = &world.physics.colliders[group.collider];
         let compliance = world.surface_compliance_m3_per_n(usize::from(group.object));
-        let shape_pose = world.link_pose(skin.link).inverse() * *shape.position();
+        let shape_pose = world.link_pose(skin.link).inverse() * from_parry(shape.position());
         for force in skin.spread_under(&group.points, shape.shape(), &shape_pose, compliance) {
             let load = loads.entry((*patch, force.taxel)).or_default();
             load.add(group.object, force.normal_force_n, force.shear_link);

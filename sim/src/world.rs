@@ -5,13 +5,15 @@ use glam::DVec3;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::parry::query::distance;
+use rapier3d::prelude::Pose as EnginePose;
 use rapier3d::prelude::*;
-use underbrush_recording::FRAME_PERIOD_S;
+use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use crate::arm::Arm;
 use crate::arm::engine::{self, ArmHandles};
 use crate::audit::Auditor;
 use crate::clutter::{Clutter, Standing};
+use crate::geometry::{from_parry, parry_pose};
 use crate::object::Mechanism;
 use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
 use crate::skin::ContactPoint;
@@ -68,7 +70,7 @@ pub struct World {
     compliance_m3_per_n: Vec<f64>,
     mechanisms: Vec<Option<Mechanism>>,
     /// The objects at rest.
-    outlines: Vec<(Cuboid, Pose)>,
+    outlines: Vec<(Cuboid, EnginePose)>,
     /// Boxes around the outlines: finds what is near without a look at all.
     standing: Bvh,
     dormancy: bool,
@@ -79,7 +81,8 @@ impl World {
     pub fn new(arm: &Arm, posture_rad: &[f64], clutter: &Clutter, options: PhysicsOptions, dormancy: bool) -> Self {
         let mut physics = Physics::new(options);
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
-        let outlines: Vec<(Cuboid, Pose)> = clutter.objects.iter().map(Standing::outline).collect();
+        let outlines = clutter.objects.iter().map(Standing::outline);
+        let outlines: Vec<(Cuboid, EnginePose)> = outlines.map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.aabb(pose)).collect();
         let objects = clutter.objects.iter();
         let mut world = World {
@@ -182,7 +185,7 @@ impl World {
 
     /// Pose of a link in the world frame.
     pub fn link_pose(&self, link: usize) -> Pose {
-        *self.physics.bodies[self.arm.links[link]].position()
+        from_parry(self.physics.bodies[self.arm.links[link]].position())
     }
 
     /// Number of objects that are in the solver now.

@@ -101,7 +101,7 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
         pressed.hold(&equilibrium, 0.01);
         for (patch, contacts, collider) in pressed.touched(&patches) {
             let shape = &pressed.world.physics.colliders[collider];
-            let pose = pressed.world.link_pose(patch.link).inverse() * *shape.position();
+            let pose = pressed.world.link_pose(patch.link).inverse() * recorded(shape.position());
             for force in patch.spread(&contacts, shape.shape(), &pose) {
                 largest = largest.max(force.shear_link.length() / (friction * force.normal_force_n));
             }
@@ -135,6 +135,11 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
             "1 %: friction opposes the slip; the slip turns a little within a frame",
         ),
     ])
+}
+
+/// A pose of the engine's.
+fn recorded(pose: &Pose) -> underbrush_recording::Pose {
+    underbrush_recording::Pose::new(pose.translation, pose.rotation)
 }
 
 /// The slope at which a box begins to slide, by bisection.

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
-use rapier3d::prelude::{ColliderHandle, Pose};
-use underbrush_recording::FRAME_PERIOD_S;
+use rapier3d::prelude::ColliderHandle;
+use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, Standing};
 use underbrush_sim::object::Object;

@@ -1,8 +1,9 @@
 //! Check 10: the skin's elastic layer.
 
 use glam::DVec3;
-use rapier3d::prelude::{Pose, SharedShape};
+use parry3d::shape::SharedShape;
 use underbrush_oracles::{foundation, order};
+use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::skin::{ContactPoint, SkinPatch, SubPoint};
 
@@ -144,7 +145,7 @@ impl Pressed {
             inward_link: -DVec3::Z,
             force_link: DVec3::Z * -force_n,
         };
-        let pose = Pose::from_translation(DVec3::Z * self.height_m);
+        let pose = Pose::from_position(DVec3::Z * self.height_m);
         let stiffness = STIFFNESS_N_PER_M3 * self.simulated.with(STIFF_LAYER, 1.0, 1.2);
         let points = self.simulated.with(ONE_POINT, 3, 1);
         let patch = patch(stiffness, pitch_m, self.skin_radius_m, points);
@@ -216,7 +217,7 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         };
         let trunk = SharedShape::capsule_y(0.3, TRUNK_RADIUS_M);
         let turn = glam::DQuat::from_rotation_arc(DVec3::Y, simulated.with(TURNED_TRUNK, around, along));
-        let pose = Pose::from_parts(touched + outward * TRUNK_RADIUS_M, turn);
+        let pose = Pose::new(touched + outward * TRUNK_RADIUS_M, turn);
         let found = patch.spread(&[contact], trunk.as_ref(), &pose);
         let place = |position: DVec3, normal: DVec3| {
             let turn = normal.dot(around).atan2(normal.dot(outward));

@@ -1,7 +1,7 @@
 //! Where an arm stands before a reach.
 
 use glam::DVec3;
-use rapier3d::prelude::Pose;
+use underbrush_recording::Pose;
 
 use super::{Arm, Link};
 use crate::geometry::{PlacedShape, engine_shape};
@@ -43,10 +43,10 @@ impl ArmAtStart {
         let links = arm.links.iter().zip(&poses);
         let links = links.flat_map(|(link, pose)| placed_shapes(link, pose)).collect();
         // From the first joint whose offset from the next is a bone rather than an actuator's width.
-        let tip_world = arm.tip_pose(&poses).translation;
+        let tip_world = arm.tip_pose(&poses).position;
         let chain: Vec<DVec3> = poses[1..]
             .iter()
-            .map(|pose| pose.translation)
+            .map(|pose| pose.position)
             .chain([tip_world])
             .collect();
         ArmAtStart {

@@ -3,7 +3,7 @@
 use rapier3d::prelude::*;
 
 use super::{Arm, Link};
-use crate::geometry::engine_shape;
+use crate::geometry::{engine_shape, parry_pose};
 use crate::physics::Physics;
 
 /// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
@@ -55,7 +55,7 @@ pub fn insert_arm(arm: &Arm, posture_rad: &[f64], physics: &mut Physics, groups:
         } else {
             RigidBodyBuilder::dynamic()
         };
-        let builder = builder.pose(pose).gravity_scale(0.0).can_sleep(false);
+        let builder = builder.pose(parry_pose(&pose)).gravity_scale(0.0).can_sleep(false);
         let body = physics
             .bodies
             .insert(builder.additional_mass_properties(mass_properties(link)));
@@ -64,7 +64,7 @@ pub fn insert_arm(arm: &Arm, posture_rad: &[f64], physics: &mut Physics, groups:
                 continue;
             };
             let collider = ColliderBuilder::new(shape)
-                .position(part.pose_link * turn)
+                .position(parry_pose(&(part.pose_link * turn)))
                 .density(0.0)
                 .friction(arm.friction)
                 .collision_groups(groups);
@@ -78,9 +78,10 @@ pub fn insert_arm(arm: &Arm, posture_rad: &[f64], physics: &mut Physics, groups:
         handles.links.push(body);
     }
     for (joint, ends) in arm.joints.iter().zip(handles.links.windows(2)) {
-        let turn = Pose::from_rotation(GenericJoint::complete_ang_frame(joint.axis_child));
+        let frame = Pose::from_rotation(GenericJoint::complete_ang_frame(joint.axis_child));
         let mut data = GenericJoint::new(JointAxesMask::LOCKED_REVOLUTE_AXES);
-        data.set_local_frame1(joint.origin_parent * turn).set_local_frame2(turn);
+        data.set_local_frame1(parry_pose(&joint.origin_parent) * frame)
+            .set_local_frame2(frame);
         if joint.limits_rad.iter().all(|limit| limit.is_finite()) {
             data.set_limits(JointAxis::AngX, joint.limits_rad);
             data.softness = STOP;

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use nalgebra::Matrix3xX;
-use rapier3d::prelude::Pose;
+use underbrush_recording::Pose;
 
 use super::Arm;
 
@@ -15,7 +15,7 @@ impl Arm {
         link_poses.push(pose);
         for (index, joint) in self.joints.iter().enumerate() {
             let angle = joint_angle_rad.get(index).copied().unwrap_or(0.0);
-            let turn = Pose::from_rotation(DQuat::from_axis_angle(joint.axis_child, angle));
+            let turn = Pose::from_orientation(DQuat::from_axis_angle(joint.axis_child, angle));
             pose = pose * joint.origin_parent * turn;
             link_poses.push(pose);
         }
@@ -48,7 +48,7 @@ impl Arm {
             .zip(jacobian.column_iter_mut())
             .take(link)
         {
-            let value = column(pose.rotation * joint.axis_child, pose.translation);
+            let value = column(pose.orientation * joint.axis_child, pose.position);
             entries.copy_from_slice(&value.to_array());
         }
         jacobian

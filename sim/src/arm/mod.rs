@@ -7,8 +7,7 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
-use rapier3d::prelude::Pose;
-use underbrush_recording::{BodyShape, InputError, SkinLayout};
+use underbrush_recording::{BodyShape, InputError, Pose, SkinLayout};
 
 mod at_start;
 pub mod engine;

@@ -1,11 +1,10 @@
 //! The skin file: patches of taxels that name links, either laid on a cylinder or listed one by one.
 
 use glam::DVec3;
-use rapier3d::prelude::Pose;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::{MOST_PATCHES, MOST_TAXELS, short};
-use underbrush_recording::{Grid, InputError, Patch, SkinLayout, Taxel};
+use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel};
 
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
 use super::source::{Source, listed};
@@ -159,8 +158,8 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         let table = table.get_ref();
         for taxel in &mut taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
-            taxel.normal_link = pose.rotation * taxel.normal_link;
-            taxel.tangent_link = pose.rotation * taxel.tangent_link;
+            taxel.normal_link = pose.orientation * taxel.normal_link;
+            taxel.tangent_link = pose.orientation * taxel.tangent_link;
         }
         let patch = Patch {
             name: table.name.clone(),
@@ -250,7 +249,7 @@ fn cylinder_taxels(
         .collect();
     let form = SurfaceForm::Cylinder {
         axis_point_link: pose.transform_point(row_0),
-        axis_link: pose.rotation * axis,
+        axis_link: pose.orientation * axis,
         radius_m: table.radius_m,
     };
     Ok((

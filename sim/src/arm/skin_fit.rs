@@ -2,16 +2,15 @@
 //! faces into the link, feels nothing; such a skin is refused. What feels, but not quite where it lies, is doubtful.
 
 use glam::DVec3;
-use rapier3d::prelude::{Pose, SharedShape};
 use underbrush_recording::{InputError, Patch, Taxel};
 
 use super::skin::{FACING_COSINE, reach_m};
 use super::source::Source;
 use super::{Arm, Link};
-use crate::geometry::engine_shape;
+use crate::geometry::{PlacedShape, engine_shape};
 
 /// A link's collision shapes, posed in its frame.
-struct Surface(Vec<(SharedShape, Pose)>);
+struct Surface(Vec<PlacedShape>);
 
 /// Step over which the surface's direction is measured, m: finer than the features of shapes.
 const STEP_M: f64 = 5e-4;
@@ -20,18 +19,17 @@ impl Surface {
     fn of(link: &Link) -> Self {
         let shapes = link.colliders.iter().filter_map(|collider| {
             let (shape, turn) = engine_shape(&collider.shape)?;
-            Some((shape, collider.pose_link * turn))
+            Some(PlacedShape {
+                shape,
+                pose: collider.pose_link * turn,
+            })
         });
         Surface(shapes.collect())
     }
 
     /// Distance of a point from the surface of all shapes together, m; negative within.
     fn distance_m(&self, point: DVec3) -> f64 {
-        let distances = self.0.iter().map(|(shape, pose)| {
-            let projection = shape.project_point(pose, point, false);
-            let distance = projection.point.distance(point);
-            if projection.is_inside { -distance } else { distance }
-        });
+        let distances = self.0.iter().map(|shape| shape.signed_distance_m(point));
         distances.fold(f64::INFINITY, f64::min)
     }
 

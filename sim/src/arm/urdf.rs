@@ -4,9 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
-use rapier3d::prelude::Pose;
 use underbrush_recording::limits::short;
-use underbrush_recording::{BodyShape, InputError};
+use underbrush_recording::{BodyShape, InputError, Pose};
 use urdf_rs::{Geometry, JointType, Robot};
 
 use super::limits::{self, MOST_JOINTS};
@@ -231,8 +230,8 @@ impl<'a> Reader<'a> {
                 let frame = *pose * self.pose("link", part, "inertial.origin", &inertial.origin)?;
                 parts.push((
                     mass,
-                    frame.translation,
-                    self.inertia(part, &inertial.inertia, frame.rotation)?,
+                    frame.position,
+                    self.inertia(part, &inertial.inertia, frame.orientation)?,
                 ));
             }
             for (number, collision) in link.collision.iter().enumerate() {
@@ -348,9 +347,8 @@ impl<'a> Reader<'a> {
             }
         }
         let [roll, pitch, yaw] = origin.rpy.0;
-        let translation = DVec3::from_array(origin.xyz.0);
-        Ok(Pose::from_parts(
-            translation,
+        Ok(Pose::new(
+            DVec3::from_array(origin.xyz.0),
             DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll),
         ))
     }

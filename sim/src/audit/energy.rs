@@ -16,11 +16,11 @@
 //! and it corrects joints that have gone past one.
 
 use glam::DVec3;
-use rapier3d::prelude::Pose;
-use underbrush_recording::FRAME_PERIOD_S;
+use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use crate::arm::Arm;
 use crate::arm::engine::{ArmHandles, JointState};
+use crate::geometry::from_parry;
 use crate::physics::Physics;
 use crate::world::SolverContact;
 
@@ -54,9 +54,9 @@ impl ArmState {
         self.links.clear();
         let (mut spin, mut velocity, mut origin) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         for (index, (link, body)) in arm.links.iter().zip(&handles.links).enumerate() {
-            let pose = *physics.bodies[*body].position();
-            velocity += spin.cross(pose.translation - origin);
-            origin = pose.translation;
+            let pose = from_parry(physics.bodies[*body].position());
+            velocity += spin.cross(pose.position - origin);
+            origin = pose.position;
             if index > 0 {
                 let rate = self.joints.get(index - 1).map_or(0.0, |joint| joint.rate_rad_per_s);
                 spin += pose.transform_vector(arm.joints[index - 1].axis_child) * rate;
@@ -195,7 +195,7 @@ impl EnergyBalance {
             for (joint, torque) in torque_nm.iter_mut().enumerate().take(contact.link) {
                 let pose = &self.now.links[joint + 1].pose;
                 let axis = pose.transform_vector(arm.joints[joint].axis_child);
-                *torque += axis.dot((point - pose.translation).cross(contact.force_world));
+                *torque += axis.dot((point - pose.position).cross(contact.force_world));
             }
         }
     }

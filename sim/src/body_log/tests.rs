@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rapier3d::prelude::Pose;
 use underbrush_recording::body::{ORIENTATION_TOLERANCE_RAD, POSITION_TOLERANCE_M};
-use underbrush_recording::{Body, BodyOwner, BodyShape, Category, Pose as RecordedPose, Recording};
+use underbrush_recording::{Body, BodyOwner, BodyShape, Category, Pose, Recording};
 
+use crate::geometry::from_parry;
 use crate::reach::ReachPlan;
 use crate::scene::Scene;
 
@@ -25,7 +25,7 @@ fn watched(scene: &str) -> (ReachPlan, Recording, Vec<EnginePoses>) {
         for object in 0..clutter.objects.len() {
             for (number, collider) in world.colliders_of(object).into_iter().flatten().enumerate() {
                 let body = world.physics.colliders[*collider].parent().unwrap();
-                poses.insert((object, number), *world.physics.bodies[body].position());
+                poses.insert((object, number), from_parry(world.physics.bodies[body].position()));
             }
         }
         frames.push(poses);
@@ -34,20 +34,20 @@ fn watched(scene: &str) -> (ReachPlan, Recording, Vec<EnginePoses>) {
 }
 
 /// How far a stored pose is from the true one: m and rad.
-fn difference(stored: &RecordedPose, truth: &Pose) -> (f64, f64) {
-    let turn = stored.orientation.dot(truth.rotation).abs().min(1.0);
+fn difference(stored: &Pose, truth: &Pose) -> (f64, f64) {
+    let turn = stored.orientation.dot(truth.orientation).abs().min(1.0);
     // The sine of half the angle keeps its digits where the angle is small.
-    let sine = (stored.orientation * truth.rotation.inverse()).xyz().length();
+    let sine = (stored.orientation * truth.orientation.inverse()).xyz().length();
     let angle = if turn > 0.9 {
         2.0 * sine.asin()
     } else {
         2.0 * turn.acos()
     };
-    (stored.position.distance(truth.translation), angle)
+    (stored.position.distance(truth.position), angle)
 }
 
 #[track_caller]
-fn assert_same(stored: &RecordedPose, truth: &Pose, what: impl std::fmt::Debug) {
+fn assert_same(stored: &Pose, truth: &Pose, what: impl std::fmt::Debug) {
     let (distance_m, angle_rad) = difference(stored, truth);
     assert!(distance_m <= POSITION_TOLERANCE_M, "{what:?}: {distance_m} m");
     assert!(angle_rad <= ORIENTATION_TOLERANCE_RAD, "{what:?}: {angle_rad} rad");
@@ -69,11 +69,7 @@ fn stored_poses_are_the_engines() {
             for (number, body) in bodies_of(&recording, object).into_iter().enumerate() {
                 moved += usize::from(!body.track.is_empty());
                 for (frame, poses) in frames.iter().enumerate() {
-                    let rest = Pose {
-                        translation: body.rest_pose_world.position,
-                        rotation: body.rest_pose_world.orientation,
-                    };
-                    let truth = poses.get(&(object, number)).unwrap_or(&rest);
+                    let truth = poses.get(&(object, number)).unwrap_or(&body.rest_pose_world);
                     let stored = body.pose_world(frame as u32);
                     assert_same(&stored, truth, (scene, object, number, frame));
                 }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use glam::DVec3;
-use rapier3d::prelude::{Pose, SharedShape};
-use underbrush_recording::InputError;
+use parry3d::shape::SharedShape;
+use underbrush_recording::{InputError, Pose};
 
 use super::Clutter;
 use crate::arm::{Arm, ArmAtStart, SkinAlongArm};
@@ -99,7 +99,7 @@ fn objects_keep_their_distance_from_the_arm() {
     let ball_at = |x_m: f64| ArmAtStart {
         links: vec![PlacedShape {
             shape: SharedShape::ball(0.05),
-            pose: Pose::translation(x_m, 0.0, 0.0),
+            pose: Pose::from_position(DVec3::X * x_m),
         }],
         ..arm()
     };
@@ -230,9 +230,9 @@ fn goals_know_the_arm_and_its_skin() {
     // An arm that is twice as large in every length.
     let mut large = cody;
     for joint in &mut large.joints {
-        joint.origin_parent.translation *= 2.0;
+        joint.origin_parent.position *= 2.0;
     }
-    large.tip_pose_link.translation *= 2.0;
+    large.tip_pose_link.position *= 2.0;
     for taxel in large.skin.layout.patches.iter_mut().flat_map(|patch| &mut patch.taxels) {
         taxel.position_link *= 2.0;
     }

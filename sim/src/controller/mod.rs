@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use nalgebra::Matrix3xX;
-use rapier3d::prelude::Pose;
+use underbrush_recording::Pose;
 
 use crate::arm::Arm;
 

@@ -70,7 +70,7 @@ impl ModelPredictive {
 
     /// The move of the tip that the cost asks for in this step, m.
     fn wanted_move(&self, input: &ControllerInput<'_>) -> DVec3 {
-        let error = input.goal.position_world - input.tip_pose_world.translation;
+        let error = input.goal.position_world - input.tip_pose_world.position;
         wanted(error, self.preset.tip_step_m, self.preset.slow_distance_m)
     }
 
@@ -80,7 +80,7 @@ impl ModelPredictive {
             .goal
             .orientation_world
             .filter(|_| self.preset.orientation_weight > 0.0)?;
-        let difference = goal * input.tip_pose_world.rotation.inverse();
+        let difference = goal * input.tip_pose_world.orientation.inverse();
         // The shorter way round.
         let difference = if difference.w < 0.0 { -difference } else { difference };
         Some(wanted(

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use nalgebra::Matrix3xX;
-use rapier3d::prelude::Pose;
+use underbrush_recording::Pose;
 
 use super::{Controller, ControllerInput, ControllerOutput, Goal, TaxelContact};
 use crate::arm::Arm;
@@ -27,7 +27,7 @@ impl<'a> Situation<'a> {
     fn at(arm: &'a Arm, angle: &[f64]) -> Self {
         let links = arm.forward_kinematics(angle);
         let goal = Goal {
-            position_world: arm.tip_pose(&links).translation,
+            position_world: arm.tip_pose(&links).position,
             orientation_world: None,
         };
         Situation {
@@ -46,7 +46,7 @@ impl<'a> Situation<'a> {
 
     fn tip_jacobian(&self) -> Matrix3xX<f64> {
         self.arm
-            .position_jacobian(&self.links, self.arm.tip_link, self.tip().translation)
+            .position_jacobian(&self.links, self.arm.tip_link, self.tip().position)
     }
 
     /// Presses on one taxel.
@@ -56,8 +56,8 @@ impl<'a> Situation<'a> {
         let pose = self.links[link];
         let position_jacobian = self
             .arm
-            .position_jacobian(&self.links, link, pose * taxel.position_link);
-        let inward_normal_world = -(pose.rotation * taxel.normal_link);
+            .position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
+        let inward_normal_world = -(pose.orientation * taxel.normal_link);
         self.contacts.push(TaxelContact {
             position_jacobian,
             inward_normal_world,
@@ -78,7 +78,7 @@ impl<'a> Situation<'a> {
     }
 
     fn distance(&self) -> f64 {
-        self.goal.position_world.distance(self.tip().translation)
+        self.goal.position_world.distance(self.tip().position)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Tests of the layer: conservation, friction cones, and the likeness to a stored frame of the real skin.
 
 use proptest::prelude::*;
-use rapier3d::prelude::{Capsule, Cuboid};
+use parry3d::shape::{Capsule, Cuboid};
 
 use super::*;
 
@@ -36,7 +36,7 @@ fn over(contact: &ContactPoint, distance_m: f64, turn_rad: f64) -> Pose {
     let side = down.cross(DVec3::Z).normalize();
     let x = DVec3::Z * turn_rad.cos() + side * turn_rad.sin();
     let axes = glam::DMat3::from_cols(x, down.cross(x), down);
-    Pose::from_parts(contact.position_link - down * distance_m, glam::DQuat::from_mat3(&axes))
+    Pose::new(contact.position_link - down * distance_m, glam::DQuat::from_mat3(&axes))
 }
 
 /// A trunk of this radius on the contact, turned from the sleeve's axis.

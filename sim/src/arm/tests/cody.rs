@@ -92,9 +92,9 @@ fn forearm_skin_is_a_closed_sleeve_short_of_the_wrist() {
     // The link after the forearm roll (joint 4): the skin turns with it.
     assert_eq!(link, 5);
     let poses = arm.forward_kinematics(&[0.0; 7]);
-    let elbow = poses[4].translation;
+    let elbow = poses[4].position;
     for (index, taxel) in patch.taxels.iter().enumerate() {
-        let from_elbow = poses[link] * taxel.position_link - elbow;
+        let from_elbow = poses[link].transform_point(taxel.position_link) - elbow;
         let row = index / 24;
         assert!((-from_elbow.z - (0.0942 + 0.0108 * row as f64)).abs() < 1e-9);
         assert!((from_elbow.truncate().length() - 0.04604).abs() < 1e-12);
@@ -117,7 +117,7 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
         ("flipper", "flipper", 69)
     );
     let tip = patch.taxels[24];
-    assert!(tip.position_link.distance(arm.tip_pose_link.translation) < 1e-12);
+    assert!(tip.position_link.distance(arm.tip_pose_link.position) < 1e-12);
     assert!(tip.normal_link.distance(DVec3::NEG_Z) < 1e-12);
     let link = &arm.links[arm.skin.surfaces[1].link];
     for taxel in &patch.taxels {

@@ -103,12 +103,12 @@ fn tip_force_at_rest_is_held_by_the_springs() {
             let body = &mut physics.bodies[handles.links[arm.tip_link]];
             body.reset_forces(true);
             body.reset_torques(true);
-            body.add_force_at_point(force, tip.translation, true);
+            body.add_force_at_point(force, tip.position, true);
             physics.step();
         }
         let angles = handles.joint_angle_rad(&physics);
         let links = arm.forward_kinematics(&angles);
-        let jacobian = arm.position_jacobian(&links, arm.tip_link, arm.tip_pose(&links).translation);
+        let jacobian = arm.position_jacobian(&links, arm.tip_link, arm.tip_pose(&links).position);
         let load = jacobian.transpose() * Vector3::new(force.x, force.y, force.z);
         let stiffness = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad);
         let spring = DVector::from_iterator(

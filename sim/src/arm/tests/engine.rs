@@ -2,6 +2,7 @@ use super::super::Arm;
 use super::super::engine::{ArmHandles, insert_arm};
 use super::kinematics::matrix;
 use super::random_postures;
+use crate::geometry::from_parry;
 use crate::physics::{Physics, PhysicsOptions, groups};
 
 const OPTIONS: PhysicsOptions = PhysicsOptions {
@@ -28,8 +29,8 @@ fn engine_has_the_same_poses_and_jacobians() {
         assert_eq!(multibody.ndofs(), 7);
         for (index, (handle, pose)) in handles.links.iter().zip(&poses).enumerate() {
             let body = &physics.bodies[*handle];
-            assert!((matrix(body.position()) - matrix(pose)).amax() < 1e-12);
-            let center = *pose * arm.links[index].center_of_mass_link;
+            assert!((matrix(&from_parry(body.position())) - matrix(pose)).amax() < 1e-12);
+            let center = pose.transform_point(arm.links[index].center_of_mass_link);
             assert!(body.center_of_mass().distance(center) < 1e-12);
             let engine = multibody.body_jacobian(index);
             let position = arm.position_jacobian(&poses, index, center);

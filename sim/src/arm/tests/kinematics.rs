@@ -1,5 +1,6 @@
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DMat4, DVec3};
 use nalgebra::Matrix4;
+use underbrush_recording::Pose;
 
 use super::super::Arm;
 use super::random_postures;
@@ -38,8 +39,8 @@ pub(super) fn modified_dh_frames(joint_angle_rad: &[f64]) -> Vec<Matrix4<f64>> {
         .collect()
 }
 
-pub(super) fn matrix(pose: &rapier3d::prelude::Pose) -> Matrix4<f64> {
-    Matrix4::from_column_slice(&pose.to_mat4().to_cols_array())
+pub(super) fn matrix(pose: &Pose) -> Matrix4<f64> {
+    Matrix4::from_column_slice(&DMat4::from_rotation_translation(pose.orientation, pose.position).to_cols_array())
 }
 
 #[test]
@@ -81,10 +82,10 @@ fn zero_posture_hangs_straight_down() {
         wrist,
     ];
     for (link, origin) in links.iter().zip(expected) {
-        assert!(link.translation.distance(origin) < 1e-15);
-        assert!((DMat3::from_quat(link.rotation) - DMat3::IDENTITY).abs_diff_eq(DMat3::ZERO, 1e-15));
+        assert!(link.position.distance(origin) < 1e-15);
+        assert!((DMat3::from_quat(link.orientation) - DMat3::IDENTITY).abs_diff_eq(DMat3::ZERO, 1e-15));
     }
-    assert!(arm.tip_pose(&links).translation.distance(wrist - DVec3::Z * 0.27) < 1e-15);
+    assert!(arm.tip_pose(&links).position.distance(wrist - DVec3::Z * 0.27) < 1e-15);
 }
 
 #[test]
@@ -94,9 +95,9 @@ fn positive_angles_swing_forward_outward_and_bend() {
     let tip = |joint: usize| {
         let mut posture = [0.0; 7];
         posture[joint] = 0.5;
-        arm.tip_pose(&arm.forward_kinematics(&posture)).translation
+        arm.tip_pose(&arm.forward_kinematics(&posture)).position
     };
-    let rest = arm.tip_pose(&arm.forward_kinematics(&[0.0; 7])).translation;
+    let rest = arm.tip_pose(&arm.forward_kinematics(&[0.0; 7])).position;
     assert!(tip(0).x > rest.x + 0.1, "flexion swings forward");
     assert!(tip(1).y < rest.y - 0.1, "abduction of a right arm swings to the right");
     assert!(tip(3).x > rest.x + 0.1, "the elbow bends forward");
@@ -112,7 +113,7 @@ fn jacobians_are_the_derivatives_of_the_poses() {
         let links = arm.forward_kinematics(&posture);
         let link = round % arm.links.len();
         let point_link = DVec3::new(0.03, -0.05, 0.02 * (round % 7) as f64);
-        let position = arm.position_jacobian(&links, link, links[link] * point_link);
+        let position = arm.position_jacobian(&links, link, links[link].transform_point(point_link));
         let angular = arm.angular_jacobian(&links, link);
         for joint in 0..7 {
             let shifted = |by: f64| {
@@ -121,8 +122,8 @@ fn jacobians_are_the_derivatives_of_the_poses() {
                 arm.forward_kinematics(&posture)[link]
             };
             let (ahead, behind) = (shifted(step), shifted(-step));
-            let velocity = (ahead * point_link - behind * point_link) / (2.0 * step);
-            let turn = (ahead.rotation * behind.rotation.inverse()).to_scaled_axis() / (2.0 * step);
+            let velocity = (ahead.transform_point(point_link) - behind.transform_point(point_link)) / (2.0 * step);
+            let turn = (ahead.orientation * behind.orientation.inverse()).to_scaled_axis() / (2.0 * step);
             for row in 0..3 {
                 // Truncation is of the order step² and rounding of 1e-16/step = 1e-10.
                 assert!((position[(row, joint)] - velocity[row]).abs() < 2e-9);

@@ -22,14 +22,14 @@ fn reaches_goals_in_free_space() {
                 .iter()
                 .map(|angle| angle + random.random_range(-0.4..0.4))
                 .collect();
-            let goal = Situation::at(&arm, &near).tip().translation;
+            let goal = Situation::at(&arm, &near).tip().position;
             let mut angle = arm.start_posture_rad();
-            let mut last = Situation::at(&arm, &angle).tip().translation;
+            let mut last = Situation::at(&arm, &angle).tip().position;
             let steps = (preset.time_out_s * preset.rate_hz) as usize;
             let reached = (0..steps).any(|_| {
                 let mut situation = Situation::at(&arm, &angle);
                 situation.goal.position_world = goal;
-                let tip = situation.tip().translation;
+                let tip = situation.tip().position;
                 // The step is planned on the tangent: its length is off by the square of half a degree.
                 assert!(tip.distance(last) < preset.tip_step_m * 1.02);
                 last = tip;
@@ -54,17 +54,17 @@ fn reaches_orientations_in_free_space() {
     target[6] += 0.2;
     let target = Situation::at(&arm, &target).tip();
     let mut angle = middle();
-    let angle_to = |rotation: DQuat| rotation.angle_between(target.rotation);
-    assert!(angle_to(Situation::at(&arm, &angle).tip().rotation) > preset.reached_angle_rad);
+    let angle_to = |rotation: DQuat| rotation.angle_between(target.orientation);
+    assert!(angle_to(Situation::at(&arm, &angle).tip().orientation) > preset.reached_angle_rad);
     for _ in 0..500 {
         let mut situation = Situation::at(&arm, &angle);
-        situation.goal.position_world = target.translation;
-        situation.goal.orientation_world = Some(target.rotation);
+        situation.goal.position_world = target.position;
+        situation.goal.orientation_world = Some(target.orientation);
         angle = situation.step(&controller).equilibrium_angle_rad;
     }
     let tip = Situation::at(&arm, &angle).tip();
-    assert!(tip.translation.distance(target.translation) < preset.reached_distance_m);
-    assert!(angle_to(tip.rotation) < preset.reached_angle_rad);
+    assert!(tip.position.distance(target.position) < preset.reached_distance_m);
+    assert!(angle_to(tip.orientation) < preset.reached_angle_rad);
 }
 
 /// A frictionless wall with a spring, felt by one taxel of an arm at rest on its springs.
@@ -83,7 +83,7 @@ impl Wall {
     fn depth(&self, arm: &Arm, angle: &[f64]) -> (f64, DVector<f64>) {
         let links = arm.forward_kinematics(angle);
         let link = arm.skin.surfaces[self.patch].link;
-        let position = links[link] * arm.skin.layout.patches[self.patch].taxels[self.taxel].position_link;
+        let position = links[link].transform_point(arm.skin.layout.patches[self.patch].taxels[self.taxel].position_link);
         let jacobian = DMatrix::from_column_slice(3, 7, arm.position_jacobian(&links, link, position).as_slice());
         (
             (self.point - position).dot(self.push),
@@ -129,17 +129,17 @@ fn push(arm: &Arm, controller: &dyn Controller, stiffness: f64, ahead: f64, goal
     let link = arm.skin.surfaces[0].link;
     let pose = situation.links[link];
     let taxels = &arm.skin.layout.patches[0].taxels;
-    let forward = |index: &usize| (pose.rotation * taxels[*index].normal_link).x;
+    let forward = |index: &usize| (pose.orientation * taxels[*index].normal_link).x;
     let taxel = (168..192).max_by(|a, b| forward(a).total_cmp(&forward(b))).unwrap();
-    let outward = pose.rotation * taxels[taxel].normal_link;
+    let outward = pose.orientation * taxels[taxel].normal_link;
     let wall = Wall {
         patch: 0,
         taxel,
-        point: pose * taxels[taxel].position_link,
+        point: pose.transform_point(taxels[taxel].position_link),
         push: -outward,
         stiffness,
     };
-    let goal = situation.tip().translation + outward * goal_ahead;
+    let goal = situation.tip().position + outward * goal_ahead;
     let mut equilibrium = start.clone();
     equilibrium[0] += ahead;
     let mut angle = start;

@@ -41,7 +41,7 @@ fn model(situation: &Situation<'_>, preset: &Preset) -> (DMatrix<f64>, Vec<(f64,
 /// The published cost of a step, without an orientation goal.
 fn cost(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) -> f64 {
     let (response, rows) = model(situation, preset);
-    let error = situation.goal.position_world - situation.tip().translation;
+    let error = situation.goal.position_world - situation.tip().position;
     let slow = preset.slow_distance_m.unwrap_or(preset.tip_step_m);
     let wanted = vector(error.normalize() * preset.tip_step_m * (error.length() / slow).min(1.0));
     let moved = DMatrix::from_column_slice(3, 7, situation.tip_jacobian().as_slice()) * &response * change;
@@ -283,7 +283,7 @@ fn orientation_counts_where_it_has_weight() {
     let turn = DQuat::from_rotation_y(0.3);
     for sign in [1.0, -1.0] {
         // A quaternion and its negative are the same orientation.
-        situation.goal.orientation_world = Some((turn * situation.tip().rotation) * sign);
+        situation.goal.orientation_world = Some((turn * situation.tip().orientation) * sign);
         assert_eq!(
             situation.step(&ModelPredictive::new(Preset::ijrr_foliage(), &arm)),
             plain
