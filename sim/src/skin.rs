@@ -19,8 +19,8 @@ use underbrush_recording::Pose;
 
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
-use crate::geometry::signed_distance_m;
 use crate::cone::{Carrier, solve_symmetric, within_cones};
+use crate::geometry::signed_distance_m;
 use crate::object::FRICTION;
 
 /// One place on a taxel, link frame.

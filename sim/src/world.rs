@@ -82,7 +82,8 @@ impl World {
         let mut physics = Physics::new(options);
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
         let outlines = clutter.objects.iter().map(Standing::outline);
-        let outlines: Vec<(Cuboid, EnginePose)> = outlines.map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
+        let outlines: Vec<(Cuboid, EnginePose)> =
+            outlines.map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.aabb(pose)).collect();
         let objects = clutter.objects.iter();
         let mut world = World {

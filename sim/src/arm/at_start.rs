@@ -44,11 +44,7 @@ impl ArmAtStart {
         let links = links.flat_map(|(link, pose)| placed_shapes(link, pose)).collect();
         // From the first joint whose offset from the next is a bone rather than an actuator's width.
         let tip_world = arm.tip_pose(&poses).position;
-        let chain: Vec<DVec3> = poses[1..]
-            .iter()
-            .map(|pose| pose.position)
-            .chain([tip_world])
-            .collect();
+        let chain: Vec<DVec3> = poses[1..].iter().map(|pose| pose.position).chain([tip_world]).collect();
         ArmAtStart {
             links,
             tip_world,

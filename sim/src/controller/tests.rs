@@ -54,9 +54,9 @@ impl<'a> Situation<'a> {
         let link = self.arm.skin.surfaces[patch].link;
         let taxel = self.arm.skin.layout.patches[patch].taxels[taxel];
         let pose = self.links[link];
-        let position_jacobian = self
-            .arm
-            .position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
+        let position_jacobian =
+            self.arm
+                .position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
         let inward_normal_world = -(pose.orientation * taxel.normal_link);
         self.contacts.push(TaxelContact {
             position_jacobian,

@@ -1,7 +1,7 @@
 //! Tests of the layer: conservation, friction cones, and the likeness to a stored frame of the real skin.
 
-use proptest::prelude::*;
 use parry3d::shape::{Capsule, Cuboid};
+use proptest::prelude::*;
 
 use super::*;
 

@@ -83,7 +83,8 @@ impl Wall {
     fn depth(&self, arm: &Arm, angle: &[f64]) -> (f64, DVector<f64>) {
         let links = arm.forward_kinematics(angle);
         let link = arm.skin.surfaces[self.patch].link;
-        let position = links[link].transform_point(arm.skin.layout.patches[self.patch].taxels[self.taxel].position_link);
+        let position =
+            links[link].transform_point(arm.skin.layout.patches[self.patch].taxels[self.taxel].position_link);
         let jacobian = DMatrix::from_column_slice(3, 7, arm.position_jacobian(&links, link, position).as_slice());
         (
             (self.point - position).dot(self.push),
