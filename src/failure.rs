@@ -9,6 +9,7 @@ use underbrush_classifier::decision::DecisionError;
 use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
+use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_sim::campaign::CampaignError;
@@ -159,6 +160,21 @@ where
             CampaignError::Input(input) => input.into(),
             CampaignError::Receiver(error) => error.into(),
             CampaignError::Engine { .. } => Failure::run(error.to_string()),
+        }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Input(error) => error.into(),
+            ExperimentError::Disk(error) => error.into(),
+            ExperimentError::Model(error) => error.into(),
+            ExperimentError::Engine(_)
+            | ExperimentError::Io { .. }
+            | ExperimentError::Json { .. }
+            | ExperimentError::Unmatched { .. } => Failure::run(error.to_string()),
+            other => Failure::usage(other.to_string()),
         }
     }
 }

@@ -5,19 +5,12 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-mod audit;
 mod command;
-mod dataset;
-mod doubts;
-mod ends;
 mod failure;
 mod input;
 mod interrupt;
 mod output;
-mod picture;
-mod portrait;
 mod progress;
-mod sealed;
 mod trial_arguments;
 
 use failure::Failure;
@@ -28,7 +21,7 @@ use failure::Failure;
 /// Start with `underbrush reproduce --quick`, or look at one reach: `underbrush reach scenes/mixed.toml --picture reach.svg`.
 /// Results go to stdout, everything else to stderr.
 #[derive(Parser)]
-#[command(name = "underbrush", version = dataset::PROGRAM_VERSION, max_term_width = 100)]
+#[command(name = "underbrush", version = underbrush_experiments::dataset::PROGRAM_VERSION, max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     shared: Shared,

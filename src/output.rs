@@ -6,6 +6,8 @@ use std::path::Path;
 use serde::{Serialize, Serializer};
 use underbrush_recording::disk;
 
+pub use underbrush_report::text::table;
+
 use crate::failure::Failure;
 
 /// Prints a result as text, or as one JSON object.
@@ -29,6 +31,11 @@ pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
 /// A remark for a person on stderr.
 pub fn remark(text: impl AsRef<str>) {
     say(text.as_ref());
+}
+
+/// Remarks for a person on stderr, one a line.
+pub fn remarks(texts: impl IntoIterator<Item = String>) {
+    texts.into_iter().for_each(remark);
 }
 
 /// The hint of an interrupted program on stderr, on a line of its own: a bar, or the terminal's `^C`, may stand there.
@@ -92,35 +99,4 @@ pub fn csv_bytes(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -
 /// A path as text in a result. Bytes that are not UTF-8 are replaced: only what is shown suffers.
 pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(&path.display())
-}
-
-/// A table of columns padded to their widest entry; the first column left, the others right.
-pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        let entries = rows
-            .iter()
-            .filter_map(|row| row.get(column))
-            .map(|entry| entry.chars().count());
-        entries.chain([header[column].chars().count()]).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    let line = |row: Vec<&str>| {
-        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
-            if column == 0 {
-                format!("{cell:<width$}")
-            } else {
-                format!("{cell:>width$}")
-            }
-        });
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
-    };
-    let mut text = line(header.to_vec());
-    text += &(widths
-        .iter()
-        .map(|width| "-".repeat(*width))
-        .collect::<Vec<_>>()
-        .join("  ")
-        + "\n");
-    text.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
-    text
 }

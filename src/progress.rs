@@ -1,39 +1,58 @@
-//! A bar on stderr for long work: reaches done, time left, goals reached. None where stderr is no terminal.
+//! A bar on stderr for long work: things done, time left, goals reached. None where stderr is no terminal.
 
 use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
-/// The bar of a campaign.
-pub struct CampaignBar {
+use crate::output;
+
+/// Shows stages and remarks as lines on stderr, and counts as bars.
+pub struct Shown;
+
+impl Progress for Shown {
+    fn stage(&self, name: &str) {
+        output::remark(name);
+    }
+
+    fn remark(&self, text: &str) {
+        output::remark(text);
+    }
+
+    fn count(&self, things: &str, total: u64, done: u64) -> Box<dyn Counter> {
+        let bar = bar(total, things);
+        bar.set_position(done);
+        bar.reset_eta();
+        Box::new(Bar {
+            bar,
+            goals: Mutex::default(),
+        })
+    }
+}
+
+/// A bar with the outcomes of all goals so far.
+struct Bar {
     bar: ProgressBar,
     goals: Mutex<GoalOutcomes>,
 }
 
-impl CampaignBar {
-    /// A bar for `reaches` reaches, of which some may be done already (after `--resume`).
-    pub fn new(reaches: u64, done: u64) -> Self {
-        let bar = bar(reaches, "reaches");
-        bar.set_position(done);
-        bar.reset_eta();
-        CampaignBar {
-            bar,
-            goals: Mutex::default(),
-        }
+impl Counter for Bar {
+    fn advance(&self) {
+        self.bar.inc(1);
     }
 
-    /// Counts one reach by how its goals ended.
-    pub fn reach(&self, goals: GoalOutcomes) {
+    fn reach(&self, goals: GoalOutcomes) {
         if let Ok(mut sum) = self.goals.lock() {
             *sum = [*sum, goals].into_iter().sum();
             self.bar.set_message(sum.to_string());
         }
         self.bar.inc(1);
     }
+}
 
-    /// Removes the bar.
-    pub fn finish(&self) {
+impl Drop for Bar {
+    fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
 }

@@ -13,7 +13,6 @@
 //! | scores become a verdict | [`decision::Decision`] |
 //! | anything else that learns from trials stands beside them | [`estimator::Estimator`], [`baseline`] |
 //! | verdicts become tables with confidence intervals | [`evaluate`] |
-//! | tables become charts and a page | [`report`] |
 //!
 //! Nothing here knows the simulator: recordings of a real robot and anyone's table of trials will do.
 //!
@@ -62,7 +61,6 @@ mod model_file;
 mod model_set;
 pub mod online;
 pub mod recipe;
-pub mod report;
 pub mod stream_feature;
 pub mod trial;
 

@@ -7,14 +7,16 @@ use std::time::Instant;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use serde::Serialize;
+use underbrush_experiments::audit::{self, Worst};
+use underbrush_experiments::dataset::{Campaign, PROGRAM_VERSION, Written};
+use underbrush_experiments::ends::Ends;
 use underbrush_recording::disk::{Dataset, Shard};
+use underbrush_report::text;
 use underbrush_sim::controller;
 use underbrush_sim::scene::Scene;
 
-use crate::audit::{self, Worst};
-use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
-use crate::ends::Ends;
 use crate::failure::Failure;
+use crate::progress::Shown;
 use crate::{interrupt, output};
 
 /// Options of `underbrush generate`.
@@ -110,7 +112,7 @@ impl Summary {
             self.reaches,
             self.simulated_s,
             self.ends.text(),
-            audit::text(&self.audit),
+            text::audit(&self.audit),
             self.dataset.display()
         )
     }
@@ -148,7 +150,7 @@ fn stored(path: &Path) -> Result<Campaign, Failure> {
             path.display()
         ));
     }
-    Campaign::of(&dataset)
+    Ok(Campaign::of(&dataset)?)
 }
 
 /// Runs the campaign.
@@ -162,7 +164,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         "finished reaches are kept in {}; run the same command with --resume to go on",
         options.out.display()
     ));
-    let (dataset, wall_s) = match campaign.write(&options.out, options.resume)? {
+    let (dataset, wall_s) = match campaign.write(&options.out, options.resume, &Shown)? {
         Written::New(dataset) => (dataset, Some(start.elapsed().as_secs_f64())),
         Written::Before(dataset) => {
             let out = options.out.display();
@@ -170,7 +172,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             (dataset, None)
         }
     };
-    audit::warn(dataset.episodes(), dataset.layout());
+    output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
     let summary = Summary::of(&dataset, wall_s);
     output::result(json, &summary, || summary.text())
 }

@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 use underbrush_classifier::ModelSet;
+use underbrush_experiments::audit;
+use underbrush_experiments::ends::Ends;
 use underbrush_recording::disk::{Dataset, FileText, is_recording, read_recording, read_trials};
 use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::ends::Ends;
 use crate::failure::Failure;
-use crate::{audit, input, output};
+use crate::{input, output};
 
 /// Options of `underbrush inspect`.
 #[derive(Args)]

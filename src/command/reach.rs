@@ -7,8 +7,10 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions};
+use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
+use underbrush_report::picture;
 use underbrush_sim::controller;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -16,7 +18,8 @@ use underbrush_sim::snapshot::Snapshot;
 
 use crate::failure::Failure;
 use crate::input::{self, Unit};
-use crate::{audit, doubts, output, picture};
+use crate::output;
+use crate::progress::Shown;
 
 /// Options of `underbrush reach`.
 #[derive(Args)]
@@ -97,7 +100,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             options_of_trials.threshold_n,
         )?;
     }
-    doubts::warn([&plan.arm]);
+    dataset::say_doubts([&plan.arm], &Shown);
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
     let recording = plan.run(options.index, &mut |world, clutter, frame| {
@@ -126,7 +129,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         );
         output::write_file(path, svg.as_bytes())?;
     }
-    audit::warn_of_reach(&recording);
+    output::remarks(audit::reach_warnings(&recording));
     let report = Report::of(&recording, &options_of_trials, plan.preset().force_limit_n, wall_s)?;
     output::result(json, &report, || report.text())
 }

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
+use underbrush_report::portrait;
 use underbrush_validation::{
     CHECKS, Check, CheckError, FalsifiedOutcome, Outcome, Verdict, falsify, portraits, roll_loop,
 };
 
 use crate::failure::Failure;
-use crate::{output, portrait, progress};
+use crate::{output, progress};
 
 mod text;
 

@@ -1,0 +1,147 @@
+//! The audit of a data set: the worst figures, where they are, and warnings where they pass their bounds.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use underbrush_recording::disk::Episode;
+use underbrush_recording::{Audit, Recording, SkinLayout};
+use underbrush_sim::audit::{Bound, bounds};
+
+/// The worst value of one figure and where it is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Worst {
+    /// The value.
+    pub value: f64,
+    /// What it should not pass, where it has a bound.
+    pub bound: Option<f64>,
+    /// Scene of the reach.
+    pub scene: String,
+    /// Index of the reach in its scene.
+    pub reach_index: u64,
+}
+
+/// The worst value of every figure over some reaches, by the figure's name.
+pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str, Worst> {
+    let of_field = |name: &str, get: fn(&Audit) -> f64| {
+        let worst = episodes.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit)))?;
+        Some(Worst {
+            value: get(&worst.audit),
+            bound: bounds(layout)
+                .find(|bound| bound.field.name == name)
+                .map(|bound| bound.most),
+            scene: worst.scene.clone(),
+            reach_index: worst.reach_index,
+        })
+    };
+    let fields = Audit::FIELDS.into_iter();
+    fields
+        .filter_map(|field| Some((field.name, of_field(field.name, field.get)?)))
+        .collect()
+}
+
+/// The counts of the audit, summed over some reaches, by name.
+pub fn counts(episodes: &[Episode]) -> BTreeMap<&'static str, u64> {
+    let sum = |get: fn(&Audit) -> u32| episodes.iter().map(|episode| u64::from(get(&episode.audit))).sum();
+    let fields = Audit::COUNTS.into_iter();
+    fields.map(|field| (field.name, sum(field.get))).collect()
+}
+
+/// One reach with its audit.
+#[derive(Clone, Copy)]
+struct Audited<'a> {
+    scene: &'a str,
+    reach_index: u64,
+    audit: &'a Audit,
+}
+
+/// Which reaches of a data set pass a bound of the audit, and by how much the worst does.
+pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
+    let audited = episodes.iter().map(|episode| Audited {
+        scene: &episode.scene,
+        reach_index: episode.reach_index,
+        audit: &episode.audit,
+    });
+    passed_bounds(&audited.collect::<Vec<_>>(), layout)
+}
+
+/// Which bounds of the audit a single reach passes.
+pub fn reach_warnings(recording: &Recording) -> Vec<String> {
+    let audited = Audited {
+        scene: &recording.scene,
+        reach_index: recording.reach_index,
+        audit: &recording.audit,
+    };
+    passed_bounds(&[audited], &recording.layout)
+}
+
+/// One warning for each bound that some of these reaches pass, and one where the controller's program could not be solved.
+fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
+    let warning = |bound: Bound| {
+        let value = |reach: &Audited| (bound.field.get)(reach.audit);
+        let beyond: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.most).collect();
+        let worst = beyond.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        Some(format!(
+            "warning: {} passes {:.1e} in {} of {} reaches, most in reach {} of {}: {:.1e} (the bound: {})",
+            bound.field.name,
+            bound.most,
+            beyond.len(),
+            reaches.len(),
+            worst.reach_index,
+            worst.scene,
+            value(worst),
+            bound.reason
+        ))
+    };
+    let failed: u64 = reaches
+        .iter()
+        .map(|reach| u64::from(reach.audit.failed_controller_steps))
+        .sum();
+    let failed = (failed > 0).then(|| {
+        format!(
+            "warning: the controller's program could not be solved in {failed} steps; there the equilibrium angles stayed \
+             as they were"
+        )
+    });
+    bounds(layout).filter_map(warning).chain(failed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pins that a reach beyond a bound of the audit is named with figure, bound and value, the worst one of several,
+    /// and that reaches within all bounds are not mentioned.
+    #[test]
+    fn every_broken_bound_is_named() {
+        let layout = SkinLayout::default();
+        let sound = Audit::default();
+        let deep = |deepest_penetration_m| Audit {
+            deepest_penetration_m,
+            ..Audit::default()
+        };
+        let (deeper, deepest) = (deep(0.5), deep(0.75));
+        let reach = |reach_index, audit| Audited {
+            scene: "leaf",
+            reach_index,
+            audit,
+        };
+        assert_eq!(passed_bounds(&[reach(0, &sound)], &layout), Vec::<String>::new());
+        let found = passed_bounds(&[reach(0, &sound), reach(1, &deepest), reach(2, &deeper)], &layout);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(
+            found[0].starts_with(
+                "warning: deepest_penetration_m passes 1.0e-2 in 2 of 3 reaches, most in reach 1 of leaf: 7.5e-1"
+            ),
+            "{found:?}"
+        );
+        let failed = Audit {
+            failed_controller_steps: 3,
+            ..Audit::default()
+        };
+        let found = passed_bounds(&[reach(0, &sound), reach(1, &failed)], &layout);
+        assert!(
+            found.len() == 1 && found[0].contains("could not be solved in 3 steps"),
+            "{found:?}"
+        );
+    }
+}

@@ -1,0 +1,260 @@
+//! From scenes to a finished data set: plan, campaign, files.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::json;
+use underbrush_recording::disk::{
+    ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
+};
+use underbrush_recording::{InputError, Recording};
+use underbrush_sim::arm::{Arm, ArmSource};
+use underbrush_sim::campaign::{self, CampaignError, Job};
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+use crate::error::ExperimentError;
+use crate::progress::Progress;
+
+/// What data sets and results name as the program that made them.
+pub const PROGRAM: &str = "underbrush";
+
+/// Version of the program, with a hash of all sources that decide data: while a version is being worked on, its builds
+/// make different data, and none must be continued by another.
+pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("UNDERBRUSH_DATA_SOURCES"));
+
+/// Reaches of some scenes, from one seed.
+pub struct Campaign {
+    /// The scenes, each with its number of reaches.
+    pub scenes: Vec<(Scene, u64)>,
+    /// Arms by the name of their scene, instead of those that the scenes name.
+    pub arms: BTreeMap<String, Arm>,
+    /// The seed.
+    pub seed: u64,
+    /// The controller; each scene's own if not given.
+    pub controller: Option<String>,
+    /// The part of the reaches to run; all if not given.
+    pub shard: Option<Shard>,
+}
+
+/// A data set that was asked for.
+pub enum Written {
+    /// It was made, or finished, now.
+    New(Dataset),
+    /// It had been finished before.
+    Before(Dataset),
+}
+
+/// Says what is doubtful about the skins of these arms, each sentence once.
+pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Progress) {
+    let mut said: Vec<String> = Vec::new();
+    for doubt in arms.into_iter().flat_map(Arm::skin_doubts) {
+        if !said.contains(&doubt) {
+            progress.remark(&format!("doubtful: {doubt}"));
+            said.push(doubt);
+        }
+    }
+}
+
+impl Campaign {
+    /// The campaign that made a data set, from what the set holds alone.
+    pub fn of(dataset: &Dataset) -> Result<Self, ExperimentError> {
+        let provenance = dataset.provenance();
+        let fault = |field: &str, found: String, allowed: &str| -> ExperimentError {
+            let path = dataset.dir().join("meta/provenance.json");
+            let remedy = "give a data set that `underbrush generate` made";
+            InputError::new(path, field, found, allowed, remedy).into()
+        };
+        if provenance.program != PROGRAM || provenance.scenes.is_empty() {
+            let allowed = "a program whose data sets hold scenes: underbrush";
+            return Err(fault("program", provenance.program.clone(), allowed));
+        }
+        let mut campaign = Campaign {
+            scenes: Vec::new(),
+            arms: BTreeMap::new(),
+            seed: provenance.seed,
+            controller: Some(provenance.controller.clone()),
+            shard: provenance.shard,
+        };
+        for (index, stored) in provenance.scenes.iter().enumerate() {
+            let field = |name: &str| format!("scenes[{index}].{name}");
+            let scene = Scene::parse(&stored.file.name, stored.file.text.clone())?;
+            if scene.name != stored.name {
+                let allowed = "the name of the scene's file without its ending";
+                return Err(fault(&field("name"), stored.name.clone(), allowed));
+            }
+            let Some(arm) = provenance.arms.get(stored.arm) else {
+                return Err(fault(&field("arm"), stored.arm.to_string(), "the index of an arm"));
+            };
+            let file = |file: &FileText| ArmSource {
+                name: file.name.clone(),
+                text: file.text.clone(),
+            };
+            let files: Vec<ArmSource> = arm.files.iter().map(file).collect();
+            campaign.arms.insert(scene.name.clone(), Arm::from_files(&files)?);
+            campaign.scenes.push((scene, stored.reaches));
+        }
+        Ok(campaign)
+    }
+
+    /// Runs the campaign into the folder `out`; with `resume`, only what is missing there.
+    pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, ExperimentError> {
+        let plans = self.plans()?;
+        let jobs = self.jobs();
+        say_doubts(plans.iter().map(|plan| &plan.arm), progress);
+        // Refused before anything is written: what an impossible draw would leave behind could not be resumed, since
+        // a mended scene makes another plan. A draw costs a thousandth of its reach.
+        jobs.par_iter()
+            .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
+        let writer = match DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume) {
+            // With `resume` this says that the set was made to the same plan.
+            Err(DiskError::Finished { .. }) if resume => return Ok(Written::Before(Dataset::open(out)?)),
+            writer => writer?,
+        };
+        let missing = writer.missing()?;
+        let count = progress.count("reaches", jobs.len() as u64, (jobs.len() - missing.len()) as u64);
+        let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
+        let result: Result<(), CampaignError<DiskError>> = campaign::run(&plans, &to_run, |index, recording| {
+            writer.stage(missing[index], &recording)?;
+            count.reach(recording.goal_outcomes());
+            Ok(())
+        });
+        drop(count);
+        result?;
+        Ok(Written::New(writer.finish()?))
+    }
+
+    /// Runs the campaign and hands over each recording with its place among all, in any order; nothing is written.
+    pub fn run<E: std::error::Error + Send + 'static>(
+        &self,
+        progress: &dyn Progress,
+        receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
+    ) -> Result<(), ExperimentError>
+    where
+        ExperimentError: From<E>,
+    {
+        let (plans, jobs) = (self.plans()?, self.jobs());
+        let count = progress.count("reaches", jobs.len() as u64, 0);
+        let result = campaign::run(&plans, &jobs, |position, recording| {
+            let goals = recording.goal_outcomes();
+            receive(position, recording)?;
+            count.reach(goals);
+            Ok(())
+        });
+        drop(count);
+        Ok(result?)
+    }
+
+    /// Whether a finished data set is what this campaign would make.
+    pub fn has_made(&self, dataset: &Dataset) -> Result<bool, ExperimentError> {
+        Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
+    }
+
+    fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
+        let controller = self.controller.as_deref();
+        let plan = |(scene, _): &(Scene, u64)| match self.arms.get(&scene.name) {
+            Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed),
+            None => ReachPlan::new(scene.clone(), controller, self.seed),
+        };
+        Ok(self.scenes.iter().map(plan).collect::<Result<_, _>>()?)
+    }
+
+    /// Reach by reach, scene after scene.
+    fn jobs(&self) -> Vec<Job> {
+        let all = self
+            .scenes
+            .iter()
+            .enumerate()
+            .flat_map(|(plan, (_, reaches))| (0..*reaches).map(move |reach_index| Job { plan, reach_index }));
+        let mine = |position: usize| {
+            self.shard
+                .is_none_or(|shard| position as u64 % shard.count == shard.index)
+        };
+        all.enumerate()
+            .filter(|(position, _)| mine(*position))
+            .map(|(_, job)| job)
+            .collect()
+    }
+
+    fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, ExperimentError> {
+        let Some(first) = plans.first() else {
+            return Err(ExperimentError::Request("no scene given; name at least one".into()));
+        };
+        if jobs.is_empty() {
+            return Err(ExperimentError::Request(
+                "no reach to run; ask for at least one reach in each shard".into(),
+            ));
+        }
+        if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {
+            return Err(ExperimentError::Request(format!(
+                "scenes {} and {} have arms with different skin; generate a data set for each",
+                first.scene.name, other.scene.name
+            )));
+        }
+        if let Some(other) = plans.iter().find(|plan| plan.controller != first.controller) {
+            return Err(ExperimentError::Request(format!(
+                "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
+                 data set for each",
+                first.scene.name,
+                other.scene.name,
+                first.controller.name(),
+                other.controller.name()
+            )));
+        }
+        Ok(DatasetPlan {
+            provenance: self.provenance(plans, first.controller.name()),
+            robot: first.arm.name.clone(),
+            rate_hz: 1.0 / underbrush_recording::FRAME_PERIOD_S,
+            joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
+            layout: first.arm.skin.layout.clone(),
+            episodes: jobs
+                .iter()
+                .map(|job| PlannedEpisode {
+                    scene: plans[job.plan].scene.name.clone(),
+                    task: plans[job.plan].scene.file.summary.clone(),
+                    reach_index: job.reach_index,
+                })
+                .collect(),
+        })
+    }
+
+    fn provenance(&self, plans: &[ReachPlan], controller: &str) -> Provenance {
+        let (mut options, mut controller_parameters) = (BTreeMap::new(), BTreeMap::new());
+        let (mut arms, mut scenes): (Vec<ArmText>, _) = (Vec::new(), Vec::new());
+        for (plan, (scene, reaches)) in plans.iter().zip(&self.scenes) {
+            let file = &scene.file;
+            let own = json!({ "physics": file.physics, "sensor": file.sensor });
+            options.insert(scene.name.clone(), own);
+            controller_parameters.insert(scene.name.clone(), json!(plan.preset()));
+            let files = plan.arm.files.iter();
+            let arm = ArmText {
+                name: plan.arm.name.clone(),
+                files: files.map(|file| FileText::new(&file.name, &file.text)).collect(),
+            };
+            let place = arms.iter().position(|other| *other == arm).unwrap_or_else(|| {
+                arms.push(arm);
+                arms.len() - 1
+            });
+            let file_name = scene.path.file_name().unwrap_or(scene.path.as_os_str());
+            scenes.push(SceneText {
+                name: scene.name.clone(),
+                reaches: *reaches,
+                arm: place,
+                file: FileText::new(file_name.to_string_lossy(), &scene.text),
+            });
+        }
+        Provenance {
+            program: PROGRAM.into(),
+            program_version: PROGRAM_VERSION.into(),
+            engine: underbrush_sim::physics::ENGINE.into(),
+            options,
+            scenes,
+            arms,
+            seed: self.seed,
+            controller: controller.to_owned(),
+            controller_parameters,
+            shard: self.shard,
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Why an experiment ended without its result.
+
+use std::path::PathBuf;
+
+use underbrush_classifier::ModelError;
+use underbrush_classifier::decision::DecisionError;
+use underbrush_classifier::evaluate::EvaluateError;
+use underbrush_classifier::online::OnlineError;
+use underbrush_classifier::trial::TrialError;
+use underbrush_recording::InputError;
+use underbrush_recording::disk::DiskError;
+use underbrush_sim::campaign::CampaignError;
+
+/// Why a campaign or an experiment ended without its result.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// A file that a person wrote holds something that is not allowed.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A data set, a recording or a kept result cannot be read or written.
+    #[error(transparent)]
+    Disk(#[from] DiskError),
+    /// A classifier cannot be trained or used.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Trials cannot be cut.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
+    /// A classifier cannot be tested.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// A decision rule does not fit its classifier.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// Verdicts cannot be given frame by frame.
+    #[error(transparent)]
+    Online(#[from] OnlineError),
+    /// The physics engine gave up on a reach; the text names scene and seed.
+    #[error("{0}")]
+    Engine(String),
+    /// A file or folder cannot be made or removed.
+    #[error("{}: cannot be {action}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was tried: `made`, `removed`.
+        action: &'static str,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// A result cannot be written as JSON.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+    /// What was asked for cannot be run: no scenes, no reaches, scenes that do not fit together.
+    #[error("{0}")]
+    Request(String),
+    /// The folder holds the results of another run.
+    #[error(
+        "{}: holds the results of another run: {difference}; choose another folder with --out, or replace them with \
+         --fresh",
+        folder.display()
+    )]
+    OtherRun {
+        /// The folder.
+        folder: PathBuf,
+        /// The first difference.
+        difference: String,
+    },
+    /// Campaigns do not hold the same figures.
+    #[error(
+        "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --fresh",
+        if *several { "several results" } else { "nothing" }
+    )]
+    Unmatched {
+        /// The campaign's seed.
+        seed: u64,
+        /// Name of the figure.
+        name: String,
+        /// More than one was found, instead of none.
+        several: bool,
+    },
+}
+
+impl<E: std::error::Error + 'static> From<CampaignError<E>> for ExperimentError
+where
+    ExperimentError: From<E>,
+{
+    fn from(error: CampaignError<E>) -> Self {
+        match error {
+            CampaignError::Input(input) => input.into(),
+            CampaignError::Receiver(error) => error.into(),
+            engine @ CampaignError::Engine { .. } => ExperimentError::Engine(engine.to_string()),
+        }
+    }
+}

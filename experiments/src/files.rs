@@ -1,0 +1,34 @@
+//! Files that results are kept in.
+
+use std::path::Path;
+
+use serde::Serialize;
+use underbrush_recording::disk;
+
+use crate::error::ExperimentError;
+
+/// Makes a folder, and those above it.
+pub fn create_folder(folder: &Path) -> Result<(), ExperimentError> {
+    std::fs::create_dir_all(folder).map_err(|source| ExperimentError::Io {
+        path: folder.into(),
+        action: "made",
+        source,
+    })
+}
+
+/// Writes a file whole or not at all, and the folders above it.
+pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
+    if let Some(folder) = path.parent() {
+        create_folder(folder)?;
+    }
+    Ok(disk::write_file(path, contents)?)
+}
+
+/// Writes a value as JSON.
+pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), ExperimentError> {
+    let json = serde_json::to_vec_pretty(value).map_err(|source| ExperimentError::Json {
+        path: path.into(),
+        source,
+    })?;
+    write(path, &json)
+}

@@ -1,0 +1,177 @@
+use underbrush_classifier::evaluate::{TABLE_ONE_PAPER, TableOneUnit};
+use underbrush_classifier::feature::FeatureSet;
+
+use crate::ablation::Ablated;
+use crate::accuracy::{Accuracy, Part};
+use crate::comparison;
+use crate::measurement::{Cell, CellKey, ClassifierAccuracy, Measurement, OneOfMany};
+use crate::results::Campaigns;
+
+/// Figures around an accuracy, per cent.
+fn around(accuracy: f64) -> Accuracy {
+    Accuracy {
+        trials: 100,
+        accuracy,
+        low: 0.0,
+        high: 100.0,
+        balanced_accuracy: accuracy - 5.0,
+        majority_baseline: 0.5 * accuracy,
+        touched: Some(Part {
+            trials: 60,
+            accuracy: accuracy + 10.0,
+            balanced_accuracy: accuracy + 8.0,
+            majority_baseline: 55.0,
+        }),
+        untouched: None,
+    }
+}
+
+pub(super) fn cell(states: usize, accuracy: f64) -> Cell {
+    Cell {
+        key: CellKey {
+            by: TableOneUnit::Taxel,
+            features: FeatureSet::Force,
+            states,
+            recipe: "authors".into(),
+        },
+        accuracy: around(accuracy),
+        paper: 80.24,
+    }
+}
+
+fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
+    let classifiers = classifiers.iter().map(|(name, accuracy)| ClassifierAccuracy {
+        classifier: (*name).into(),
+        accuracy: around(*accuracy),
+    });
+    OneOfMany {
+        measurement: Measurement {
+            trials_per_reach: Vec::new(),
+            table_1,
+        },
+        classifiers: classifiers.collect(),
+    }
+}
+
+#[test]
+fn orderings_are_found_as_they_are() {
+    // Pins the three statements on tables made for it: the paper's own Table I breaks "10 and 20 over 5" nowhere and
+    // the others nowhere; a table turned upside down breaks all of them everywhere.
+    let table = |sign: f64| -> Vec<_> {
+        let cells = TABLE_ONE_PAPER.into_iter();
+        cells
+            .map(|(unit, features, states, paper)| ("authors".to_owned(), unit, features, states, sign * paper))
+            .collect()
+    };
+    let found = comparison::orderings(&table(1.0));
+    let counts: Vec<(bool, usize, usize)> = found
+        .iter()
+        .map(|own| (own.holds, own.pairs_holding, own.pairs))
+        .collect();
+    assert_eq!(counts, [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
+    let found = comparison::orderings(&table(-1.0));
+    let counts: Vec<(bool, usize, usize)> = found
+        .iter()
+        .map(|own| (own.holds, own.pairs_holding, own.pairs))
+        .collect();
+    assert_eq!(counts, [(false, 0, 6), (false, 0, 6), (false, 0, 8)]);
+}
+
+/// Pins mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three campaigns
+/// against numbers worked out by hand.
+#[test]
+fn campaigns_have_mean_and_spread() {
+    let of = |accuracy: f64| campaign(vec![cell(10, accuracy)], &[("some", accuracy + 1.0)]);
+    let campaigns = [(3, of(70.0)), (4, of(74.0)), (5, of(84.0))];
+    let found = Campaigns::of(&campaigns).unwrap().unwrap();
+    assert_eq!(found.seeds, [3, 4, 5]);
+    let own = &found.table_1[0].figures;
+    assert_eq!(
+        (own.accuracy.mean, own.accuracy.min, own.accuracy.max),
+        (76.0, 70.0, 84.0)
+    );
+    // Deviations −6, −2, 8: (36 + 4 + 64) / 2 = 52.
+    let deviation = 52.0_f64.sqrt();
+    assert!((own.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
+    assert_eq!(own.balanced_accuracy.mean, 71.0);
+    assert!((own.balanced_accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
+    assert_eq!(own.majority_baseline.mean, 38.0);
+    assert!((own.majority_baseline.standard_deviation.unwrap() - deviation / 2.0).abs() < 1e-12);
+    let touched = own.touched.as_ref().unwrap();
+    assert_eq!((touched.accuracy.mean, touched.balanced_accuracy.mean), (86.0, 84.0));
+    assert!((touched.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
+    assert!(own.untouched.is_none());
+    assert!((found.mean_absolute_difference_points["authors"] - 4.24).abs() < 1e-9);
+    let some = &found.classifiers[0].figures.accuracy;
+    assert_eq!((some.mean, some.min, some.max), (77.0, 71.0, 85.0));
+    let one = Campaigns::of(&campaigns[..1]).unwrap().unwrap();
+    assert!(one.table_1[0].figures.accuracy.standard_deviation.is_none());
+    assert!(Campaigns::of(&[]).unwrap().is_none());
+}
+
+/// Pins that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or doubled
+/// name is an error that says which.
+#[test]
+fn campaigns_are_matched_by_name() {
+    let first = campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0), ("other", 90.0)]);
+    let turned = campaign(vec![cell(10, 82.0), cell(5, 62.0)], &[("other", 92.0), ("one", 52.0)]);
+    let found = Campaigns::of(&[(0, first.clone()), (1, turned)]).unwrap().unwrap();
+    let cells: Vec<(usize, f64)> = found
+        .table_1
+        .iter()
+        .map(|cell| (cell.key.states, cell.figures.accuracy.mean))
+        .collect();
+    assert_eq!(cells, [(5, 61.0), (10, 81.0)]);
+    let classifiers: Vec<(&str, f64)> = found
+        .classifiers
+        .iter()
+        .map(|own| (own.classifier.as_str(), own.figures.accuracy.mean))
+        .collect();
+    assert_eq!(classifiers, [("one", 51.0), ("other", 91.0)]);
+
+    let refused = |other: OneOfMany| {
+        Campaigns::of(&[(0, first.clone()), (7, other)])
+            .err()
+            .unwrap()
+            .to_string()
+    };
+    let without = refused(campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0)]));
+    assert!(without.contains("seed 7") && without.contains("\"other\""), "{without}");
+    let lacking = refused(campaign(vec![cell(5, 60.0)], &[("one", 50.0), ("other", 90.0)]));
+    assert!(lacking.contains("taxel, force, 10 states"), "{lacking}");
+    let double = refused(campaign(
+        vec![cell(5, 60.0), cell(10, 80.0), cell(10, 81.0)],
+        &[("one", 50.0), ("other", 90.0)],
+    ));
+    assert!(double.contains("several results"), "{double}");
+}
+
+/// Pins the row of an ablation on the paper's own Table I, and on the same moved by 2 points up and down in turn.
+#[test]
+fn the_papers_own_table_is_no_distance_from_itself() {
+    let table = |shift: f64| {
+        let cells = TABLE_ONE_PAPER.into_iter().zip([1.0, -1.0].into_iter().cycle());
+        let cell = move |((by, features, states, paper), sign): ((TableOneUnit, FeatureSet, usize, f64), f64)| Cell {
+            key: CellKey {
+                by,
+                features,
+                states,
+                recipe: "authors".into(),
+            },
+            accuracy: around(paper + sign * shift),
+            paper,
+        };
+        Ablated::new("any", cells.map(cell), Vec::new())
+    };
+    let own = table(0.0);
+    assert_eq!(own.mean_absolute_difference_points, 0.0);
+    assert_eq!(
+        (own.orderings_holding, own.orderings, own.pairs_holding, own.pairs),
+        (3, 3, 20, 20)
+    );
+    // (61.76 + 72.22 + 70.75 + 54.41 + 55.55 + 58.50) / 6 and the same of the taxels.
+    assert!((own.component.accuracy - 62.198_333).abs() < 1e-5 && (own.taxel.accuracy - 75.036_667).abs() < 1e-5);
+    assert!((own.component.balanced_accuracy - 57.198_333).abs() < 1e-5);
+    assert!((own.taxel.majority_baseline - 37.518_333).abs() < 1e-5);
+    assert!((table(2.0).mean_absolute_difference_points - 2.0).abs() < 1e-9);
+}

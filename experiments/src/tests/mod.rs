@@ -1,0 +1,6 @@
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+mod campaigns;
+mod kept_results;
+mod resumed;
+mod settings;

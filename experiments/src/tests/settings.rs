@@ -1,0 +1,60 @@
+use std::collections::BTreeSet;
+
+use crate::splits;
+
+#[test]
+fn settings_are_tested_on_clutter_that_was_not_learned() {
+    // Pins that of a campaign of 4 + 6 reaches a setting of 3 + 4 takes the first of each scene, half of them in either
+    // fold; that of two settings with the forces of leaf and trunk exchanged each is told apart where it was learned, and
+    // always wrongly at the other.
+    let trial = |number: u64, reach: u64, force_n: f64| {
+        let sample = |index: u32| {
+            let force_n = force_n + 0.01 * f64::from((index * 7 + number as u32 * 3) % 11);
+            underbrush_recording::Sample {
+                time_s: f64::from(index) / 100.0,
+                force_n,
+                motion_m: Some(0.0),
+                region: Some(underbrush_recording::Region {
+                    taxels: 1,
+                    largest_force_n: force_n,
+                    force_sum_n: force_n,
+                }),
+                touched: None,
+            }
+        };
+        underbrush_recording::Trial {
+            trial: number,
+            category: Some(if reach < 4 { "leaf" } else { "trunk" }.into()),
+            reach: Some(reach),
+            patch: Some("forearm".into()),
+            taxel: Some(0),
+            samples: (0..30).map(sample).collect(),
+        }
+    };
+    let trials = |leaf_n: f64, trunk_n: f64| -> Vec<underbrush_recording::Trial> {
+        let numbers = 0..40_u64;
+        let force = |reach: u64| if reach < 4 { leaf_n } else { trunk_n };
+        numbers
+            .map(|number| trial(number, number % 10, force(number % 10)))
+            .collect()
+    };
+    let setting = |name, trials: &[underbrush_recording::Trial]| splits::Setting::new(name, trials, [4, 6], [3, 4]);
+    let apart = setting("apart", &trials(0.5, 2.0));
+    let reaches = |fold: &[underbrush_recording::Trial]| -> BTreeSet<u64> {
+        fold.iter().filter_map(|trial| trial.reach).collect()
+    };
+    assert_eq!(reaches(&apart.folds[0]), BTreeSet::from([0, 1, 4, 5]));
+    assert_eq!(reaches(&apart.folds[1]), BTreeSet::from([2, 6, 7]));
+
+    let swapped = setting("swapped", &trials(2.0, 0.5));
+    let estimators = 4;
+    let found = splits::splits(&[apart, swapped]).unwrap();
+    let accuracies: Vec<f64> = found.iter().map(|split| split.accuracy.accuracy).collect();
+    assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(estimators));
+    for split in &found {
+        let own = &split.accuracy;
+        assert!(own.trials == 28 && own.low == own.high && own.balanced_accuracy == own.accuracy);
+        // 12 of leaf and 16 of trunk.
+        assert!((own.majority_baseline - 100.0 * 16.0 / 28.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,106 @@
+//! Pictures of one moment of a reach, as SVG: arm, clutter and the taxels that feel something, from the side and from
+//! above. `draw` shows all of it, `close_ups` the surroundings of marked taxels.
+
+mod close_up;
+mod legend;
+mod panel;
+
+use std::fmt::Write;
+
+use crate::drawing::escape;
+use glam::{DVec2, DVec3};
+use underbrush_recording::{Category, SkinLayout};
+use underbrush_sim::scene::Workspace;
+use underbrush_sim::snapshot::Snapshot;
+
+pub use close_up::{TaxelMark, close_ups};
+use panel::{PANELS, Panel, View};
+
+/// px: shown 390 px wide on a phone, text of 16 px is still 10 px tall.
+const FONT: f64 = 16.0;
+const LINE: f64 = 24.0;
+/// Mean width of a letter of a sans-serif font, as a share of its size.
+const LETTER: f64 = 0.54;
+/// Width of the picture and of its margins, px.
+const WIDTH: f64 = 640.0;
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 12.0;
+/// Largest height of a panel, px: a tall arm must not make the picture a strip.
+const MOST_HEIGHT: f64 = 900.0;
+/// What stands around arm and objects, m.
+const SPACE_M: f64 = 0.05;
+
+/// Draws a snapshot; `caption` says what it is.
+pub fn draw(
+    snapshot: &Snapshot,
+    layout: &SkinLayout,
+    objects: &[Category],
+    workspace: &Workspace,
+    caption: &str,
+) -> String {
+    let inner = (LEFT, WIDTH - LEFT - RIGHT);
+    let mut body = String::new();
+    let mut y = 8.0;
+    y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
+    y += legend::legend(&mut body, snapshot, layout, (8.0, WIDTH - 16.0), y) + LINE;
+    for (panel, view) in PANELS.iter().zip(views(snapshot, workspace, inner.1)) {
+        let size = view.size_px();
+        let _ = writeln!(
+            body,
+            "<svg x=\"{LEFT}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\"/>",
+            size.x, size.y
+        );
+        panel.table(&mut body, &view, workspace);
+        panel.shapes(&mut body, &view, snapshot);
+        panel.felt(&mut body, &view, snapshot, layout, objects);
+        body += "<rect width=\"100%\" height=\"100%\" fill=\"none\" stroke=\"#9aa3ad\" stroke-width=\"2\"/>\n</svg>\n";
+        panel.axes(&mut body, &view, DVec2::new(LEFT, y));
+        y += size.y + 3.0 * LINE;
+    }
+    let height = y - LINE;
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" width=\"{WIDTH:.0}\" \
+         height=\"{height:.0}\" style=\"max-width:100%;height:auto\" role=\"img\" font-family=\"sans-serif\" \
+         font-size=\"{FONT}\" fill=\"#222222\">\n<title>{}</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
+        escape(caption)
+    )
+}
+
+/// What each panel shows: all of the arm and the objects, the goal and the workspace, on whole 10 cm; both have the same
+/// scale and the same x.
+fn views(snapshot: &Snapshot, workspace: &Workspace, width_px: f64) -> Vec<View> {
+    let capsules = snapshot
+        .arm
+        .iter()
+        .chain(snapshot.objects.iter().flat_map(|(_, capsules)| capsules));
+    let mut points: Vec<(DVec3, f64)> = capsules
+        .flat_map(|capsule| [(capsule.start, capsule.radius_m), (capsule.end, capsule.radius_m)])
+        .collect();
+    points.push((snapshot.frame.goal_position_world, 0.0));
+    for (x, y) in [(0, 0), (1, 1)] {
+        let corner = DVec3::new(workspace.x_m[x], workspace.y_m[y], workspace.table_height_m);
+        points.push((corner, 0.0));
+    }
+    let bounds = |panel: &Panel| {
+        let ends = points.iter().map(|(point, radius_m)| {
+            let (at, around) = (panel.project(*point), DVec2::splat(radius_m + SPACE_M));
+            (at - around, at + around)
+        });
+        let (low, high) = ends.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), end| {
+            (low.min(end.0), high.max(end.1))
+        });
+        let corner = (10.0 * low).floor() / 10.0;
+        (corner, (10.0 * high).ceil() / 10.0 - corner)
+    };
+    let bounds: Vec<(DVec2, DVec2)> = PANELS.iter().map(bounds).collect();
+    let tallest = bounds.iter().map(|(_, size_m)| size_m.y).fold(0.0, f64::max);
+    let widest = bounds.iter().map(|(_, size_m)| size_m.x).fold(0.0, f64::max);
+    let scale = (width_px / widest).min(MOST_HEIGHT / tallest);
+    let view = |(corner, size_m)| View { corner, size_m, scale };
+    bounds.into_iter().map(view).collect()
+}
+
+#[cfg(test)]
+mod tests;

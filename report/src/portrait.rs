@@ -1,0 +1,138 @@
+//! Pictures of what objects do to the skin, as SVG: the unrolled forearm under each, and a foam roll's loop.
+
+use std::fmt::Write;
+
+use crate::drawing::{Axis, Chart, Dash, Layer, Shape, Style, escape};
+use underbrush_validation::Portrait;
+
+const CELL_PX: f64 = 24.0;
+const MARGIN: f64 = 12.0;
+/// px: a picture of 24 columns is 600 px wide, so that text of 16 px is still 10 px tall on a phone.
+const FONT: f64 = 16.0;
+const LINE: f64 = 24.0;
+/// Steps of the legend's scale, as shares of the largest force.
+const SHARES: [f64; 5] = [0.0, 0.05, 0.25, 0.5, 1.0];
+
+/// White to dark blue, by the square root of the share: weak taxels stay visible.
+fn shade(share: f64) -> (String, &'static str) {
+    let share = share.clamp(0.0, 1.0).sqrt();
+    let channel = |dark: f64| (255.0 + (dark - 255.0) * share) as u8;
+    let fill = format!("#{:02x}{:02x}{:02x}", channel(16.0), channel(52.0), channel(110.0));
+    (fill, if share > 0.6 { "#ffffff" } else { "#222222" })
+}
+
+/// The skin under each object, one under the other, all on one scale.
+pub fn skin(portraits: &[Portrait]) -> String {
+    let forces = portraits.iter().flat_map(|portrait| &portrait.force_n);
+    // Without any force all is white.
+    let largest_n = forces.fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
+    let columns = portraits
+        .iter()
+        .map(|portrait| portrait.grid.columns)
+        .max()
+        .unwrap_or(0);
+    let width = (columns as f64 * CELL_PX + 2.0 * MARGIN).max(600.0);
+    let mut body = String::new();
+    let text = |body: &mut String, y: f64, weight: &str, words: &str| {
+        let _ = writeln!(
+            body,
+            "<text x=\"{MARGIN}\" y=\"{:.1}\" font-weight=\"{weight}\">{}</text>",
+            y + FONT,
+            escape(words)
+        );
+    };
+    let title = "True force on the forearm, pressed alike on each object";
+    let mut y = MARGIN;
+    text(&mut body, y, "bold", title);
+    y += LINE;
+    text(
+        &mut body,
+        y,
+        "normal",
+        "columns around the forearm to the right, rows towards the tip down",
+    );
+    y += 1.2 * LINE;
+    scale(&mut body, y, largest_n);
+    y += 1.6 * LINE;
+    for portrait in portraits {
+        let sum_n: f64 = portrait.force_n.iter().sum();
+        let pressed = portrait.force_n.iter().filter(|force_n| **force_n > 0.0).count();
+        let words = format!("{}: {sum_n:.2} N on {pressed} taxels", portrait.name);
+        text(&mut body, y, "bold", &words);
+        y += 1.3 * LINE;
+        cells(&mut body, portrait, y, largest_n);
+        y += portrait.grid.rows as f64 * CELL_PX + LINE;
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {y:.0}\" width=\"{width:.0}\" \
+         height=\"{y:.0}\" style=\"max-width:100%;height:auto\" role=\"img\" font-family=\"sans-serif\" \
+         font-size=\"{FONT}\" fill=\"#222222\">\n<title>{}</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
+        escape(title)
+    )
+}
+
+/// What the shades mean.
+fn scale(body: &mut String, y: f64, largest_n: f64) {
+    for (step, share) in SHARES.into_iter().enumerate() {
+        let x = MARGIN + step as f64 * 100.0;
+        let _ = writeln!(
+            body,
+            "<rect x=\"{x:.0}\" y=\"{y:.0}\" width=\"20\" height=\"20\" fill=\"{}\" stroke=\"#c8ced4\"/>\
+             <text x=\"{:.0}\" y=\"{:.0}\">{:.2} N</text>",
+            shade(share).0,
+            x + 26.0,
+            y + FONT,
+            share * largest_n
+        );
+    }
+}
+
+/// The unrolled skin; a number in a cell is its force in newtons.
+fn cells(body: &mut String, portrait: &Portrait, top: f64, largest_n: f64) {
+    for (taxel, force_n) in portrait.force_n.iter().enumerate() {
+        let x = MARGIN + (taxel % portrait.grid.columns) as f64 * CELL_PX;
+        let y = top + (taxel / portrait.grid.columns) as f64 * CELL_PX;
+        let (fill, ink) = shade(force_n / largest_n);
+        let _ = writeln!(
+            body,
+            "<rect x=\"{x:.0}\" y=\"{y:.0}\" width=\"{CELL_PX}\" height=\"{CELL_PX}\" fill=\"{fill}\" \
+             stroke=\"#c8ced4\" stroke-width=\"0.6\"/>"
+        );
+        if *force_n >= 0.005 {
+            let _ = writeln!(
+                body,
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"10\" text-anchor=\"middle\" fill=\"{ink}\">{force_n:.2}</text>",
+                x + CELL_PX / 2.0,
+                y + CELL_PX / 2.0 + 3.5
+            );
+        }
+    }
+}
+
+/// Force over the way of a foam roll that is pushed and let go, from pairs of way, m, and force, N.
+pub fn roll_loop(points: &[(f64, f64)]) -> String {
+    let farthest = (0..points.len()).max_by(|a, b| points[*a].0.total_cmp(&points[*b].0));
+    let turn = farthest.unwrap_or_default();
+    let in_mm =
+        |points: &[(f64, f64)]| Shape::Line(points.iter().map(|(way_m, force_n)| (1e3 * way_m, *force_n)).collect());
+    let strongest_n = points.iter().map(|point| point.1).fold(0.0, f64::max);
+    let chart = Chart {
+        name: "foam-roll".into(),
+        title: "A foam roll pushed and let go by the forearm".into(),
+        description: format!(
+            "The force rises to {strongest_n:.2} N and falls along a lower path: the foam loses energy."
+        ),
+        x: Axis::from_zero("way of the forearm since first contact / mm"),
+        y: Axis::from_zero("force / N"),
+        layers: vec![
+            Layer::new(
+                "pushed",
+                Style::line("#b23a4a", Dash::Solid),
+                in_mm(&points[..points.len().min(turn + 1)]),
+            ),
+            Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[turn..])),
+        ],
+    };
+    chart.svg()
+}

@@ -1,0 +1,52 @@
+//! Tables for a terminal.
+
+use std::collections::BTreeMap;
+
+use underbrush_experiments::audit::Worst;
+
+/// A table of columns padded to their widest entry; the first column left, the others right.
+pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let entries = rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|entry| entry.chars().count());
+        entries.chain([header[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let line = |row: Vec<&str>| {
+        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
+            if column == 0 {
+                format!("{cell:<width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
+        });
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
+    };
+    let mut text = line(header.to_vec());
+    text += &(widths
+        .iter()
+        .map(|width| "-".repeat(*width))
+        .collect::<Vec<_>>()
+        .join("  ")
+        + "\n");
+    text.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
+    text
+}
+
+/// The worst figures of an audit as a table.
+pub fn audit(worst: &BTreeMap<&'static str, Worst>) -> String {
+    let rows: Vec<Vec<String>> = worst
+        .iter()
+        .map(|(name, worst)| {
+            vec![
+                (*name).into(),
+                format!("{:.1e}", worst.value),
+                worst.bound.map_or("-".into(), |bound| format!("{bound:.1e}")),
+                format!("{} {}", worst.scene, worst.reach_index),
+            ]
+        })
+        .collect();
+    table(&["audit, worst of all reaches", "value", "bound", "reach"], &rows)
+}
