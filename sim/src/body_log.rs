@@ -8,6 +8,7 @@ use crate::arm::Arm;
 use crate::clutter::Clutter;
 use crate::geometry::from_parry;
 use crate::physics::Physics;
+use crate::simulation::mechanism::Mechanism;
 use crate::world::World;
 
 /// Follows all bodies, frame by frame.
@@ -41,9 +42,8 @@ impl BodyLog {
         // The world leaves out of its engine what rests far from the arm, so the objects are built once more.
         let mut at_rest = Physics::new(world.physics.options);
         for (index, standing) in clutter.objects.iter().enumerate() {
-            let mechanism = standing
-                .object
-                .build(&mut at_rest, standing.foot_world, standing.yaw_rad);
+            let structure = standing.object.structure();
+            let mechanism = Mechanism::build(&structure, &mut at_rest, standing.foot_world, standing.yaw_rad);
             log.add_object(index, &at_rest, mechanism.colliders());
         }
         log

@@ -28,6 +28,7 @@ pub mod reach;
 pub mod scene;
 pub mod seed;
 pub mod sensor;
+pub mod simulation;
 pub mod skin;
 pub mod snapshot;
 mod toml_text;

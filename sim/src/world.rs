@@ -14,8 +14,8 @@ use crate::arm::engine::{self, ArmHandles};
 use crate::audit::Auditor;
 use crate::clutter::{Clutter, Standing};
 use crate::geometry::{from_parry, parry_pose};
-use crate::object::Mechanism;
 use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
+use crate::simulation::mechanism::Mechanism;
 use crate::skin::ContactPoint;
 use crate::touch::Touch;
 
@@ -201,9 +201,8 @@ impl World {
 
     fn insert(&mut self, clutter: &Clutter, index: usize) {
         let standing = &clutter.objects[index];
-        let mechanism = standing
-            .object
-            .build(&mut self.physics, standing.foot_world, standing.yaw_rad);
+        let structure = standing.object.structure();
+        let mechanism = Mechanism::build(&structure, &mut self.physics, standing.foot_world, standing.yaw_rad);
         for collider in mechanism.colliders() {
             self.physics.colliders[*collider].user_data = index as u128 + 1;
         }

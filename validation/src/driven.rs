@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use rapier3d::prelude::{MultibodyLink, RigidBodyHandle};
-use underbrush_sim::object::{Mechanism, Object};
+use underbrush_sim::object::Object;
 use underbrush_sim::physics::{Physics, PhysicsOptions};
+use underbrush_sim::simulation::mechanism::Mechanism;
 
 use crate::CheckError;
 
@@ -41,7 +42,7 @@ impl Driven {
             substeps: 1,
             gravity_m_per_s2,
         });
-        let mechanism = object.build(&mut physics, DVec3::ZERO, 0.0);
+        let mechanism = Mechanism::build(&object.structure(), &mut physics, DVec3::ZERO, 0.0);
         let body = mechanism.bodies().get(body).copied();
         Ok(Driven {
             physics,

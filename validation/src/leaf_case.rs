@@ -3,9 +3,10 @@
 use glam::DVec3;
 use rapier3d::prelude::RigidBodyHandle;
 use underbrush_oracles::beam;
+use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
-use underbrush_sim::object::{Mechanism, Object};
 use underbrush_sim::physics::{Physics, PhysicsOptions};
+use underbrush_sim::simulation::mechanism::Mechanism;
 
 use crate::{Breaks, CheckError, Falsification};
 
@@ -53,7 +54,7 @@ impl ClampedLeaf {
             substeps: 1,
             gravity_m_per_s2: 0.0,
         });
-        let mechanism = leaf.build(&mut physics, DVec3::ZERO, 0.0);
+        let mechanism = Mechanism::build(&leaf.structure(), &mut physics, DVec3::ZERO, 0.0);
         let last = mechanism.bodies().last().copied();
         let shape = mechanism.colliders().last().map(|handle| &physics.colliders[*handle]);
         let (Some(last), Some(shape)) = (last, shape) else {

@@ -5,15 +5,13 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use rapier3d::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use underbrush_recording::Category;
+use underbrush_recording::{BodyShape, Category};
 
-use super::mechanism::{Maxwell, Spring, box_mass};
-use super::{FRICTION, Footing, Mechanism, Object, Specification, StandsOn};
+use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
+use super::{Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
-use crate::physics::{Physics, groups};
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// Length and width of a block, m (paper, section IV-A).
@@ -218,69 +216,26 @@ impl Object for FoamBlock {
         ])
     }
 
-    fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism {
-        let mut mechanism = Mechanism::default();
-        let foot = mechanism.fixed_foot(physics, Pose::new(foot_world, DVec3::Z * yaw_rad));
-        let size = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
+    fn structure(&self) -> Structure {
+        let size_m = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
         let center = DVec3::Z * (self.height_m / 2.0);
-        let mass = box_mass(self.moving_mass_kg(), center, size);
-        let top = mechanism.jointed(physics, foot, DVec3::ZERO, mass, &[(2, self.spring())]);
-        let shape = ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0)
-            .position(Pose::from_translation(center))
-            .friction(FRICTION)
-            .collision_groups(groups::fixed());
-        mechanism.shape(physics, top, shape);
-        mechanism.finish(physics);
-        mechanism
+        let top = Body {
+            joint: Some(Joint {
+                parent: 0,
+                origin_parent: DVec3::ZERO,
+                free_axes: vec![(Axis::TranslationZ, self.spring())],
+            }),
+            inertia: Inertia::of_box(self.moving_mass_kg(), center, size_m),
+            parts: vec![part(BodyShape::Box { size_m }, center)],
+            collision_group: CollisionGroup::Fixed,
+        };
+        Structure {
+            bodies: vec![Body::foot(), top],
+            axisymmetric: false,
+        }
     }
 
     fn foam_top(&self) -> Option<(f64, f64)> {
         Some((self.modulus_pa, self.height_m))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::physics::PhysicsOptions;
-
-    /// Pins that a load on the top presses a wet block in by F H / (E A (1 − share)) in the end, and that the block then
-    /// rises again and counts as at rest.
-    #[test]
-    fn a_load_presses_the_top_in() {
-        let block = FoamBlock {
-            height_m: 0.08,
-            wet: true,
-            modulus_pa: 5.0e4,
-        };
-        let options = PhysicsOptions {
-            step_s: 0.005,
-            substeps: 1,
-            gravity_m_per_s2: 0.0,
-        };
-        let mut physics = Physics::new(options);
-        let mut mechanism = block.build(&mut physics, DVec3::ZERO, 0.3);
-        let top = mechanism.bodies()[1];
-        let mut press = |seconds: f64, force_n: f64| {
-            for _ in 0..(seconds / options.step_s).round() as usize {
-                let body = &mut physics.bodies[top];
-                body.reset_forces(true);
-                body.add_force(DVec3::Z * -force_n, true);
-                mechanism.relax(&mut physics);
-                physics.step();
-            }
-            (
-                -physics.bodies[top].position().translation.z,
-                mechanism.is_at_rest(&physics),
-            )
-        };
-        let (depth_m, _) = press(40.0, 30.0);
-        let expected = 30.0 * 0.08 / (5.0e4 * 0.025 * (1.0 - RELAXING_SHARE.wet));
-        assert!(
-            (depth_m / expected - 1.0).abs() < 1e-3,
-            "found {depth_m}, expected {expected}"
-        );
-        let (depth_m, at_rest) = press(40.0, 0.0);
-        assert!(depth_m.abs() < 1e-6 && at_rest, "left at {depth_m}");
     }
 }

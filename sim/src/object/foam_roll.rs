@@ -5,15 +5,13 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
-use rapier3d::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use underbrush_recording::Category;
+use underbrush_recording::{BodyShape, Category};
 
-use super::mechanism::{Maxwell, Spring, massless};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Mechanism, Object, Specification, StandsOn};
+use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
+use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
-use crate::physics::{Physics, groups};
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// Slices into which a roll is cut along its height: each about half as high as the arm is thick.
@@ -277,37 +275,50 @@ impl Object for FoamRoll {
         ])
     }
 
-    fn build(&self, physics: &mut Physics, foot_world: DVec3, _: f64) -> Mechanism {
-        let mut mechanism = Mechanism::default();
-        let foot = mechanism.fixed_foot(physics, Pose::from_translation(foot_world));
-        let radius = self.diameter_m / 2.0;
-        let slice_height = self.height_m / SLICES as f64;
-        let slice_mass = self.density_kg_per_m3 * PI * radius * radius * slice_height;
-        let lean_inertia = slice_mass * SLICES as f64 * self.height_m.powi(2) / 3.0;
+    fn structure(&self) -> Structure {
+        let radius_m = self.diameter_m / 2.0;
+        let slice_height_m = self.height_m / SLICES as f64;
+        let slice_mass_kg = self.density_kg_per_m3 * PI * radius_m * radius_m * slice_height_m;
+        let lean_inertia = slice_mass_kg * SLICES as f64 * self.height_m.powi(2) / 3.0;
         let lean = self.standard_linear_solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
-        let leaning = mechanism.jointed(physics, foot, DVec3::ZERO, massless(), &[(3, lean)]);
-        let core = mechanism.jointed(physics, leaning, DVec3::ZERO, massless(), &[(4, lean)]);
-        let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass);
-        for slice in 0..SLICES {
-            let center = DVec3::Z * (slice as f64 + 0.5) * slice_height;
-            let cross = slice_mass * (3.0 * radius * radius + slice_height * slice_height) / 12.0;
-            let inertia = DVec3::new(cross, cross, slice_mass * radius * radius / 2.0);
-            let mass = MassProperties::new(DVec3::ZERO, slice_mass, inertia);
-            let body = mechanism.jointed(physics, core, center, mass, &[(0, slide), (1, slide)]);
-            let group = if slice == 0 {
-                groups::rooted()
+        let base_hinge = |parent, axis| {
+            Body::between_hinges(Joint {
+                parent,
+                origin_parent: DVec3::ZERO,
+                free_axes: vec![(axis, lean)],
+            })
+        };
+        let mut bodies = vec![
+            Body::foot(),
+            base_hinge(0, Axis::RotationX),
+            base_hinge(1, Axis::RotationY),
+        ];
+        let core = bodies.len() - 1;
+        let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass_kg);
+        bodies.extend((0..SLICES).map(|slice| Body {
+            joint: Some(Joint {
+                parent: core,
+                origin_parent: DVec3::Z * (slice as f64 + 0.5) * slice_height_m,
+                free_axes: vec![(Axis::TranslationX, slide), (Axis::TranslationY, slide)],
+            }),
+            inertia: Inertia::of_cylinder(slice_mass_kg, radius_m, slice_height_m),
+            parts: vec![part(
+                BodyShape::Cylinder {
+                    radius_m,
+                    length_m: slice_height_m,
+                },
+                DVec3::ZERO,
+            )],
+            collision_group: if slice == 0 {
+                CollisionGroup::Rooted
             } else {
-                groups::bendable()
-            };
-            let upright = Pose::rotation(DVec3::X * PI / 2.0);
-            let shape = ColliderBuilder::cylinder(slice_height / 2.0, radius)
-                .position(upright)
-                .friction(FRICTION)
-                .collision_groups(group);
-            mechanism.shape(physics, body, shape);
+                CollisionGroup::Bendable
+            },
+        }));
+        Structure {
+            bodies,
+            axisymmetric: true,
         }
-        mechanism.finish(physics);
-        mechanism
     }
 }
 

@@ -5,13 +5,11 @@ mod specification;
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rapier3d::prelude::*;
-use underbrush_recording::Category;
+use underbrush_recording::{BodyShape, Category};
 
-use super::mechanism::{Spring, box_mass, massless};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Mechanism, Object};
+use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
+use super::{EARTH_GRAVITY_M_PER_S2, Object};
 use crate::geometry::Footprint;
-use crate::physics::{Physics, groups};
 use crate::quadrature::gauss_legendre;
 
 pub use specification::{LeafSpecification, SEGMENT_LIMITS};
@@ -188,45 +186,49 @@ impl Object for Leaf {
         parameters
     }
 
-    fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism {
-        let mut mechanism = Mechanism::default();
-        let mut parent = mechanism.fixed_foot(physics, Pose::new(foot_world, DVec3::Z * yaw_rad));
-        // The engine has no joint of two free rotations, so the root is a stack of one-axis hinges.
+    fn structure(&self) -> Structure {
+        // The root leans sideways on its own massless link: no joint has two free rotations.
         let sideways = self.at_root(self.sideways_stiffness_nm_per_rad());
-        parent = mechanism.jointed(physics, parent, DVec3::ZERO, massless(), &[(3, sideways)]);
+        let root = Body::between_hinges(Joint {
+            parent: 0,
+            origin_parent: DVec3::ZERO,
+            free_axes: vec![(Axis::RotationX, sideways)],
+        });
+        let mut bodies = vec![Body::foot(), root];
         let twist = self.at_root(self.twist_stiffness_nm_per_rad());
         let mut hinges = self.blade_hinges();
         if let Some(lowest) = hinges.first_mut() {
             *lowest = self.lowest_hinge(*lowest);
         }
-        let bend = |(_, compliance): &(f64, f64)| (4, self.damped(1.0 / compliance));
-        let joints = std::iter::once((5, twist)).chain(hinges.iter().map(bend));
+        let bend = |(_, compliance): &(f64, f64)| (Axis::RotationY, self.damped(1.0 / compliance));
+        let axes = std::iter::once((Axis::RotationZ, twist)).chain(hinges.iter().map(bend));
         let bottoms = std::iter::once(0.0).chain(hinges.iter().map(|hinge| hinge.0));
         let tops = hinges.iter().map(|hinge| hinge.0).chain([self.height_m]);
         // Pieces lie between hinges, the first from the foot to the lowest hinge, the last up to the tip.
-        let mut origin = DVec3::ZERO;
-        for (piece, ((joint, bottom), top)) in joints.zip(bottoms).zip(tops).enumerate() {
+        let mut origin_parent = DVec3::ZERO;
+        for (piece, ((axis, bottom), top)) in axes.zip(bottoms).zip(tops).enumerate() {
             let length = top - bottom;
-            let size = DVec3::new(COLLISION_THICKNESS_M, self.width_m, length);
+            let size_m = DVec3::new(COLLISION_THICKNESS_M, self.width_m, length);
             let center = DVec3::Z * (length / 2.0);
-            let mass = box_mass(self.mass_per_length_kg_per_m() * length, center, size);
-            parent = mechanism.jointed(physics, parent, origin, mass, &[joint]);
-            origin = DVec3::Z * length;
-            let group = if piece <= 1 {
-                groups::rooted()
-            } else {
-                groups::bendable()
-            };
-            let shape = ColliderBuilder::cuboid(size.x / 2.0, size.y / 2.0, size.z / 2.0)
-                .position(Pose::from_translation(center))
-                .friction(FRICTION)
-                .collision_groups(group);
-            mechanism.shape(physics, parent, shape);
+            bodies.push(Body {
+                joint: Some(Joint {
+                    parent: bodies.len() - 1,
+                    origin_parent,
+                    free_axes: vec![axis],
+                }),
+                inertia: Inertia::of_box(self.mass_per_length_kg_per_m() * length, center, size_m),
+                parts: vec![part(BodyShape::Box { size_m }, center)],
+                collision_group: if piece <= 1 {
+                    CollisionGroup::Rooted
+                } else {
+                    CollisionGroup::Bendable
+                },
+            });
+            origin_parent = DVec3::Z * length;
         }
-        mechanism.finish(physics);
-        mechanism
+        Structure {
+            bodies,
+            axisymmetric: false,
+        }
     }
 }
-
-#[cfg(test)]
-mod tests;

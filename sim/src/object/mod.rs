@@ -1,26 +1,24 @@
 //! What stands in the clutter: one file an object, and `for_each_object_kind` as the one list of them.
 //!
 //! An object has two faces: a *specification* (what a scene file says of a group of such objects, with ranges) and a
-//! *drawn object* (one concrete thing that builds itself into the engine). To add one, write a file like `trunk.rs`
+//! *drawn object* (one concrete thing that describes its bodies and joints). To add one, write a file like `trunk.rs`
 //! and add its line to the list below.
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::Category;
 
 use crate::geometry::Footprint;
-use crate::physics::Physics;
 use crate::range::{DrawError, Limited, Placement};
 
 pub mod foam_block;
 pub mod foam_roll;
 pub mod leaf;
-pub mod mechanism;
+pub mod structure;
 pub mod trunk;
 
-pub use mechanism::Mechanism;
+pub use structure::Structure;
 
 /// The one list of object kinds: `key in the scene file: specification type`.
 macro_rules! for_each_object_kind {
@@ -102,8 +100,8 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn height_m(&self) -> f64;
     /// Its drawn parameters by name, SI units in the names.
     fn parameters(&self) -> BTreeMap<String, f64>;
-    /// Builds it with its foot at `foot_world`, turned by `yaw_rad` about the vertical.
-    fn build(&self, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Mechanism;
+    /// Its bodies, joints and springs at rest.
+    fn structure(&self) -> Structure;
     /// How far its surface gives way under pressure, m³/N: the skin's layer and it are pressed in together. 0 where it is
     /// rigid against the skin's cover, as most things are.
     fn surface_compliance_m3_per_n(&self) -> f64 {

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
-use rapier3d::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use underbrush_recording::Category;
+use underbrush_recording::{BodyShape, Category};
 
-use super::{FRICTION, Footing, Mechanism, Object, Specification, StandsOn};
+use super::structure::{Body, Structure, part};
+use super::{Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
-use crate::physics::{Physics, groups};
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
 /// A group of trunks in a scene file.
@@ -116,16 +115,20 @@ impl Object for Trunk {
         ])
     }
 
-    fn build(&self, physics: &mut Physics, foot_world: DVec3, _: f64) -> Mechanism {
-        let mut mechanism = Mechanism::default();
-        let foot = mechanism.fixed_foot(physics, Pose::from_translation(foot_world));
-        // A capsule: its rounded end tops the trunk, its sides are the cylinder.
-        let radius = self.diameter_m / 2.0;
-        let top = DVec3::new(0.0, 0.0, (self.height_m - radius).max(0.0));
-        let shape = ColliderBuilder::capsule_from_endpoints(DVec3::ZERO, top, radius)
-            .friction(FRICTION)
-            .collision_groups(groups::fixed());
-        mechanism.shape(physics, foot, shape);
-        mechanism
+    fn structure(&self) -> Structure {
+        // A capsule: its sides are the trunk's, its upper round end tops it, and its lower one is beneath the table.
+        let radius_m = self.diameter_m / 2.0;
+        let length_m = (self.height_m - radius_m).max(0.0);
+        let trunk = Body {
+            parts: vec![part(
+                BodyShape::Capsule { radius_m, length_m },
+                DVec3::Z * (length_m / 2.0),
+            )],
+            ..Body::foot()
+        };
+        Structure {
+            bodies: vec![trunk],
+            axisymmetric: true,
+        }
     }
 }

@@ -1,7 +1,10 @@
-//! Tests of a leaf against beams.
+//! Tests of a leaf in the engine against beams.
 
-use super::*;
-use crate::physics::PhysicsOptions;
+use glam::DVec3;
+
+use super::build;
+use crate::object::leaf::Leaf;
+use crate::physics::{Physics, PhysicsOptions};
 
 /// Deflections along x at the tip, m, of a leaf under a constant force at its tip, and of a clamped one by theory.
 fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
@@ -11,7 +14,7 @@ fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
         gravity_m_per_s2: 0.0,
     };
     let mut physics = Physics::new(options);
-    let mechanism = leaf.build(&mut physics, DVec3::ZERO, 0.0);
+    let mechanism = build(leaf, &mut physics);
     let last = mechanism.bodies()[mechanism.bodies().len() - 1];
     let tip_local = DVec3::Z * (leaf.height_m - leaf.blade_hinges()[leaf.segments as usize - 1].0);
     for _ in 0..4000 {

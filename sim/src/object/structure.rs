@@ -1,0 +1,174 @@
+//! What an object is made of, as plain data: rigid bodies, the joints between them, and the springs on those joints.
+//! The simulation builds it into its engine; an object file needs to know nothing of the engine.
+
+use glam::{DQuat, DVec3};
+use underbrush_recording::{BodyPart, BodyShape, Pose};
+
+/// The bodies of one object at rest, as a tree. The object's frame has its origin at the foot and z pointing up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    /// The bodies. A joint's parent comes before the body that the joint carries.
+    pub bodies: Vec<Body>,
+    /// Whether the object looks the same from all sides. Its frame then keeps the axes of the world, whatever its yaw.
+    pub axisymmetric: bool,
+}
+
+/// One rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// The joint that carries it. Without one it is fixed to the ground, its frame in the object's.
+    pub joint: Option<Joint>,
+    /// Mass and inertia; a fixed body needs none.
+    pub inertia: Inertia,
+    /// Collision shapes, which have no mass of their own.
+    pub parts: Vec<BodyPart>,
+    /// What these shapes collide with.
+    pub collision_group: CollisionGroup,
+}
+
+/// A joint between a body and its parent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Index of the parent in [`Structure::bodies`].
+    pub parent: usize,
+    /// Origin of the joint frame and of the child's frame at rest, m, in the parent's frame. All have parallel axes.
+    pub origin_parent: DVec3,
+    /// The free axes; all others are locked. The engine has no joint of two free rotations: stack two joints instead.
+    pub free_axes: Vec<(Axis, Spring)>,
+}
+
+/// A degree of freedom of a joint, along or about an axis of the joint frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Translation along x.
+    TranslationX,
+    /// Translation along y.
+    TranslationY,
+    /// Translation along z.
+    TranslationZ,
+    /// Rotation about x.
+    RotationX,
+    /// Rotation about y.
+    RotationY,
+    /// Rotation about z.
+    RotationZ,
+}
+
+/// Spring and damper on one degree of freedom, unloaded at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// Stiffness that never relaxes: Nm/rad of a rotation, N/m of a translation.
+    pub stiffness: f64,
+    /// Viscous damping: Nm s/rad or N s/m.
+    pub damping: f64,
+    /// Inertia added on the degree of freedom itself, kg m² or kg. It keeps stacks of massless hinges well conditioned.
+    pub armature: f64,
+    /// The relaxing branch of a standard linear solid, where the material has one.
+    pub maxwell: Option<Maxwell>,
+}
+
+impl Spring {
+    /// An elastic spring with damping.
+    pub fn elastic(stiffness: f64, damping: f64) -> Self {
+        Spring {
+            stiffness,
+            damping,
+            armature: 0.0,
+            maxwell: None,
+        }
+    }
+}
+
+/// The Maxwell branch of a standard linear solid: a spring in series with a dashpot, both parallel to the elastic spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Maxwell {
+    /// Stiffness of the branch, in the unit of the elastic spring.
+    pub stiffness: f64,
+    /// Relaxation time, s.
+    pub relaxation_time_s: f64,
+}
+
+/// Mass and inertia of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m, body frame.
+    pub center_of_mass_body: DVec3,
+    /// Moments of inertia about the centre of mass, kg m². The principal axes are those of the body frame.
+    pub principal_kg_m2: DVec3,
+}
+
+impl Inertia {
+    /// A body without mass, such as the link between two stacked hinges.
+    pub const MASSLESS: Inertia = Inertia {
+        mass_kg: 0.0,
+        center_of_mass_body: DVec3::ZERO,
+        principal_kg_m2: DVec3::ZERO,
+    };
+
+    /// A uniform box of edge lengths `size_m`, centred on `center_body` (m): (m/12) (b² + c²) and so on.
+    pub fn of_box(mass_kg: f64, center_body: DVec3, size_m: DVec3) -> Self {
+        let squared = size_m * size_m;
+        let sums = DVec3::new(squared.y + squared.z, squared.x + squared.z, squared.x + squared.y);
+        Inertia {
+            mass_kg,
+            center_of_mass_body: center_body,
+            principal_kg_m2: sums * (mass_kg / 12.0),
+        }
+    }
+
+    /// A uniform upright cylinder centred on the body's origin: (m/12) (3 r² + h²) across, m r² / 2 about its axis.
+    pub fn of_cylinder(mass_kg: f64, radius_m: f64, height_m: f64) -> Self {
+        let across = mass_kg * (3.0 * radius_m * radius_m + height_m * height_m) / 12.0;
+        Inertia {
+            mass_kg,
+            center_of_mass_body: DVec3::ZERO,
+            principal_kg_m2: DVec3::new(across, across, mass_kg * radius_m * radius_m / 2.0),
+        }
+    }
+}
+
+/// What the shapes of a body collide with. All of them collide with the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CollisionGroup {
+    /// Heavy or fixed things such as trunks and foam blocks: they collide with [`CollisionGroup::Bendable`] bodies, and not
+    /// with each other.
+    Fixed,
+    /// Moving parts: they collide with every group.
+    Bendable,
+    /// The lowest part of something that bends. It may stand inside foam, so it does not collide with
+    /// [`CollisionGroup::Fixed`] bodies.
+    Rooted,
+}
+
+impl Body {
+    /// The foot that everything else hangs on: fixed to the ground, without shapes.
+    pub fn foot() -> Self {
+        Body {
+            joint: None,
+            inertia: Inertia::MASSLESS,
+            parts: Vec::new(),
+            collision_group: CollisionGroup::Fixed,
+        }
+    }
+
+    /// A massless body without shapes, the link between two stacked hinges.
+    pub fn between_hinges(joint: Joint) -> Self {
+        Body {
+            joint: Some(joint),
+            ..Body::foot()
+        }
+    }
+}
+
+/// A shape centred on `center_body` (m), its axes parallel to the body's.
+pub fn part(shape: BodyShape, center_body: DVec3) -> BodyPart {
+    BodyPart {
+        shape,
+        pose_body: Pose {
+            position: center_body,
+            orientation: DQuat::IDENTITY,
+        },
+    }
+}

@@ -1,0 +1,118 @@
+//! Tests of a foam roll in the engine against the standard linear solid and its toppling load.
+
+use glam::DVec3;
+
+use super::build;
+use crate::object::foam_roll::FoamRoll;
+use crate::physics::{Physics, PhysicsOptions};
+
+/// Pins that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation
+/// time τ/(1 − share)) and comes back slowly and whole.
+#[test]
+fn a_push_creeps_and_recovers() {
+    let roll = FoamRoll {
+        diameter_m: 0.12,
+        height_m: 0.5,
+        modulus_pa: 1.0e5,
+        relaxing_share: 0.5,
+        relaxation_time_s: 2.0,
+        density_kg_per_m3: 30.0,
+    };
+    let options = PhysicsOptions {
+        step_s: 0.005,
+        substeps: 1,
+        gravity_m_per_s2: 0.0,
+    };
+    let mut physics = Physics::new(options);
+    let mut mechanism = build(&roll, &mut physics);
+    // The core takes the force, so that only the lean shows.
+    let core = mechanism.bodies()[2];
+    let force = 0.5;
+    let lever = 0.4;
+    let mut lean = |seconds: f64, force: f64| {
+        for _ in 0..(seconds / options.step_s).round() as usize {
+            let body = &mut physics.bodies[core];
+            body.reset_forces(true);
+            body.reset_torques(true);
+            let point = body.position().transform_point(DVec3::Z * lever);
+            body.add_force_at_point(DVec3::X * force, point, true);
+            mechanism.relax(&mut physics);
+            physics.step();
+        }
+        physics.bodies[core].position().transform_vector(DVec3::Z).x
+    };
+    let at_once = force * lever / roll.lean_stiffness_nm_per_rad();
+    let retardation = roll.relaxation_time_s / (1.0 - roll.relaxing_share);
+    // Two seconds let the roll's own vibration (3 Hz, damping ratio 0.2) die out.
+    let early = lean(2.0, force);
+    let expected = at_once * (1.0 + (1.0 - (-2.0 / retardation).exp()));
+    assert!(
+        (early / expected - 1.0).abs() < 0.02,
+        "after 2 s found {early}, expected {expected}"
+    );
+    let late = lean(40.0, force);
+    assert!(
+        (late / (2.0 * at_once) - 1.0).abs() < 0.02,
+        "at last found {late}, expected {}",
+        2.0 * at_once
+    );
+    let soon_after = lean(2.0, 0.0);
+    let expected = at_once * (-2.0 / retardation).exp();
+    assert!(
+        (soon_after / expected - 1.0).abs() < 0.02,
+        "2 s after release found {soon_after}, expected {expected}"
+    );
+    assert!(lean(60.0, 0.0).abs() < 1e-4 * at_once.max(1.0));
+}
+
+/// A roll as scenes draw them, with a modulus.
+fn roll(modulus_pa: f64) -> FoamRoll {
+    FoamRoll {
+        diameter_m: 0.12,
+        height_m: 0.5,
+        modulus_pa,
+        relaxing_share: 0.5,
+        relaxation_time_s: 0.2,
+        density_kg_per_m3: 30.0,
+    }
+}
+
+/// How far the tip of a roll is from upright, m, so many seconds after a push of 50 mN for half a second at its top.
+fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
+    let options = PhysicsOptions {
+        step_s: 0.005,
+        substeps: 2,
+        gravity_m_per_s2: 9.81,
+    };
+    let mut physics = Physics::new(options);
+    let mut mechanism = build(roll, &mut physics);
+    let core = mechanism.bodies()[2];
+    for step in 0..(seconds / options.step_s) as usize {
+        let body = &mut physics.bodies[core];
+        body.reset_forces(true);
+        body.reset_torques(true);
+        if step < 100 {
+            let top = body.position().transform_point(DVec3::Z * roll.height_m);
+            body.add_force_at_point(DVec3::X * 0.05, top, true);
+        }
+        mechanism.relax(&mut physics);
+        physics.step();
+    }
+    let tip = physics.bodies[core]
+        .position()
+        .transform_point(DVec3::Z * roll.height_m);
+    tip.truncate().length()
+}
+
+/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than that comes back from a push
+/// and one 10 % softer does not.
+#[test]
+fn a_roll_topples_at_the_load_that_is_derived() {
+    // The first term of the load share goes with 1 / E, and the second, with 1 / E², is a ten-thousandth of it.
+    let critical_pa = 1.0e4 * roll(1.0e4).load_share();
+    assert!((roll(critical_pa).load_share() - 1.0).abs() < 1e-3);
+    let stiffer = lean_after_a_push_m(&roll(1.1 * critical_pa), 60.0);
+    assert!(stiffer < 1e-3, "{stiffer} m");
+    let softer = lean_after_a_push_m(&roll(0.9 * critical_pa), 60.0);
+    assert!(softer > 0.05, "{softer} m");
+}
