@@ -4,6 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape};
 
+use crate::geometry::engine_shape;
 use crate::object::FRICTION;
 use crate::object::structure::{self, Axis, CollisionGroup, Inertia, Spring, Structure};
 use crate::physics::{Physics, groups};
@@ -68,7 +69,7 @@ impl Mechanism {
         };
         self.bodies.push(handle);
         for part in &body.parts {
-            let Some(shape) = engine_shape(part) else { continue };
+            let Some(shape) = collider(part) else { continue };
             let shape = shape
                 .density(0.0)
                 .friction(FRICTION)
@@ -216,23 +217,18 @@ fn engine_groups(group: CollisionGroup) -> InteractionGroups {
     }
 }
 
-/// A collision shape in its place on its body; `None` for points that have no convex hull.
-fn engine_shape(part: &BodyPart) -> Option<ColliderBuilder> {
+/// A collision shape in its place on its body; `None` for a hull without volume.
+fn collider(part: &BodyPart) -> Option<ColliderBuilder> {
     let pose = Pose::from_parts(part.pose_body.position, part.pose_body.orientation);
-    Some(match &part.shape {
-        BodyShape::Sphere { radius_m } => ColliderBuilder::ball(*radius_m).position(pose),
-        // The engine's cylinders lie along y.
-        BodyShape::Cylinder { radius_m, length_m } => ColliderBuilder::cylinder(length_m / 2.0, *radius_m)
-            .position(pose * Pose::rotation(DVec3::X * std::f64::consts::FRAC_PI_2)),
-        BodyShape::Capsule { radius_m, length_m } => {
-            let end = DVec3::Z * (length_m / 2.0);
-            ColliderBuilder::capsule_from_endpoints(pose.transform_point(-end), pose.transform_point(end), *radius_m)
-        }
-        BodyShape::Box { size_m } => {
-            ColliderBuilder::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0).position(pose)
-        }
-        BodyShape::Hull { points_m } => ColliderBuilder::convex_hull(points_m)?.position(pose),
-    })
+    if let BodyShape::Capsule { radius_m, length_m } = part.shape {
+        // Between its ends in the body's frame: an upright capsule then needs no rotation, whose rounding contacts would
+        // inherit.
+        let end = DVec3::Z * (length_m / 2.0);
+        let ends = [-end, end].map(|end| pose.transform_point(end));
+        return Some(ColliderBuilder::capsule_from_endpoints(ends[0], ends[1], radius_m));
+    }
+    let (shape, rotation) = engine_shape(&part.shape)?;
+    Some(ColliderBuilder::new(shape).position(pose * rotation))
 }
 
 #[cfg(test)]
