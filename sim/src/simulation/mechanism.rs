@@ -4,7 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape};
 
-use crate::geometry::engine_shape;
+use crate::geometry::{engine_shape, parry_pose};
 use crate::object::FRICTION;
 use crate::object::structure::{self, Axis, CollisionGroup, Inertia, Spring, Structure};
 use crate::physics::{Physics, groups};
@@ -219,16 +219,15 @@ fn engine_groups(group: CollisionGroup) -> InteractionGroups {
 
 /// A collision shape in its place on its body; `None` for a hull without volume.
 fn collider(part: &BodyPart) -> Option<ColliderBuilder> {
-    let pose = Pose::from_parts(part.pose_body.position, part.pose_body.orientation);
     if let BodyShape::Capsule { radius_m, length_m } = part.shape {
         // Between its ends in the body's frame: an upright capsule then needs no rotation, whose rounding contacts would
         // inherit.
         let end = DVec3::Z * (length_m / 2.0);
-        let ends = [-end, end].map(|end| pose.transform_point(end));
+        let ends = [-end, end].map(|end| part.pose_body.transform_point(end));
         return Some(ColliderBuilder::capsule_from_endpoints(ends[0], ends[1], radius_m));
     }
     let (shape, rotation) = engine_shape(&part.shape)?;
-    Some(ColliderBuilder::new(shape).position(pose * rotation))
+    Some(ColliderBuilder::new(shape).position(parry_pose(&(part.pose_body * rotation))))
 }
 
 #[cfg(test)]
