@@ -68,7 +68,7 @@ fn sequences(category: &str) -> Vec<Observations> {
     let own = trials()
         .into_iter()
         .filter(|trial| trial.category.as_deref() == Some(category));
-    let forces = own.map(|trial| FeatureSet::Force.observations(&trial, None));
+    let forces = own.map(|trial| FeatureSet::FORCE.observations(&trial, None));
     forces.collect::<Result<_, _>>().expect("the trials have forces")
 }
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use underbrush_recording::InputError;
 
 use crate::decision::Decision;
-use crate::feature::{FeatureSet, Scaling};
+use crate::feature::{FEATURES, FeatureSet, Scaling};
 use crate::hmm::{GaussianHmm, HmmParameters, TrainingHistory};
 use crate::model_set::{ModelError, ModelSet};
 use crate::recipe::Recipe;
@@ -65,14 +65,9 @@ impl ModelSet {
             return Err(InputError::new(path, "format", file.format, FORMAT, "use a model of this format").into());
         }
         let features = FeatureSet::from_names(&file.features).map_err(|error| {
-            let allowed = r#"["force_n"] or ["force_n", "motion_m"]"#;
-            InputError::new(
-                path,
-                "features",
-                error.to_string(),
-                allowed,
-                "train on one of these feature sets",
-            )
+            let columns = FEATURES.map(|feature| format!("{:?}", feature.column)).join(", ");
+            let allowed = format!("a list of one or more of {columns}");
+            InputError::new(path, "features", error.to_string(), allowed, "train on these features")
         })?;
         let mut models = BTreeMap::new();
         for (category, parameters) in file.models {
@@ -129,7 +124,7 @@ impl ModelSet {
             .collect();
         let entries = [
             ("format", json!(FORMAT)),
-            ("features", json!(self.features.names())),
+            ("features", json!(self.features.columns())),
             ("recipe", json!(self.recipe)),
             ("decision", json!(self.decision)),
             ("scaling", json!(self.scaling)),

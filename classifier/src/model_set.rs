@@ -129,7 +129,7 @@ impl ModelSet {
                 allowed: format!(
                     "models over the {} features {:?}",
                     features.dimension(),
-                    features.names()
+                    features.columns()
                 ),
             });
         }

@@ -5,13 +5,13 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use thiserror::Error;
-use underbrush_recording::{Frame, SkinLayout};
+use underbrush_recording::{Frame, Sample, SkinLayout};
 
 use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
-use crate::feature::{FeatureError, FeatureSet};
+use crate::feature::{FeatureError, SampleFault};
 use crate::hmm::{FilterBank, ScoreKind};
 use crate::model_set::ModelSet;
-use crate::trial::{PatchImage, Travel, TrialError};
+use crate::trial::{PatchImage, Regions, Travel, TrialError};
 
 /// Why online classification stops.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -25,6 +25,22 @@ pub enum OnlineError {
     /// A sample that the models cannot take.
     #[error(transparent)]
     Feature(#[from] FeatureError),
+    /// A sample that cannot be used.
+    #[error("taxel {taxel} {fault}")]
+    BadSample {
+        /// Index of the taxel in its patch.
+        taxel: usize,
+        /// What is wrong.
+        fault: SampleFault,
+    },
+    /// The models need the contact region, and the taxels form no grid.
+    #[error("the feature {feature} needs the contact region: {source}; use a model without {feature}")]
+    NoRegion {
+        /// Name of the feature.
+        feature: &'static str,
+        /// Why there is no region.
+        source: TrialError,
+    },
 }
 
 /// Which taxels are classified, and how.
@@ -63,6 +79,10 @@ pub struct OnlineClassifier {
     models: ModelSet,
     judge: Judge,
     image: PatchImage,
+    /// Only where the models need them: finding them allocates.
+    regions: Option<Regions>,
+    /// The features of the sample at hand.
+    values: Vec<f64>,
     bank: FilterBank,
     /// Streams of the bank without a contact; the first go first, so that those in use stay side by side.
     free: BinaryHeap<Reverse<usize>>,
@@ -91,6 +111,13 @@ impl OnlineClassifier {
     pub fn new(models: ModelSet, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let judge = options.decision.prepare(&models.categories())?;
         let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;
+        let regions = match models.features().of_region().next() {
+            None => None,
+            Some(feature) => Some(Regions::new(&image, None).map_err(|source| OnlineError::NoRegion {
+                feature: feature.name,
+                source,
+            })?),
+        };
         let taxels = image.patch().taxels.len();
         let contact = |taxel| Contact {
             stream: None,
@@ -107,6 +134,8 @@ impl OnlineClassifier {
         Ok(OnlineClassifier {
             judge,
             image,
+            regions,
+            values: vec![0.0; models.features().dimension()],
             bank: FilterBank::new(options.score, models.models().values(), taxels),
             free: (0..taxels).map(Reverse).collect(),
             contacts: (0..taxels).map(contact).collect(),
@@ -123,9 +152,12 @@ impl OnlineClassifier {
     pub fn update(&mut self, frame: &Frame) -> Result<impl Iterator<Item = &TaxelVerdict>, OnlineError> {
         self.image.read(self.frames, frame)?;
         self.frames += 1;
+        if let Some(regions) = &mut self.regions {
+            regions.find(&self.image);
+        }
         for taxel in 0..self.contacts.len() {
             if self.image.is_in_contact(taxel) {
-                self.feel(taxel)?;
+                self.sense(taxel, frame.time_s)?;
             } else if let Some(stream) = self.contacts[taxel].stream.take() {
                 self.free.push(Reverse(stream));
             }
@@ -150,7 +182,7 @@ impl OnlineClassifier {
     }
 
     /// Gives the filters of a taxel in contact its sample.
-    fn feel(&mut self, taxel: usize) -> Result<(), FeatureError> {
+    fn sense(&mut self, taxel: usize, time_s: f64) -> Result<(), OnlineError> {
         let contact = &mut self.contacts[taxel];
         let position_world = self.image.position_world(taxel);
         let stream = match contact.stream {
@@ -175,16 +207,20 @@ impl OnlineClassifier {
         if !contact.scored {
             return Ok(());
         }
-        let motion_m = contact.travel.to(position_world);
-        let mut sample = [self.image.sensed_force_n(taxel), motion_m];
-        let sample = match self.models.features() {
-            FeatureSet::Force => &mut sample[..1],
-            FeatureSet::ForceAndMotion => &mut sample[..],
+        let sample = Sample {
+            time_s,
+            force_n: self.image.sensed_force_n(taxel),
+            motion_m: Some(contact.travel.to(position_world)),
+            region: self.regions.as_ref().and_then(|regions| regions.of(taxel)),
+            touched: None,
         };
+        let values = &mut self.values[..];
+        let bad_sample = |fault| OnlineError::BadSample { taxel, fault };
+        self.models.features().read(&sample, values).map_err(bad_sample)?;
         if let Some(scaling) = self.models.scaling() {
-            scaling.apply(sample);
+            scaling.apply(values);
         }
-        self.bank.put(stream, sample)
+        Ok(self.bank.put(stream, values)?)
     }
 }
 

@@ -46,7 +46,7 @@ impl Recipe {
     pub fn authors() -> Self {
         Recipe {
             states: 10,
-            features: FeatureSet::Force,
+            features: FeatureSet::FORCE,
             topology: Topology::LeftToRight,
             initial: InitialDistribution::Uniform,
             score: ScoreKind::Viterbi,

@@ -10,7 +10,6 @@ use underbrush_classifier::evaluate::{
 };
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
-use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
 
 use crate::accuracy::Accuracy;
@@ -58,14 +57,14 @@ fn estimators() -> [Named; 7] {
         })
     };
     let taxel_alone = Logistic {
-        features: StreamFeatureSet::Taxel,
+        features: FeatureSet::FORCE_AND_MOTION,
         ..Logistic::default()
     };
     [
-        (MARKOV_FORCE, markov(FeatureSet::Force)),
-        (MARKOV_FORCE_AND_MOTION, markov(FeatureSet::ForceAndMotion)),
+        (MARKOV_FORCE, markov(FeatureSet::FORCE)),
+        (MARKOV_FORCE_AND_MOTION, markov(FeatureSet::FORCE_AND_MOTION)),
         ("nearest neighbours", Box::new(NearestNeighbours::default())),
-        ("naive Bayes", Box::new(NaiveBayes)),
+        ("naive Bayes", Box::new(NaiveBayes::default())),
         ("echo-state network", Box::new(EchoStateNetwork::default())),
         (LOGISTIC_TAXEL, Box::new(taxel_alone)),
         (LOGISTIC_REGION, Box::new(Logistic::default())),

@@ -7,7 +7,7 @@ use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::{Accuracy, Part, Spread};
 use crate::error::ExperimentError;
-use crate::measurement::{Cell, CellKey, ClassifierAccuracy, OneOfMany, TrialsPerReach, features_name, unit_name};
+use crate::measurement::{Cell, CellKey, ClassifierAccuracy, OneOfMany, TrialsPerReach, unit_name};
 use crate::results::{
     CampaignCell, CampaignClassifier, CampaignFigures, CampaignPart, CampaignTrials, Campaigns, Ordering,
 };
@@ -26,7 +26,6 @@ pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, f64)>) -> 
 
 /// The three orderings that section V-A states, checked on cells of one or more recipes.
 pub fn orderings(cells: &[(String, TableOneUnit, FeatureSet, usize, f64)]) -> Vec<Ordering> {
-    use FeatureSet::{Force, ForceAndMotion};
     use TableOneUnit::{Component, Taxel};
     let mut recipes: Vec<&String> = cells.iter().map(|cell| &cell.0).collect();
     recipes.dedup();
@@ -44,7 +43,7 @@ pub fn orderings(cells: &[(String, TableOneUnit, FeatureSet, usize, f64)]) -> Ve
             for (higher, lower) in &pairs {
                 let [high, low] = [higher, lower].map(|key| accuracy(key.0, key.1, key.2).unwrap_or(f64::NAN));
                 if !(high > low || (!strict && high == low)) {
-                    let name = |key: &Key| format!("{}, {}, {} states", unit_name(key.0), features_name(key.1), key.2);
+                    let name = |key: &Key| format!("{}, {}, {} states", unit_name(key.0), key.1, key.2);
                     failing.push(format!("{} {high:.1} %, {} {low:.1} %", name(higher), name(lower)));
                 }
             }
@@ -57,7 +56,7 @@ pub fn orderings(cells: &[(String, TableOneUnit, FeatureSet, usize, f64)]) -> Ve
                 failing,
             });
         };
-        let features = [Force, ForceAndMotion];
+        let features = [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION];
         let of = |keys: &dyn Fn(FeatureSet, usize) -> (Key, Key)| {
             let pairs = features
                 .iter()
@@ -70,9 +69,14 @@ pub fn orderings(cells: &[(String, TableOneUnit, FeatureSet, usize, f64)]) -> Ve
             of(&|own, states| ((Taxel, own, states), (Component, own, states))),
         );
         let units = [Component, Taxel];
-        let pairs = units
-            .iter()
-            .flat_map(|unit| [5, 10, 20].map(|states| ((*unit, Force, states), (*unit, ForceAndMotion, states))));
+        let pairs = units.iter().flat_map(|unit| {
+            [5, 10, 20].map(|states| {
+                (
+                    (*unit, FeatureSet::FORCE, states),
+                    (*unit, FeatureSet::FORCE_AND_MOTION, states),
+                )
+            })
+        });
         check(
             "force alone is at least as good as force and motion",
             false,

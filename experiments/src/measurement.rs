@@ -79,7 +79,7 @@ impl Cell {
 impl CellKey {
     /// The cell without its recipe, in words.
     pub fn name(&self) -> String {
-        let (by, features) = (unit_name(self.by), features_name(self.features));
+        let (by, features) = (unit_name(self.by), self.features);
         format!("{by}, {features}, {} states", self.states)
     }
 }
@@ -101,12 +101,5 @@ pub fn unit_name(unit: TableOneUnit) -> &'static str {
     match unit {
         TableOneUnit::Component => "component",
         TableOneUnit::Taxel => "taxel",
-    }
-}
-
-pub fn features_name(features: FeatureSet) -> &'static str {
-    match features {
-        FeatureSet::Force => "force",
-        FeatureSet::ForceAndMotion => "force+motion",
     }
 }

@@ -9,7 +9,6 @@ use underbrush_classifier::estimator::Estimator;
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
-use underbrush_classifier::stream_feature::StreamFeatureSet;
 use underbrush_recording::Trial;
 
 use crate::accuracy::Accuracy;
@@ -74,11 +73,11 @@ pub fn run(seed: u64, quick: bool, own: &[Trial], progress: &dyn Progress) -> Re
 /// no clutter is met in both, and all learn from equally many reaches.
 pub fn splits(settings: &[Setting]) -> Result<Vec<Split>, ExperimentError> {
     let motion = Recipe {
-        features: FeatureSet::ForceAndMotion,
+        features: FeatureSet::FORCE_AND_MOTION,
         ..Recipe::authors()
     };
     let taxel_alone = Logistic {
-        features: StreamFeatureSet::Taxel,
+        features: FeatureSet::FORCE_AND_MOTION,
         ..Logistic::default()
     };
     let estimators: [(&str, Box<dyn Estimator>); 4] = [

@@ -82,11 +82,11 @@ impl<'a> Scores<'a> {
 }
 
 fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<&'static str> {
-    match (kind, features) {
-        (ScoreKind::Forward, _) => Some("these are forward scores"),
-        (_, FeatureSet::ForceAndMotion) => Some("these are scores of force and motion"),
-        _ if scaled => Some("these are scores of scaled features"),
-        _ => None,
+    match kind {
+        ScoreKind::Forward => Some("these are forward scores"),
+        ScoreKind::Viterbi if features != FeatureSet::FORCE => Some("these are not scores of force alone"),
+        ScoreKind::Viterbi if scaled => Some("these are scores of scaled features"),
+        ScoreKind::Viterbi => None,
     }
 }
 

@@ -14,7 +14,7 @@ use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
     evaluate,
 };
-use underbrush_classifier::stream_feature::StreamFeatureSet;
+use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::Trial;
 
 use super::decision_arguments::{DecisionArguments, Scores};
@@ -199,11 +199,11 @@ impl Options {
         match self.classifier {
             ClassifierName::Hmm => Box::new(self.recipe.recipe()),
             ClassifierName::NearestNeighbours => Box::new(NearestNeighbours::default()),
-            ClassifierName::NaiveBayes => Box::new(NaiveBayes),
+            ClassifierName::NaiveBayes => Box::new(NaiveBayes::default()),
             ClassifierName::EchoStateNetwork => Box::new(EchoStateNetwork::default()),
             ClassifierName::Logistic => Box::new(Logistic::default()),
             ClassifierName::LogisticTaxel => Box::new(Logistic {
-                features: StreamFeatureSet::Taxel,
+                features: FeatureSet::FORCE_AND_MOTION,
                 ..Logistic::default()
             }),
         }

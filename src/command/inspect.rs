@@ -190,7 +190,7 @@ fn model(path: &Path) -> Result<Value, Failure> {
         .collect();
     Ok(json!({
         "model": path.display().to_string(),
-        "features": models.features().names(),
+        "features": models.features().columns(),
         "states by category": states,
         "score": models.score_kind(),
         "recipe": models.recipe,

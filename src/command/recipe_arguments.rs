@@ -16,9 +16,10 @@ pub struct RecipeArguments {
     /// Hidden states of each model [default: 10]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     states: Option<u16>,
-    /// What of a sample the models see [default: force]
-    #[arg(long, value_enum)]
-    features: Option<Features>,
+    /// Features of each sample, joined by commas: force, motion, area, region-max-force, region-force-sum
+    /// [default: force]
+    #[arg(long, value_name = "LIST")]
+    features: Option<FeatureSet>,
     /// Transitions that exist [default: left-right]
     #[arg(long, value_enum)]
     topology: Option<TopologyName>,
@@ -43,13 +44,6 @@ pub struct RecipeArguments {
 enum RecipeName {
     Authors,
     Modern,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Features {
-    Force,
-    #[value(name = "force+motion")]
-    ForceAndMotion,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -102,10 +96,7 @@ impl RecipeArguments {
         };
         Recipe {
             states: self.states.map_or(base.states, usize::from),
-            features: self.features.map_or(base.features, |features| match features {
-                Features::Force => FeatureSet::Force,
-                Features::ForceAndMotion => FeatureSet::ForceAndMotion,
-            }),
+            features: self.features.unwrap_or(base.features),
             topology: self.topology.map_or(base.topology, |topology| match topology {
                 TopologyName::LeftRight => Topology::LeftToRight,
                 TopologyName::Ergodic => Topology::Ergodic,

@@ -77,7 +77,12 @@ fn unknown_feature() {
     refuses(
         "/features",
         json!(["warmth_k"]),
-        &["features: found", "warmth_k", "allowed: [\"force_n\"]", "train on one"],
+        &[
+            "features: found",
+            "warmth_k",
+            "\"force_n\", \"motion_m\", \"region_taxels\"",
+            "train on these",
+        ],
     );
 }
 

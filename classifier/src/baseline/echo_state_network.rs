@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Sample, Trial};
 
 use crate::estimator::{Classifier, Estimator};
-use crate::feature::FeatureError;
+use crate::feature::{FeatureError, FeatureSet, SampleFault};
 use crate::model_set::{ModelError, trials_by_category};
 
 /// Ridge regression on the state of a fixed random recurrent network, in the spirit of the online recursive kernel Gaussian
@@ -18,6 +18,8 @@ use crate::model_set::{ModelError, trials_by_category};
 /// of the readout's mean since contact, which is an estimate of the posterior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EchoStateNetwork {
+    /// What of a sample enters the network.
+    pub features: FeatureSet,
     /// Units of the network.
     pub units: usize,
     /// The part a of the state that is renewed at each sample; above 0, at most 1.
@@ -31,6 +33,7 @@ impl Default for EchoStateNetwork {
     /// decides (11.9); a penalty that only keeps the regression well posed. Choices.
     fn default() -> Self {
         EchoStateNetwork {
+            features: FeatureSet::FORCE_AND_MOTION,
             units: 60,
             leak: 0.1,
             penalty: 1e-6,
@@ -38,12 +41,8 @@ impl Default for EchoStateNetwork {
     }
 }
 
-/// Inputs: one, force, motion.
-const INPUTS: usize = 3;
 /// The recurrent weights have this spectral radius for many units; below 1, so that the past fades.
 const RADIUS: f64 = 0.9;
-/// What brings an input to the order of one: 1 N, 1 cm.
-const INPUT_SCALE: [f64; 2] = [1.0, 100.0];
 /// Readouts are no probabilities; they are kept above this before the logarithm is taken.
 const LEAST_POSTERIOR: f64 = 1e-3;
 
@@ -54,7 +53,7 @@ impl Estimator for EchoStateNetwork {
             return Err(ModelError::NoCategories { trials: trials.len() });
         }
         let network = Network::new(self);
-        let size = self.units + INPUTS;
+        let size = network.size();
         let mut precision = DMatrix::from_diagonal_element(size, size, self.penalty);
         let mut target = DMatrix::zeros(size, by_category.len());
         for (category, trials) in by_category.values().enumerate() {
@@ -62,7 +61,9 @@ impl Estimator for EchoStateNetwork {
                 let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
                 let mut state = network.rest();
                 for (index, sample) in trial.samples.iter().enumerate() {
-                    network.step(&mut state, input(trial.trial, index, sample)?);
+                    network
+                        .step(&mut state, sample)
+                        .map_err(|fault| bad_sample(trial, index, fault))?;
                     precision.ger(weight, &state, &state, 1.0);
                     target.column_mut(category).axpy(weight, &state, 1.0);
                 }
@@ -81,26 +82,9 @@ impl Estimator for EchoStateNetwork {
     }
 }
 
-/// Force and motion of a sample.
-fn input(trial: u64, index: usize, sample: &Sample) -> Result<[f64; 2], FeatureError> {
-    let missing = FeatureError::MissingMotion { trial, sample: index };
-    let motion_m = sample.motion_m.ok_or(missing)?;
-    for (feature, value) in [("force_n", sample.force_n), ("motion_m", motion_m)] {
-        if !value.is_finite() {
-            let sample = index;
-            return Err(FeatureError::NotFinite {
-                trial,
-                sample,
-                feature,
-                value,
-            });
-        }
-    }
-    Ok([sample.force_n, motion_m])
-}
-
 /// The fixed random network. Its state is followed by its inputs, so that the readout sees both.
 struct Network {
+    features: FeatureSet,
     leak: f64,
     recurrent: DMatrix<f64>,
     inputs: DMatrix<f64>,
@@ -116,24 +100,43 @@ impl Network {
         // Independent entries of deviation σ give a spectral radius of σ √units; uniform ones have σ = most / √3.
         let most = RADIUS * (3.0 / options.units.max(1) as f64).sqrt();
         Network {
+            features: options.features,
             leak: options.leak,
             recurrent: draw(options.units, options.units, most),
-            inputs: draw(options.units, INPUTS, 1.0),
+            inputs: draw(options.units, 1 + options.features.dimension(), 1.0),
         }
     }
 
-    fn rest(&self) -> DVector<f64> {
-        DVector::zeros(self.recurrent.nrows() + INPUTS)
+    /// Length of the state with its inputs.
+    fn size(&self) -> usize {
+        self.recurrent.nrows() + self.inputs.ncols()
     }
 
-    fn step(&self, state: &mut DVector<f64>, felt: [f64; 2]) {
+    fn rest(&self) -> DVector<f64> {
+        DVector::zeros(self.size())
+    }
+
+    fn step(&self, state: &mut DVector<f64>, sample: &Sample) -> Result<(), SampleFault> {
         let units = self.recurrent.nrows();
-        let input = DVector::from_column_slice(&[1.0, felt[0] * INPUT_SCALE[0], felt[1] * INPUT_SCALE[1]]);
+        let mut input = DVector::from_element(self.inputs.ncols(), 1.0);
+        self.features.read(sample, &mut input.as_mut_slice()[1..])?;
+        for (value, feature) in input.iter_mut().skip(1).zip(self.features.iter()) {
+            *value *= feature.to_order_one;
+        }
         let drive = &self.recurrent * state.rows(0, units) + &self.inputs * &input;
         for (unit, drive) in drive.iter().enumerate() {
             state[unit] += self.leak * (drive.tanh() - state[unit]);
         }
-        state.rows_mut(units, INPUTS).copy_from(&input);
+        state.rows_mut(units, input.len()).copy_from(&input);
+        Ok(())
+    }
+}
+
+fn bad_sample(trial: &Trial, sample: usize, fault: SampleFault) -> FeatureError {
+    FeatureError::BadSample {
+        trial: trial.trial,
+        sample,
+        fault,
     }
 }
 
@@ -159,7 +162,9 @@ impl Classifier for Fitted {
         let mut scores = Vec::with_capacity(counts.len());
         for &count in counts {
             for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                self.network.step(&mut state, input(trial.trial, taken, sample)?);
+                self.network
+                    .step(&mut state, sample)
+                    .map_err(|fault| bad_sample(trial, taken, fault))?;
                 sum += self.readout.tr_mul(&state);
                 taken += 1;
             }

@@ -5,16 +5,17 @@ use underbrush_recording::Trial;
 
 use super::table::{Standardization, Table};
 use crate::estimator::{Classifier, Estimator};
+use crate::feature::FeatureSet;
 use crate::model_set::ModelError;
-use crate::stream_feature::StreamFeatureSet;
+use crate::stream_feature::{Selection, TAXEL_AND_REGION};
 
-/// Logistic regression on what was felt so far, on the taxel and, by [`StreamFeatureSet::TaxelAndRegion`], around it: its
+/// Logistic regression on the stream features of taxel and contact region ([`crate::stream_feature`]): the
 /// log-posterior is a weighted sum of the features. It is trained on every contact at several moments of its life, so
 /// that it can be asked at any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Logistic {
-    /// The features.
-    pub features: StreamFeatureSet,
+    /// The features that the stream features are computed from.
+    pub features: FeatureSet,
     /// Half the squared length of the weights counts this much beside the mean cross-entropy, nats; above 0.
     pub penalty: f64,
 }
@@ -24,7 +25,7 @@ impl Default for Logistic {
     /// less than its interval.
     fn default() -> Self {
         Logistic {
-            features: StreamFeatureSet::TaxelAndRegion,
+            features: TAXEL_AND_REGION,
             penalty: 1e-3,
         }
     }
@@ -32,11 +33,12 @@ impl Default for Logistic {
 
 impl Estimator for Logistic {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let mut table = Table::of(trials, self.features)?;
-        let standardization = Standardization::of(&mut table, self.features);
-        let weights = minimize(&table, self.features.dimension() + 1, self.penalty)?;
+        let features = Selection::of(self.features);
+        let mut table = Table::of(trials, &features)?;
+        let standardization = Standardization::of(&mut table, &features);
+        let weights = minimize(&table, features.dimension() + 1, self.penalty)?;
         Ok(Box::new(Fitted {
-            features: self.features,
+            features,
             categories: table.categories,
             standardization,
             weights,
@@ -45,7 +47,7 @@ impl Estimator for Logistic {
 }
 
 struct Fitted {
-    features: StreamFeatureSet,
+    features: Selection,
     categories: Vec<String>,
     standardization: Standardization,
     /// A row a category: one weight a feature, then the constant.
@@ -169,9 +171,10 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
 /// The largest slope of the objective at the fitted weights, by central differences.
 #[cfg(test)]
 pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
-    let mut table = Table::of(trials, estimator.features).unwrap();
-    Standardization::of(&mut table, estimator.features);
-    let weights = minimize(&table, estimator.features.dimension() + 1, estimator.penalty).unwrap();
+    let features = Selection::of(estimator.features);
+    let mut table = Table::of(trials, &features).unwrap();
+    Standardization::of(&mut table, &features);
+    let weights = minimize(&table, features.dimension() + 1, estimator.penalty).unwrap();
     let objective = |weights: &DMatrix<f64>| {
         let entropies = table.rows.iter().map(|row| {
             let scores: Vec<f64> = (0..weights.nrows())

@@ -4,23 +4,35 @@ use underbrush_recording::Trial;
 
 use super::table::{Standardization, Table};
 use crate::estimator::{Classifier, Estimator};
+use crate::feature::FeatureSet;
 use crate::model_set::ModelError;
-use crate::stream_feature::StreamFeatureSet;
+use crate::stream_feature::Selection;
 
 /// One Gaussian a category and feature, as if features were independent, over what the taxel felt so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NaiveBayes;
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NaiveBayes {
+    /// The features that the stream features are computed from.
+    pub features: FeatureSet,
+}
+
+impl Default for NaiveBayes {
+    /// Force and motion of the taxel, as in the method that it stands for.
+    fn default() -> Self {
+        NaiveBayes {
+            features: FeatureSet::FORCE_AND_MOTION,
+        }
+    }
+}
 
 /// Least variance of a standardized feature, so that one that never varies within a category does not decide alone.
 /// Choice: a tenth of the deviation over all categories.
 const LEAST_VARIANCE: f64 = 1e-2;
 
-const FEATURES: StreamFeatureSet = StreamFeatureSet::Taxel;
-
 impl Estimator for NaiveBayes {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let mut table = Table::of(trials, FEATURES)?;
-        let standardization = Standardization::of(&mut table, FEATURES);
+        let features = Selection::of(self.features);
+        let mut table = Table::of(trials, &features)?;
+        let standardization = Standardization::of(&mut table, &features);
         let gaussians = (0..table.categories.len()).map(|category| {
             let rows = || table.rows.iter().filter(move |row| row.category == category);
             let total: f64 = rows().map(|row| row.weight).sum();
@@ -30,10 +42,12 @@ impl Estimator for NaiveBayes {
                 let variance = (squares.sum::<f64>() / total).max(LEAST_VARIANCE);
                 Gaussian { mean, variance }
             };
-            (0..FEATURES.dimension()).map(of_feature).collect()
+            (0..features.dimension()).map(of_feature).collect()
         });
+        let gaussians = gaussians.collect();
         Ok(Box::new(Fitted {
-            gaussians: gaussians.collect(),
+            features,
+            gaussians,
             categories: table.categories,
             standardization,
         }))
@@ -47,6 +61,7 @@ struct Gaussian {
 }
 
 struct Fitted {
+    features: Selection,
     categories: Vec<String>,
     standardization: Standardization,
     /// By category and feature.
@@ -59,7 +74,7 @@ impl Classifier for Fitted {
     }
 
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let rows = FEATURES.after(trial, counts)?;
+        let rows = self.features.after(trial, counts)?;
         let scores = rows.into_iter().map(|mut features| {
             self.standardization.apply(&mut features);
             let of_category = |gaussians: &Vec<Gaussian>| {

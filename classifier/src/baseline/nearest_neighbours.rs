@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use underbrush_recording::Trial;
 
 use crate::estimator::{Classifier, Estimator};
-use crate::feature::FeatureError;
+use crate::feature::{AREA, FORCE, FeatureError, FeatureSet, MOTION};
 use crate::model_set::{ModelError, trials_by_category};
 
 /// k nearest neighbours on principal components of force, contact area and contact motion over a window from the first
@@ -14,6 +14,8 @@ use crate::model_set::{ModelError, trials_by_category};
 /// last sample, and what comes after the window has no part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestNeighbours {
+    /// What a sample of the window holds.
+    pub features: FeatureSet,
     /// Samples of the window, at least 1.
     pub window: usize,
     /// Neighbours that vote, at least 1.
@@ -27,15 +29,13 @@ impl Default for NearestNeighbours {
     /// and the components that explain 95 % of the variance.
     fn default() -> Self {
         NearestNeighbours {
+            features: FeatureSet::new([&FORCE, &AREA, &MOTION]),
             window: 50,
             neighbours: 5,
             explained: 0.95,
         }
     }
 }
-
-/// Force, contact area, motion.
-const CHANNELS: usize = 3;
 
 impl Estimator for NearestNeighbours {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
@@ -52,12 +52,12 @@ impl Estimator for NearestNeighbours {
         let (mut rows, mut category_of) = (Vec::new(), Vec::new());
         for (category, trials) in by_category.values().enumerate() {
             for trial in trials {
-                rows.push(window(trial, self.window, trial.samples.len())?);
+                rows.push(window(self.features, trial, self.window, trial.samples.len())?);
                 category_of.push(category);
             }
         }
         let (mean, scale) = scaling(&rows, self.window);
-        let mut matrix = DMatrix::from_fn(rows.len(), CHANNELS * self.window, |row, d| rows[row][d]);
+        let mut matrix = DMatrix::from_fn(rows.len(), mean.len(), |row, d| rows[row][d]);
         for (d, mut column) in matrix.column_iter_mut().enumerate() {
             column
                 .iter_mut()
@@ -77,53 +77,31 @@ impl Estimator for NearestNeighbours {
     }
 }
 
-/// All forces of the window, then areas, then motions, of the trial's first `count` samples.
-fn window(trial: &Trial, window: usize, count: usize) -> Result<Vec<f64>, FeatureError> {
-    let number = trial.trial;
-    let samples = &trial.samples[..count.min(window).min(trial.samples.len())];
-    let last = samples
-        .len()
-        .checked_sub(1)
-        .ok_or(FeatureError::Empty { trial: number })?;
-    let mut channels = vec![0.0; CHANNELS * window];
-    for k in 0..window {
-        let index = k.min(last);
-        let felt = &samples[index];
-        let (trial, sample) = (number, index);
-        let region = felt.region.ok_or(FeatureError::MissingRegion { trial, sample })?;
-        let motion_m = felt.motion_m.ok_or(FeatureError::MissingMotion { trial, sample })?;
-        let numbers = [
-            ("force_n", felt.force_n),
-            ("region_taxels", f64::from(region.taxels)),
-            ("motion_m", motion_m),
-        ];
-        for (channel, (feature, value)) in numbers.into_iter().enumerate() {
-            if !value.is_finite() {
-                return Err(FeatureError::NotFinite {
-                    trial,
-                    sample,
-                    feature,
-                    value,
-                });
-            }
-            channels[channel * window + k] = value;
-        }
-    }
-    Ok(channels)
+/// The first feature at each sample of the window, then the second, and so on, of the trial's first `count` samples.
+fn window(features: FeatureSet, trial: &Trial, window: usize, count: usize) -> Result<Vec<f64>, FeatureError> {
+    let observations = features.observations(trial, Some(count.min(window)))?;
+    let last = observations.sample_count() - 1;
+    let channels = 0..features.dimension();
+    let of_channel = |channel| (0..window).map(move |k: usize| (k.min(last), channel));
+    Ok(channels
+        .flat_map(of_channel)
+        .map(|(sample, channel)| observations.sample(sample)[channel])
+        .collect())
 }
 
 /// The mean of each column, and for each channel one over its deviation, so that newtons, taxels and metres weigh alike.
-fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, [f64; CHANNELS]) {
+fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     let count = rows.len() as f64;
-    let mean: Vec<f64> = (0..CHANNELS * window)
+    let mean: Vec<f64> = (0..rows[0].len())
         .map(|d| rows.iter().map(|row| row[d]).sum::<f64>() / count)
         .collect();
-    let scale = std::array::from_fn(|channel| {
+    let scale_of = |channel: usize| {
         let columns = channel * window..(channel + 1) * window;
         let squares = |d: usize| rows.iter().map(|row| (row[d] - mean[d]).powi(2)).sum::<f64>();
         let variance = columns.map(squares).sum::<f64>() / count / window as f64;
         if variance > 0.0 { variance.sqrt().recip() } else { 0.0 }
-    });
+    };
+    let scale = (0..mean.len() / window).map(scale_of).collect();
     (mean, scale)
 }
 
@@ -149,7 +127,7 @@ struct Fitted {
     /// Training trials by category.
     count: Vec<usize>,
     mean: Vec<f64>,
-    scale: [f64; CHANNELS],
+    scale: Vec<f64>,
     components: DMatrix<f64>,
     /// Training trials, one a column.
     known: DMatrix<f64>,
@@ -191,7 +169,7 @@ impl Classifier for Fitted {
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
         counts
             .iter()
-            .map(|&count| Ok(self.scores(window(trial, self.options.window, count)?)))
+            .map(|&count| Ok(self.scores(window(self.options.features, trial, self.options.window, count)?)))
             .collect()
     }
 }

@@ -4,7 +4,7 @@ use underbrush_recording::Trial;
 
 use crate::evaluate::SAMPLE_COUNTS;
 use crate::model_set::{ModelError, trials_by_category};
-use crate::stream_feature::StreamFeatureSet;
+use crate::stream_feature::Selection;
 
 /// Rows of features, one for each moment at which a training trial is looked at.
 pub(super) struct Table {
@@ -28,7 +28,7 @@ pub(super) struct Row {
 impl Table {
     /// The trials after 1, 2, 3, 6, … samples and at their end, so that a contact just begun is no less trained for than
     /// one that is over.
-    pub(super) fn of(trials: &[&Trial], set: StreamFeatureSet) -> Result<Self, ModelError> {
+    pub(super) fn of(trials: &[&Trial], set: &Selection) -> Result<Self, ModelError> {
         let by_category = trials_by_category(trials.iter().copied());
         if by_category.is_empty() {
             return Err(ModelError::NoCategories { trials: trials.len() });
@@ -67,7 +67,7 @@ const MOST_DEVIATIONS: f64 = 5.0;
 
 impl Standardization {
     /// That of the table's rows, which it standardizes.
-    pub(super) fn of(table: &mut Table, set: StreamFeatureSet) -> Self {
+    pub(super) fn of(table: &mut Table, set: &Selection) -> Self {
         let moment = |f: &dyn Fn(&Row) -> f64| table.rows.iter().map(|row| row.weight * f(row)).sum::<f64>();
         let mean: Vec<f64> = (0..set.dimension()).map(|d| moment(&|row| row.features[d])).collect();
         let deviation = mean

@@ -4,7 +4,7 @@ use underbrush_recording::{Region, Sample, Trial};
 
 use super::*;
 use crate::estimator::Estimator;
-use crate::feature::FeatureError;
+use crate::feature::{AREA, Feature, FeatureError, MOTION, SampleFault};
 use crate::model_set::ModelError;
 use crate::recipe::Recipe;
 
@@ -53,7 +53,7 @@ fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
             }),
         ),
         ("nearest neighbours", Box::new(NearestNeighbours::default())),
-        ("naive Bayes", Box::new(NaiveBayes)),
+        ("naive Bayes", Box::new(NaiveBayes::default())),
         ("echo-state network", Box::new(EchoStateNetwork::default())),
         ("logistic regression", Box::new(Logistic::default())),
     ]
@@ -183,14 +183,22 @@ fn what_cannot_be_learned_is_refused() {
         assert_eq!(error, Some(ModelError::NoCategories { trials: 60 }), "{name}");
     }
     trials[0].samples[2].region = None;
-    let missing = ModelError::Feature(FeatureError::MissingRegion { trial: 0, sample: 2 });
+    let lacks = |feature: &'static Feature| {
+        let fault = SampleFault::Missing(feature);
+        ModelError::Feature(FeatureError::BadSample {
+            trial: 0,
+            sample: 2,
+            fault,
+        })
+    };
+    let missing = lacks(&AREA);
     let known: Vec<&Trial> = trials.iter().collect();
     assert_eq!(Logistic::default().fit(&known).err(), Some(missing.clone()));
     assert_eq!(NearestNeighbours::default().fit(&known).err(), Some(missing));
-    assert!(NaiveBayes.fit(&known).is_ok());
+    assert!(NaiveBayes::default().fit(&known).is_ok());
     trials[0].samples[2].motion_m = None;
-    let missing = ModelError::Feature(FeatureError::MissingMotion { trial: 0, sample: 2 });
+    let missing = lacks(&MOTION);
     let known: Vec<&Trial> = trials.iter().collect();
-    assert_eq!(NaiveBayes.fit(&known).err(), Some(missing.clone()));
+    assert_eq!(NaiveBayes::default().fit(&known).err(), Some(missing.clone()));
     assert_eq!(EchoStateNetwork::default().fit(&known).err(), Some(missing));
 }

@@ -300,5 +300,5 @@ fn the_table_has_twelve_cells_in_print_order_whatever_the_threads() {
             cell.evaluation
         );
     }
-    assert!(keys.iter().any(|key| key.1 == FeatureSet::ForceAndMotion));
+    assert!(keys.iter().any(|key| key.1 == FeatureSet::FORCE_AND_MOTION));
 }

@@ -21,11 +21,8 @@ const MEAN: Limits = Limits::new(-1e6, 1e6, "");
 /// Variances of a state: deviations from 1e-15, the rounding of a double about 1, to the largest mean.
 const VARIANCE: Limits = Limits::new(1e-30, 1e12, "");
 
-/// Means that features are shifted by: no force is above 1e4 N, no motion above 1e3 m.
-const SCALING_MEAN: Limits = Limits::new(-1e4, 1e4, "");
-
-/// Deviations that features are divided by, as in [`VARIANCE`] and [`SCALING_MEAN`].
-const SCALING_DEVIATION: Limits = Limits::new(1e-15, 1e4, "");
+/// Smallest standard deviation that features are divided by, as in [`VARIANCE`].
+const MIN_DEVIATION: f64 = 1e-15;
 
 /// Priors in a common unit: with a thousand million to one there is nothing to tell apart.
 const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
@@ -115,20 +112,23 @@ fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), Fault> {
 }
 
 fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), Fault> {
-    for (key, values, limits) in [
-        ("mean", &scaling.mean, SCALING_MEAN),
-        ("standard_deviation", &scaling.standard_deviation, SCALING_DEVIATION),
+    for (key, values) in [
+        ("mean", &scaling.mean),
+        ("standard_deviation", &scaling.standard_deviation),
     ] {
         let field = format!("scaling.{key}");
         if values.len() != features.dimension() {
             return Err(Fault {
                 field,
                 found: format!("{} numbers", values.len()),
-                allowed: format!("{}, one a feature", features.dimension()),
+                allowed: format!("{}, one per feature", features.dimension()),
             });
         }
-        for value in values {
-            within(&field, *value, limits)?;
+        for (feature, value) in features.iter().zip(values) {
+            // A mean lies within the range of its feature, and a deviation is not larger than that range.
+            let most = feature.limits.most;
+            let least = if key == "mean" { -most } else { MIN_DEVIATION };
+            within(&field, *value, Limits::new(least, most, feature.limits.unit))?;
         }
     }
     Ok(())
@@ -191,7 +191,10 @@ fn agreement(set: &ModelSet) -> Result<(), Fault> {
         allowed,
     };
     if recipe.features != set.features() {
-        let (found, allowed) = (recipe.features.names().join(", "), set.features().names().join(", "));
+        let (found, allowed) = (
+            recipe.features.columns().join(", "),
+            set.features().columns().join(", "),
+        );
         return Err(fault(
             "features",
             found,

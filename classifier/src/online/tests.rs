@@ -4,6 +4,8 @@ use underbrush_recording::{Recording, Trial};
 
 use super::*;
 use crate::decision::Rule;
+use crate::feature::FeatureSet;
+use crate::hmm::TrainingOptions;
 use crate::recipe::{Recipe, ScalingKind};
 use crate::trial::taxel_trials;
 use crate::trial::tests::{any_force, recording};
@@ -51,11 +53,12 @@ fn options(score: ScoreKind) -> OnlineOptions {
 
 #[test]
 fn running_scores_are_those_of_the_trial_so_far() {
-    // Pins bit-equality of online and batch scores at every sample of every contact, scaled, truncated or plain.
+    // Pins bit-equality of online and batch scores at every sample of every contact, scaled, truncated or plain,
+    // and with features of the contact region.
     let recording = reach();
     let recipe = Recipe {
         states: 3,
-        features: FeatureSet::ForceAndMotion,
+        features: FeatureSet::FORCE_AND_MOTION,
         ..Recipe::authors()
     };
     let scaled = Recipe {
@@ -63,7 +66,15 @@ fn running_scores_are_those_of_the_trial_so_far() {
         max_samples: Some(6),
         ..recipe.clone()
     };
-    for recipe in [recipe, scaled] {
+    let with_region = Recipe {
+        features: "force,area,region-force-sum".parse().unwrap(),
+        training: TrainingOptions {
+            variance_floor: 0.01,
+            ..TrainingOptions::default()
+        },
+        ..recipe.clone()
+    };
+    for recipe in [recipe, scaled, with_region] {
         let models = models(&recording, &recipe);
         for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
             let mut open: BTreeMap<usize, Trial> = BTreeMap::new();
@@ -115,7 +126,7 @@ fn a_frame_allocates_nothing() {
         &recording,
         &Recipe {
             states: 3,
-            features: FeatureSet::ForceAndMotion,
+            features: FeatureSet::FORCE_AND_MOTION,
             ..Recipe::authors()
         },
     );

@@ -43,11 +43,11 @@ fn features_are_those_of_the_whole_computed_at_once() {
         (2.03, 0.4, 0.004, 2, 2.0, 2.4),
         (2.04, 0.9, 0.003, 5, 1.5, 4.0),
     ];
-    let found = StreamFeatureSet::TaxelAndRegion
+    let found = Selection::of(TAXEL_AND_REGION)
         .after(&trial(&rows), &[4])
         .unwrap()
         .remove(0);
-    let of = |name: &str| found[NAMES.iter().position(|known| *known == name).unwrap()];
+    let of = |name: &str| found[STREAM_FEATURES.iter().position(|known| known.0 == name).unwrap()];
     let mean = |f: &dyn Fn(&Row) -> f64| rows.iter().map(f).sum::<f64>() / 4.0;
     let time = mean(&|row| row.0);
     let motion = mean(&|row| row.2);
@@ -91,7 +91,8 @@ fn nothing_looks_ahead() {
         (0.01, 0.5, 0.001, 3, 1.0, 1.7),
         (0.02, 0.1, 0.002, 4, 3.0, 9.0),
     ];
-    for set in [StreamFeatureSet::Taxel, StreamFeatureSet::TaxelAndRegion] {
+    for inputs in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION, TAXEL_AND_REGION] {
+        let set = Selection::of(inputs);
         let found = set.after(&trial(&rows), &[1, 2, 3, 50]).unwrap();
         for count in 1..=3 {
             assert_eq!(
@@ -104,24 +105,60 @@ fn nothing_looks_ahead() {
     }
 }
 
+/// Pins which stream features each list of inputs gives: with force and motion all of the taxel, with everything all.
+#[test]
+fn inputs_select_stream_features() {
+    let names = |inputs: FeatureSet| Selection::of(inputs).names().collect::<Vec<_>>();
+    let all = STREAM_FEATURES.map(|feature| feature.0);
+    assert_eq!(names(FeatureSet::FORCE_AND_MOTION), all[..13]);
+    assert_eq!(names(TAXEL_AND_REGION), all);
+    assert_eq!(names(FeatureSet::FORCE), all[..9]);
+    assert_eq!(
+        names("area".parse().unwrap()),
+        [
+            "samples",
+            "region's taxels",
+            "mean region's taxels",
+            "largest region's taxels"
+        ]
+    );
+}
+
+/// Pins that unselected inputs have no influence: with force alone, motion and region may be anything or missing.
+#[test]
+fn inputs_that_are_not_selected_do_not_matter() {
+    let rows = [(0.0, 0.2, 0.0, 1, 0.2, 0.2), (0.01, 0.4, 0.01, 3, 2.0, 3.0)];
+    let mut bare = trial(&rows);
+    let selection = Selection::of(FeatureSet::FORCE);
+    let expected = selection.after(&bare, &[1, 2]).unwrap();
+    for sample in &mut bare.samples {
+        (sample.motion_m, sample.region) = (None, None);
+    }
+    assert_eq!(selection.after(&bare, &[1, 2]).unwrap(), expected);
+}
+
+/// Pins the errors for samples without motion or region, with NaN, and for no samples at all.
 #[test]
 fn what_is_missing_is_named() {
-    // Pins the errors for samples without motion or region, with NaN, and for no samples at all.
     let mut bare = trial(&[(0.0, 0.2, 0.0, 1, 0.2, 0.2), (0.01, 0.2, 0.0, 1, 0.2, 0.2)]);
     bare.samples[1].region = None;
-    assert!(StreamFeatureSet::Taxel.after(&bare, &[2]).is_ok());
-    let after = |trial: &Trial| StreamFeatureSet::TaxelAndRegion.after(trial, &[2]);
-    assert_eq!(after(&bare), Err(FeatureError::MissingRegion { trial: 3, sample: 1 }));
+    assert!(Selection::of(FeatureSet::FORCE_AND_MOTION).after(&bare, &[2]).is_ok());
+    let after = |trial: &Trial| Selection::of(TAXEL_AND_REGION).after(trial, &[2]).unwrap_err();
+    let bad = |sample, fault| FeatureError::BadSample {
+        trial: 3,
+        sample,
+        fault,
+    };
+    assert_eq!(after(&bare), bad(1, SampleFault::Missing(&AREA)));
     bare.samples[1].motion_m = None;
-    assert_eq!(after(&bare), Err(FeatureError::MissingMotion { trial: 3, sample: 1 }));
-    bare.samples[0].force_n = f64::NAN;
-    assert!(matches!(
-        after(&bare),
-        Err(FeatureError::NotFinite {
-            sample: 0,
-            feature: "force_n",
-            ..
-        })
-    ));
-    assert_eq!(after(&trial(&[])), Err(FeatureError::Empty { trial: 3 }));
+    assert_eq!(after(&bare), bad(1, SampleFault::Missing(&MOTION)));
+    let fault = |column| SampleFault::NotFinite {
+        column,
+        value: f64::INFINITY,
+    };
+    bare.samples[0].time_s = f64::INFINITY;
+    assert_eq!(after(&bare), bad(0, fault("time_s")));
+    bare.samples[0].force_n = f64::INFINITY;
+    assert_eq!(after(&bare), bad(0, fault("force_n")));
+    assert_eq!(after(&trial(&[])), FeatureError::Empty { trial: 3 });
 }

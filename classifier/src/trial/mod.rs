@@ -2,6 +2,7 @@
 
 mod component;
 mod image;
+mod region;
 mod tracking;
 mod travel;
 
@@ -9,11 +10,10 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use thiserror::Error;
-use underbrush_recording::{Category, ObjectRecord, Recording, Region, Sample, Trial};
-
-use component::components;
+use underbrush_recording::{Category, ObjectRecord, Recording, Sample, Trial};
 
 pub use image::PatchImage;
+pub(crate) use region::Regions;
 pub use tracking::component_trials;
 pub(crate) use travel::Travel;
 
@@ -146,15 +146,13 @@ pub struct ContactTrial {
 pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec<ContactTrial>, TrialError> {
     let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     // Regions need neighbours; without a grid trials come without them.
-    let grid = tracking::grid(&image, options.wrap).ok();
-    let mut regions: Vec<Option<Region>> = vec![None; image.patch().taxels.len()];
+    let mut regions = Regions::new(&image, options.wrap).ok();
     let mut open: Vec<Option<OpenTrial>> = vec![None; image.patch().taxels.len()];
     let mut trials = TrialList::new(recording, options, &image.patch().name);
     for (index, frame) in recording.frames.iter().enumerate() {
         image.read(index, frame)?;
-        for component in grid.iter().flat_map(|grid| components(&image, *grid)) {
-            let region = component.region();
-            component.taxels.iter().for_each(|&taxel| regions[taxel] = Some(region));
+        if let Some(regions) = &mut regions {
+            regions.find(&image);
         }
         for (taxel, slot) in open.iter_mut().enumerate() {
             if !image.is_in_contact(taxel) {
@@ -167,7 +165,7 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
                 time_s: frame.time_s,
                 force_n: image.sensed_force_n(taxel),
                 motion_m: Some(trial.travel.to(position_world)),
-                region: regions[taxel],
+                region: regions.as_ref().and_then(|regions| regions.of(taxel)),
                 touched: knows_truth(recording).then(|| image.is_touched(taxel)),
             };
             trial.push(sample, image.object(taxel));

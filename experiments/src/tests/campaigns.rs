@@ -30,7 +30,7 @@ pub(super) fn cell(states: usize, accuracy: f64) -> Cell {
     Cell {
         key: CellKey {
             by: TableOneUnit::Taxel,
-            features: FeatureSet::Force,
+            features: FeatureSet::FORCE,
             states,
             recipe: "authors".into(),
         },

@@ -6,7 +6,7 @@ use underbrush_classifier::feature::FeatureSet;
 
 use super::{ASIDE, AUTHORS_STYLE, MAJORITY, MODERN_STYLE, PAPER};
 use underbrush_experiments::campaign::{AUTHORS, MODERN};
-use underbrush_experiments::measurement::{CellKey, features_name, unit_name};
+use underbrush_experiments::measurement::{CellKey, unit_name};
 use underbrush_experiments::results::Results;
 
 /// States, accuracy in per cent, and its interval.
@@ -24,10 +24,10 @@ struct Quarter<'a> {
 
 const STATES: [usize; 3] = [5, 10, 20];
 const QUARTERS: [(TableOneUnit, FeatureSet); 4] = [
-    (TableOneUnit::Taxel, FeatureSet::Force),
-    (TableOneUnit::Taxel, FeatureSet::ForceAndMotion),
-    (TableOneUnit::Component, FeatureSet::Force),
-    (TableOneUnit::Component, FeatureSet::ForceAndMotion),
+    (TableOneUnit::Taxel, FeatureSet::FORCE),
+    (TableOneUnit::Taxel, FeatureSet::FORCE_AND_MOTION),
+    (TableOneUnit::Component, FeatureSet::FORCE),
+    (TableOneUnit::Component, FeatureSet::FORCE_AND_MOTION),
 ];
 
 impl Quarter<'_> {
@@ -82,7 +82,7 @@ fn quarters(table: &str, suffix: &str, cells: &[Cell], majority_baseline: impl F
         let own = |recipe: &'static str| cells.iter().filter(move |cell| cell.0 == of && cell.1 == recipe);
         let here = |recipe| own(recipe).map(|cell| cell.2).collect();
         let paper = own(AUTHORS).map(|(_, _, (states, _, _), paper)| (*states, *paper, None));
-        let (unit, features) = (unit_name(of.0), features_name(of.1));
+        let (unit, features) = (unit_name(of.0), of.1);
         Quarter {
             name: format!("{table}-{unit}-{features}"),
             title: format!("{unit}, {features}{suffix}"),

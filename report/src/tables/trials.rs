@@ -5,7 +5,7 @@ use underbrush_classifier::evaluate::ConfusionMatrix;
 
 use super::{accuracy, campaign_figures};
 use crate::words;
-use underbrush_experiments::measurement::{CellKey, features_name, unit_name};
+use underbrush_experiments::measurement::{CellKey, unit_name};
 use underbrush_experiments::results::{Ordering, Results};
 
 pub fn trials_per_reach(results: &Results) -> Table {
@@ -71,7 +71,7 @@ pub fn table_1_all(results: &Results) -> Table {
     for cell in &results.measurement.table_1 {
         let mut row = vec![
             unit_name(cell.key.by).into(),
-            features_name(cell.key.features).into(),
+            cell.key.features.to_string().into(),
             cell.key.states.into(),
             cell.key.recipe.as_str().into(),
             cell.accuracy.trials.into(),
@@ -84,7 +84,7 @@ pub fn table_1_all(results: &Results) -> Table {
 }
 
 fn trials_and_features(key: &CellKey) -> Cell {
-    format!("{}, {}", unit_name(key.by), features_name(key.features)).into()
+    format!("{}, {}", unit_name(key.by), key.features).into()
 }
 
 pub fn orderings(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
@@ -165,7 +165,7 @@ pub fn campaigns_all(results: &Results) -> Option<Table> {
     for cell in &campaigns.table_1 {
         let mut row = vec![
             unit_name(cell.key.by).into(),
-            features_name(cell.key.features).into(),
+            cell.key.features.to_string().into(),
             cell.key.states.into(),
             cell.key.recipe.as_str().into(),
         ];

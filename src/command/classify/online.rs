@@ -8,7 +8,7 @@ use std::time::Instant;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::ModelSet;
-use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::feature::MOTION;
 use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording};
@@ -129,10 +129,7 @@ impl Online {
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
         let mut classifier = self.start(layout)?;
         let patch = layout.chosen_patch(self.settings.patch.as_deref());
-        let uses_motion = match self.models.features() {
-            FeatureSet::Force => false,
-            FeatureSet::ForceAndMotion => true,
-        };
+        let uses_motion = self.models.features().contains(&MOTION);
         let mut parser = LineParser::new(layout.clone(), patch.filter(|_| uses_motion));
         let mut lines = Lines::new(reader, parser.most_bytes());
         let mut bad_lines = 0_u64;

@@ -21,7 +21,7 @@ fn models() -> ModelSet {
         GaussianHmm::new(parameters).unwrap()
     };
     let models = BTreeMap::from([("leaf".to_owned(), model(0.5)), ("trunk".to_owned(), model(3.0))]);
-    ModelSet::new(FeatureSet::Force, models).unwrap()
+    ModelSet::new(FeatureSet::FORCE, models).unwrap()
 }
 
 fn options(rule: Rule) -> OnlineOptions {

@@ -1,60 +1,12 @@
-//! Features of a contact so far, updated sample by sample: what a classifier can know while the contact lasts.
-//!
-//! All are recursive: a sample costs the same whether it is the second or the thousandth, and none looks ahead. Forces,
-//! motions and rates span decades, from grazes to full contacts, so they enter on a logarithmic scale (see `compress`).
+//! Running statistics of one contact.
 
-use serde::{Deserialize, Serialize};
-use underbrush_recording::{Sample, Trial};
+use underbrush_recording::Sample;
 
-use crate::feature::FeatureError;
+use super::STREAM_FEATURES;
 
-/// Which features.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum StreamFeatureSet {
-    /// What the taxel (or the component) feels by itself: force and contact motion.
-    Taxel,
-    /// And the contact region that it is part of at the same instant ([`underbrush_recording::Region`]).
-    TaxelAndRegion,
-}
-
-/// Names of the features, in order; the first [`TAXEL_FEATURES`] need no region.
-pub const NAMES: [&str; 27] = [
-    "samples",
-    "force",
-    "first force",
-    "largest force",
-    "mean force",
-    "deviation of force",
-    "variation of force per second",
-    "largest step of force",
-    "slope of force over time",
-    "slope of force over motion",
-    "motion",
-    "largest motion",
-    "path per second",
-    "slope of region's largest force over time",
-    "slope of region's largest force over motion",
-    "region's largest force",
-    "first region's largest force",
-    "largest region's largest force",
-    "mean region's largest force",
-    "deviation of region's largest force",
-    "variation of region's largest force per second",
-    "region's taxels",
-    "mean region's taxels",
-    "largest region's taxels",
-    "region's force",
-    "mean region's force",
-    "mean share of region's largest force",
-];
-
-/// How many features [`StreamFeatureSet::Taxel`] has.
-pub const TAXEL_FEATURES: usize = 13;
-
-/// Below these, differences count in full; above, as their logarithm. Choice: forces about the threshold of contact,
-/// motions about a tenth of a millimetre, rates what such differences make from one sample to the next at 100 Hz, slopes
-/// over motion about the least stiffness of a leaf.
+/// Values well below a knee pass unchanged, up to a factor; values above it are compressed logarithmically. Choice: forces
+/// near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two samples at
+/// 100 Hz, and for slopes over motion the stiffness of the softest leaves.
 const FORCE_KNEE_N: f64 = 0.1;
 const MOTION_KNEE_M: f64 = 1e-4;
 const FORCE_RATE_KNEE_N_PER_S: f64 = 10.0;
@@ -67,68 +19,7 @@ fn compress(value: f64, knee: f64) -> f64 {
     value.signum() * (value.abs() / knee).ln_1p()
 }
 
-impl StreamFeatureSet {
-    /// Number of features.
-    pub fn dimension(self) -> usize {
-        match self {
-            StreamFeatureSet::Taxel => TAXEL_FEATURES,
-            StreamFeatureSet::TaxelAndRegion => NAMES.len(),
-        }
-    }
-
-    /// The features of a trial after each of these counts of samples (ascending, from 1; a count beyond the trial's
-    /// length stands for all of it).
-    ///
-    /// # Errors
-    /// [`FeatureError`] where the trial is empty, lacks motion or region, or holds NaN or infinity.
-    pub fn after(self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, FeatureError> {
-        let number = trial.trial;
-        if trial.samples.is_empty() {
-            return Err(FeatureError::Empty { trial: number });
-        }
-        let mut features = StreamFeatures::default();
-        let mut found = Vec::with_capacity(counts.len());
-        let mut taken = 0;
-        for &count in counts {
-            for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                self.check(number, taken, sample)?;
-                features.push(sample);
-                taken += 1;
-            }
-            found.push(features.values()[..self.dimension()].to_vec());
-        }
-        Ok(found)
-    }
-
-    fn check(self, trial: u64, index: usize, sample: &Sample) -> Result<(), FeatureError> {
-        let motion_m = sample
-            .motion_m
-            .ok_or(FeatureError::MissingMotion { trial, sample: index })?;
-        let mut numbers = vec![
-            ("time_s", sample.time_s),
-            ("force_n", sample.force_n),
-            ("motion_m", motion_m),
-        ];
-        if self == StreamFeatureSet::TaxelAndRegion {
-            let region = sample
-                .region
-                .ok_or(FeatureError::MissingRegion { trial, sample: index })?;
-            numbers.push(("region_largest_force_n", region.largest_force_n));
-            numbers.push(("region_force_sum_n", region.force_sum_n));
-        }
-        match numbers.into_iter().find(|(_, number)| !number.is_finite()) {
-            None => Ok(()),
-            Some((feature, value)) => Err(FeatureError::NotFinite {
-                trial,
-                sample: index,
-                feature,
-                value,
-            }),
-        }
-    }
-}
-
-/// Mean and sum of squared deviations, sample by sample (Welford 1962, Technometrics 4).
+/// Running mean and sum of squared deviations (Welford 1962, Technometrics 4).
 #[derive(Clone, Copy, Debug, Default)]
 struct Moments {
     mean: f64,
@@ -136,7 +27,7 @@ struct Moments {
 }
 
 impl Moments {
-    /// Takes in the `count`-th value; gives its deviation from the mean before.
+    /// Adds the `count`-th value and returns its deviation from the previous mean.
     fn push(&mut self, count: f64, value: f64) -> f64 {
         let deviation = value - self.mean;
         self.mean += deviation / count;
@@ -145,7 +36,7 @@ impl Moments {
     }
 }
 
-/// The course of a force.
+/// Running statistics of a force.
 #[derive(Clone, Copy, Debug, Default)]
 struct Course {
     first: f64,
@@ -155,7 +46,7 @@ struct Course {
     variation: f64,
     largest_step: f64,
     moments: Moments,
-    /// Sums of products of deviations with those of time, N s, and of motion, N m.
+    /// Sums of the products of its deviations with those of time, N s, and of motion, N m.
     with_time: f64,
     with_motion: f64,
 }
@@ -176,7 +67,7 @@ impl Course {
     }
 }
 
-/// The features of one contact; begins empty, and anew with each contact.
+/// Running statistics of one contact; empty before its first sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StreamFeatures {
     count: f64,
@@ -198,8 +89,8 @@ pub struct StreamFeatures {
 }
 
 impl StreamFeatures {
-    /// Takes in the next sample. A motion or region that it lacks counts as none; [`StreamFeatureSet::after`] refuses
-    /// such samples where they matter.
+    /// Adds the next sample. Missing motion counts as zero and a missing region is skipped: a [`Selection`] refuses such
+    /// samples where a selected feature depends on them.
     pub fn push(&mut self, sample: &Sample) {
         self.count += 1.0;
         let count = self.count;
@@ -232,8 +123,8 @@ impl StreamFeatures {
         self.mean_share += (share - self.mean_share) / count;
     }
 
-    /// The features of the samples so far, in the order of [`NAMES`]; zeros before the first.
-    pub fn values(&self) -> [f64; NAMES.len()] {
+    /// All stream features after the samples so far, in the order of [`STREAM_FEATURES`]; zeros before the first sample.
+    pub fn values(&self) -> [f64; STREAM_FEATURES.len()] {
         let count = self.count.max(1.0);
         let per_second = |sum: f64| {
             if self.elapsed_s > 0.0 {
@@ -253,7 +144,7 @@ impl StreamFeatures {
             compress(slope, FORCE_SLOPE_KNEE_N_PER_S)
         };
         let over_motion = |course: &Course| {
-            // A knee's worth of motion as noise: a taxel that rests has no stiffness to show.
+            // Treats one knee of motion as noise, so that a taxel at rest gets no stiffness.
             let squares = self.motion.squares + count * MOTION_KNEE_M * MOTION_KNEE_M;
             compress(course.with_motion / squares, STIFFNESS_KNEE_N_PER_M)
         };
@@ -290,6 +181,3 @@ impl StreamFeatures {
         ]
     }
 }
-
-#[cfg(test)]
-mod tests;

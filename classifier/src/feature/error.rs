@@ -1,0 +1,94 @@
+//! What can be wrong with trials as input of a classifier.
+
+use thiserror::Error;
+
+use super::list::{FEATURES, Feature};
+
+/// Why a sample cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum SampleFault {
+    /// The sample lacks a value.
+    #[error(
+        "has no {column}, which the feature {name} needs; {remedy}, or choose features without {name}",
+        column = .0.column, name = .0.name, remedy = remedy(.0)
+    )]
+    Missing(&'static Feature),
+    /// A value is NaN or infinite.
+    #[error("has {column} = {value}; remove the sample or correct the value")]
+    NotFinite {
+        /// Column of the value in trial tables.
+        column: &'static str,
+        /// The value.
+        value: f64,
+    },
+}
+
+fn remedy(feature: &Feature) -> String {
+    if feature.of_region {
+        let columns = FEATURES.into_iter().filter(|feature| feature.of_region);
+        let columns: Vec<&str> = columns.map(|feature| feature.column).collect();
+        format!(
+            "fill the columns {} (underbrush trials writes them)",
+            columns.join(", ")
+        )
+    } else {
+        format!("fill the column {}", feature.column)
+    }
+}
+
+/// What is wrong with a trial, a matrix of observations or a list of features.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FeatureError {
+    /// The trial has no samples.
+    #[error("trial {trial} has no samples; remove it from the table")]
+    Empty {
+        /// Number of the trial in its table.
+        trial: u64,
+    },
+    /// A sample cannot be used.
+    #[error("trial {trial}, sample {sample} (from 0) {fault}")]
+    BadSample {
+        /// Number of the trial in its table.
+        trial: u64,
+        /// Index of the sample in the trial.
+        sample: usize,
+        /// What is wrong with it.
+        fault: SampleFault,
+    },
+    /// The length of a flat matrix is not a positive multiple of its dimension, or it holds NaN or infinity.
+    #[error("{found}; observations are finite numbers, {dimension} per sample; check how the matrix was built")]
+    BadMatrix {
+        /// What was found.
+        found: String,
+        /// Expected numbers per sample.
+        dimension: usize,
+    },
+    /// A feature that never varies cannot be divided by its standard deviation.
+    #[error(
+        "{feature} has the same value in all samples, so it cannot be z-scored; use unscaled features or leave it out"
+    )]
+    Constant {
+        /// Column of the feature.
+        feature: String,
+    },
+    /// A name that no feature has.
+    #[error("the feature {found:?} is unknown; known features are {}", known())]
+    Unknown {
+        /// The name found.
+        found: String,
+    },
+    /// A feature listed twice.
+    #[error("the feature {found} is listed twice; list each feature once")]
+    Repeated {
+        /// Name of the feature.
+        found: &'static str,
+    },
+    /// An empty list.
+    #[error("no features are listed; list at least one of {}", known())]
+    NoFeatures,
+}
+
+/// The names of all features, as a sentence lists them.
+fn known() -> String {
+    FEATURES.map(|feature| feature.name).join(", ")
+}

@@ -1,0 +1,123 @@
+//! The list of features: what a classifier can see of each sample.
+
+use std::cmp::Ordering;
+use std::fmt;
+
+use underbrush_recording::limits::{self, Limits};
+use underbrush_recording::{Region, Sample};
+
+/// One number per sample: its name, its range with the unit, and how it is read.
+pub struct Feature {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Column in trial tables, and name in model files. It ends in the unit where there is one.
+    pub column: &'static str,
+    /// What it is, in one line.
+    pub description: &'static str,
+    /// The values that are possible, and their unit.
+    pub limits: Limits,
+    /// Brings typical values to the order of one, for classifiers that do not standardize their input.
+    pub to_order_one: f64,
+    /// Reads it from a sample; `None` where the sample has no such value.
+    pub read: fn(&Sample) -> Option<f64>,
+    /// Whether it describes the contact region. Then live data need a patch whose taxels form a grid.
+    pub of_region: bool,
+}
+
+/// Sensed force on the taxel. Forces of incidental contact are around 1 N.
+pub const FORCE: Feature = Feature {
+    name: "force",
+    column: "force_n",
+    description: "sensed force, N: of the taxel, or the largest in the component",
+    limits: limits::FORCE_N,
+    to_order_one: 1.0,
+    read: |sample| Some(sample.force_n),
+    of_region: false,
+};
+
+/// Path length of the contact since it began. Contacts slide for centimetres.
+pub const MOTION: Feature = Feature {
+    name: "motion",
+    column: "motion_m",
+    description: "contact motion, m: how far the contact has travelled since it began",
+    limits: limits::MOTION_M,
+    to_order_one: 100.0,
+    read: |sample| sample.motion_m,
+    of_region: false,
+};
+
+/// Contact area as the number of taxels in contact. Regions have some ten taxels at most.
+pub const AREA: Feature = Feature {
+    name: "area",
+    column: "region_taxels",
+    description: "contact area: number of taxels in the contact region",
+    limits: limits::REGION_TAXELS,
+    to_order_one: 0.1,
+    read: |sample| region(sample, |region| f64::from(region.taxels)),
+    of_region: true,
+};
+
+/// Largest sensed force in the contact region.
+pub const REGION_MAX_FORCE: Feature = Feature {
+    name: "region-max-force",
+    column: "region_largest_force_n",
+    description: "largest sensed force in the contact region, N",
+    limits: limits::REGION_LARGEST_FORCE_N,
+    to_order_one: 1.0,
+    read: |sample| region(sample, |region| region.largest_force_n),
+    of_region: true,
+};
+
+/// Sum of the sensed forces in the contact region.
+pub const REGION_FORCE_SUM: Feature = Feature {
+    name: "region-force-sum",
+    column: "region_force_sum_n",
+    description: "sum of the sensed forces in the contact region, N",
+    limits: limits::REGION_FORCE_SUM_N,
+    to_order_one: 0.1,
+    read: |sample| region(sample, |region| region.force_sum_n),
+    of_region: true,
+};
+
+/// All features. To add one, write its entry above and name it here.
+pub const FEATURES: [&Feature; 5] = [&FORCE, &MOTION, &AREA, &REGION_MAX_FORCE, &REGION_FORCE_SUM];
+
+fn region(sample: &Sample, read: fn(&Region) -> f64) -> Option<f64> {
+    sample.region.as_ref().map(read)
+}
+
+impl Feature {
+    /// The feature with this name or column.
+    pub fn find(name: &str) -> Option<&'static Feature> {
+        FEATURES
+            .into_iter()
+            .find(|feature| feature.name == name || feature.column == name)
+    }
+}
+
+impl fmt::Debug for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+// No two features share a column, so it identifies them.
+impl PartialEq for Feature {
+    fn eq(&self, other: &Self) -> bool {
+        self.column == other.column
+    }
+}
+
+impl Eq for Feature {}
+
+impl PartialOrd for Feature {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Feature {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.column.cmp(other.column)
+    }
+}

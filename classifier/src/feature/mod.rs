@@ -1,0 +1,19 @@
+//! Features: what a classifier sees of each sample.
+//!
+//! [`FEATURES`] lists all of them, with name, unit and how each is read. A [`FeatureSet`] is an ordered choice from that
+//! list. All classifiers read samples through [`FeatureSet::read`], which checks them.
+
+mod error;
+mod list;
+mod observations;
+mod scaling;
+mod set;
+
+pub use error::{FeatureError, SampleFault};
+pub use list::{AREA, FEATURES, FORCE, Feature, MOTION, REGION_FORCE_SUM, REGION_MAX_FORCE};
+pub use observations::Observations;
+pub use scaling::Scaling;
+pub use set::FeatureSet;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,172 @@
+//! Ordered lists of features: the input of one classifier.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use underbrush_recording::{Sample, Trial};
+
+use super::error::{FeatureError, SampleFault};
+use super::list::{FEATURES, FORCE, Feature, MOTION};
+use super::observations::Observations;
+
+/// The features that a classifier sees, in the order of its numbers: one or more, none twice.
+///
+/// As text the names are joined by `+`, such as `force+motion`; commas are read, too.
+///
+/// ```
+/// use underbrush_classifier::feature::FeatureSet;
+///
+/// let features: FeatureSet = "force,area".parse()?;
+/// assert_eq!(features.columns(), ["force_n", "region_taxels"]);
+/// assert_eq!(features.to_string(), "force+area");
+/// # Ok::<(), underbrush_classifier::feature::FeatureError>(())
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FeatureSet {
+    /// The features come first, then `None`.
+    features: [Option<&'static Feature>; FEATURES.len()],
+}
+
+impl FeatureSet {
+    /// Force alone, N (paper, section IV-C and IV-D).
+    pub const FORCE: FeatureSet = FeatureSet::new([&FORCE]);
+    /// Force, N, and contact motion, m (paper, section IV-C and IV-D).
+    pub const FORCE_AND_MOTION: FeatureSet = FeatureSet::new([&FORCE, &MOTION]);
+
+    /// A set that is known when the program is compiled. The caller sees to it that no feature is listed twice.
+    pub(crate) const fn new<const N: usize>(listed: [&'static Feature; N]) -> Self {
+        let mut features = [None; FEATURES.len()];
+        let mut index = 0;
+        while index < N {
+            features[index] = Some(listed[index]);
+            index += 1;
+        }
+        FeatureSet { features }
+    }
+
+    /// The set of features with these names or columns, in this order.
+    ///
+    /// # Errors
+    /// [`FeatureError`] where a name is unknown or given twice, or there is none.
+    pub fn from_names<S: AsRef<str>>(names: &[S]) -> Result<FeatureSet, FeatureError> {
+        let mut features = [None; FEATURES.len()];
+        for (index, name) in names.iter().enumerate() {
+            let name = name.as_ref();
+            let feature = Feature::find(name).ok_or_else(|| FeatureError::Unknown { found: name.to_owned() })?;
+            // A list longer than that of all features repeats one, so there is room for every other.
+            if features.contains(&Some(feature)) {
+                return Err(FeatureError::Repeated { found: feature.name });
+            }
+            features[index] = Some(feature);
+        }
+        match features[0] {
+            None => Err(FeatureError::NoFeatures),
+            Some(_) => Ok(FeatureSet { features }),
+        }
+    }
+
+    /// The features in order.
+    pub fn iter(&self) -> impl Iterator<Item = &'static Feature> {
+        self.features.into_iter().flatten()
+    }
+
+    /// Names as on the command line.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.iter().map(|feature| feature.name).collect()
+    }
+
+    /// Columns as in trial tables and model files.
+    pub fn columns(&self) -> Vec<&'static str> {
+        self.iter().map(|feature| feature.column).collect()
+    }
+
+    /// Number of features.
+    pub fn dimension(&self) -> usize {
+        self.iter().count()
+    }
+
+    /// Whether a feature is in the set.
+    pub fn contains(&self, feature: &Feature) -> bool {
+        self.iter().any(|own| own == feature)
+    }
+
+    /// The features that describe the contact region.
+    pub fn of_region(&self) -> impl Iterator<Item = &'static Feature> {
+        self.iter().filter(|feature| feature.of_region)
+    }
+
+    /// Reads the features of one sample into `values`, which has [`FeatureSet::dimension`] places. Every classifier reads
+    /// its samples here. Nothing is allocated.
+    ///
+    /// # Errors
+    /// [`SampleFault`] where the sample lacks a feature, or one is NaN or infinite.
+    pub fn read(&self, sample: &Sample, values: &mut [f64]) -> Result<(), SampleFault> {
+        for (feature, place) in self.iter().zip(values) {
+            let value = (feature.read)(sample).ok_or(SampleFault::Missing(feature))?;
+            if !value.is_finite() {
+                let column = feature.column;
+                return Err(SampleFault::NotFinite { column, value });
+            }
+            *place = value;
+        }
+        Ok(())
+    }
+
+    /// The observation matrix of a trial, or of its first `max_samples` samples (paper, section V-C).
+    ///
+    /// # Errors
+    /// [`FeatureError`] where the trial is empty, lacks a feature, or holds NaN or infinity.
+    pub fn observations(&self, trial: &Trial, max_samples: Option<usize>) -> Result<Observations, FeatureError> {
+        let count = trial.samples.len().min(max_samples.unwrap_or(usize::MAX));
+        if count == 0 {
+            return Err(FeatureError::Empty { trial: trial.trial });
+        }
+        let dimension = self.dimension();
+        let mut values = vec![0.0; count * dimension];
+        let rows = values.chunks_exact_mut(dimension);
+        for (index, (sample, row)) in trial.samples.iter().zip(rows).enumerate() {
+            self.read(sample, row).map_err(|fault| FeatureError::BadSample {
+                trial: trial.trial,
+                sample: index,
+                fault,
+            })?;
+        }
+        Observations::new(dimension, values)
+    }
+}
+
+impl fmt::Display for FeatureSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.names().join("+"))
+    }
+}
+
+impl fmt::Debug for FeatureSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl FromStr for FeatureSet {
+    type Err = FeatureError;
+
+    fn from_str(text: &str) -> Result<Self, FeatureError> {
+        let names: Vec<&str> = text.split([',', '+']).map(str::trim).collect();
+        FeatureSet::from_names(&names)
+    }
+}
+
+impl Serialize for FeatureSet {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for FeatureSet {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(D::Error::custom)
+    }
+}

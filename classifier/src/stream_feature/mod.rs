@@ -1,0 +1,144 @@
+//! Stream features: running statistics of a contact, updated with each sample, so that a classifier can be asked for
+//! scores while the contact lasts.
+//!
+//! An update costs the same for every sample and never looks ahead. Forces, motions and rates span decades, from grazes
+//! to full contacts, so they are compressed logarithmically.
+
+use underbrush_recording::{Sample, Trial};
+
+use crate::feature::{
+    AREA, FORCE, Feature, FeatureError, FeatureSet, MOTION, REGION_FORCE_SUM, REGION_MAX_FORCE, SampleFault,
+};
+
+mod state;
+
+pub use state::StreamFeatures;
+
+/// All stream features: the name of each, and the features of a sample that it is computed from.
+pub const STREAM_FEATURES: [(&str, &[&Feature]); 27] = [
+    ("samples", &[]),
+    ("force", &[&FORCE]),
+    ("first force", &[&FORCE]),
+    ("largest force", &[&FORCE]),
+    ("mean force", &[&FORCE]),
+    ("deviation of force", &[&FORCE]),
+    ("variation of force per second", &[&FORCE]),
+    ("largest step of force", &[&FORCE]),
+    ("slope of force over time", &[&FORCE]),
+    ("slope of force over motion", &[&FORCE, &MOTION]),
+    ("motion", &[&MOTION]),
+    ("largest motion", &[&MOTION]),
+    ("path per second", &[&MOTION]),
+    ("slope of region's largest force over time", &[&REGION_MAX_FORCE]),
+    (
+        "slope of region's largest force over motion",
+        &[&REGION_MAX_FORCE, &MOTION],
+    ),
+    ("region's largest force", &[&REGION_MAX_FORCE]),
+    ("first region's largest force", &[&REGION_MAX_FORCE]),
+    ("largest region's largest force", &[&REGION_MAX_FORCE]),
+    ("mean region's largest force", &[&REGION_MAX_FORCE]),
+    ("deviation of region's largest force", &[&REGION_MAX_FORCE]),
+    ("variation of region's largest force per second", &[&REGION_MAX_FORCE]),
+    ("region's taxels", &[&AREA]),
+    ("mean region's taxels", &[&AREA]),
+    ("largest region's taxels", &[&AREA]),
+    ("region's force", &[&REGION_FORCE_SUM]),
+    ("mean region's force", &[&REGION_FORCE_SUM]),
+    ("mean share of region's largest force", &[&FORCE, &REGION_MAX_FORCE]),
+];
+
+/// The features of a sample that stream features of taxel and contact region are computed from.
+pub const TAXEL_AND_REGION: FeatureSet =
+    FeatureSet::new([&FORCE, &MOTION, &AREA, &REGION_MAX_FORCE, &REGION_FORCE_SUM]);
+
+/// The stream features that can be computed from some features of each sample.
+///
+/// ```
+/// use underbrush_classifier::feature::FeatureSet;
+/// use underbrush_classifier::stream_feature::Selection;
+///
+/// let selection = Selection::of(FeatureSet::FORCE);
+/// assert!(selection.names().any(|name| name == "slope of force over time"));
+/// assert!(!selection.names().any(|name| name == "slope of force over motion"));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    inputs: FeatureSet,
+    /// Indices in [`STREAM_FEATURES`].
+    chosen: Vec<usize>,
+}
+
+impl Selection {
+    /// The stream features that need no features of a sample other than these.
+    pub fn of(inputs: FeatureSet) -> Self {
+        let computable = |index: &usize| STREAM_FEATURES[*index].1.iter().all(|needed| inputs.contains(needed));
+        let chosen = (0..STREAM_FEATURES.len()).filter(computable).collect();
+        Selection { inputs, chosen }
+    }
+
+    /// The features of each sample.
+    pub fn inputs(&self) -> FeatureSet {
+        self.inputs
+    }
+
+    /// Number of stream features.
+    pub fn dimension(&self) -> usize {
+        self.chosen.len()
+    }
+
+    /// Names of the stream features, in order.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.chosen.iter().map(|index| STREAM_FEATURES[*index].0)
+    }
+
+    /// Adds the next sample of a contact.
+    ///
+    /// # Errors
+    /// [`SampleFault`] where the sample lacks a feature or has a number that is not finite; `state` then stays as it was.
+    pub fn push(&self, state: &mut StreamFeatures, sample: &Sample) -> Result<(), SampleFault> {
+        let mut values = [0.0; STREAM_FEATURES.len()];
+        self.inputs.read(sample, &mut values)?;
+        if !sample.time_s.is_finite() {
+            let (column, value) = ("time_s", sample.time_s);
+            return Err(SampleFault::NotFinite { column, value });
+        }
+        state.push(sample);
+        Ok(())
+    }
+
+    /// The values of the stream features after the samples so far.
+    pub fn values(&self, state: &StreamFeatures) -> Vec<f64> {
+        let all = state.values();
+        self.chosen.iter().map(|index| all[*index]).collect()
+    }
+
+    /// The values for a trial after each of these numbers of samples, ascending and from 1. A number greater than the
+    /// trial's length stands for the whole trial.
+    ///
+    /// # Errors
+    /// [`FeatureError`] where the trial is empty, lacks a feature, or holds NaN or infinity.
+    pub fn after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, FeatureError> {
+        if trial.samples.is_empty() {
+            return Err(FeatureError::Empty { trial: trial.trial });
+        }
+        let mut state = StreamFeatures::default();
+        let mut found = Vec::with_capacity(counts.len());
+        let mut taken = 0;
+        for &count in counts {
+            for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
+                self.push(&mut state, sample).map_err(|fault| FeatureError::BadSample {
+                    trial: trial.trial,
+                    sample: taken,
+                    fault,
+                })?;
+                taken += 1;
+            }
+            found.push(self.values(&state));
+        }
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests;
