@@ -163,7 +163,7 @@ fn cell(states: usize, accuracy: f64) -> Cell {
     Cell {
         key: CellKey {
             by: TableOneUnit::Taxel,
-            features: FeatureSet::Force,
+            features: FeatureSet::FORCE,
             states,
             recipe: "authors".into(),
         },
