@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::{Arm, ArmAtStart};
-use underbrush_sim::clutter::{Clutter, Standing};
+use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::{Footing, Specification};
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::range::Quantity;
@@ -80,14 +80,14 @@ impl Sweep {
             if objects.len() == leaves {
                 break;
             }
-            let standing = Standing {
+            let placed = PlacedObject {
                 object: leaf.draw(&mut random, &footing).expect("the leaf stands"),
                 foot_world: foot.extend(FOAM_TOP_M),
                 yaw_rad: turn.draw(&mut random, (-180.0, 180.0)).expect("a turn").to_radians(),
             };
-            let hull = standing.hull();
-            if links.iter().all(|link| link.distance(&hull) > CLEARANCE_M) {
-                objects.push(standing);
+            let capsule = placed.bounding_capsule();
+            if links.iter().all(|link| link.distance(&capsule) > CLEARANCE_M) {
+                objects.push(placed);
             }
         }
         Sweep {

@@ -168,7 +168,7 @@ pub const CHANGES: [(&str, &str, Change); 6] = [
     (
         "no strays",
         "no taxel reads a force where nothing touches",
-        Change::Scene(|scene| scene.sensor.stray_share = 0.0),
+        Change::Scene(|scene| scene.sensor.spurious_share = 0.0),
     ),
     (
         "no creep",

@@ -41,9 +41,9 @@ impl BodyLog {
         };
         // The world leaves out of its engine what rests far from the arm, so the objects are built once more.
         let mut at_rest = Physics::new(world.physics.options);
-        for (index, standing) in clutter.objects.iter().enumerate() {
-            let structure = standing.object.structure();
-            let mechanism = Mechanism::build(&structure, &mut at_rest, standing.foot_world, standing.yaw_rad);
+        for (index, placed) in clutter.objects.iter().enumerate() {
+            let structure = placed.object.structure();
+            let mechanism = Mechanism::build(&structure, &mut at_rest, placed.foot_world, placed.yaw_rad);
             log.add_object(index, &at_rest, mechanism.colliders());
         }
         log

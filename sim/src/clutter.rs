@@ -21,14 +21,14 @@ mod tests;
 #[derive(Debug)]
 pub struct Clutter {
     /// The objects in the order in which they were placed.
-    pub objects: Vec<Standing>,
+    pub objects: Vec<PlacedObject>,
     /// Goals for the tip, m, world frame.
     pub goals: Vec<DVec3>,
 }
 
 /// One object in its place.
 #[derive(Debug)]
-pub struct Standing {
+pub struct PlacedObject {
     /// The object.
     pub object: Box<dyn Object>,
     /// Its foot, m, world frame.
@@ -37,7 +37,7 @@ pub struct Standing {
     pub yaw_rad: f64,
 }
 
-impl Standing {
+impl PlacedObject {
     /// The object as ground truth in a recording.
     pub fn record(&self) -> ObjectRecord {
         let mut parameters: BTreeMap<String, f64> = self.object.parameters();
@@ -62,7 +62,7 @@ impl Standing {
     }
 
     /// An upright capsule that holds the whole object at rest.
-    pub fn hull(&self) -> Capsule {
+    pub fn bounding_capsule(&self) -> Capsule {
         let radius_m = match self.object.footprint() {
             Footprint::Disc(radius) => radius,
             Footprint::Rectangle(x, y) => x.hypot(y),

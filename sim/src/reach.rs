@@ -72,7 +72,7 @@ impl<'a> Reach<'a> {
             rate_hz: 1.0 / FRAME_PERIOD_S,
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: plan.arm.skin.layout.clone(),
-            objects: clutter.objects.iter().map(|standing| standing.record()).collect(),
+            objects: clutter.objects.iter().map(|placed| placed.record()).collect(),
             bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),

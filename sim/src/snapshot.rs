@@ -32,10 +32,10 @@ impl Snapshot {
             .objects
             .iter()
             .enumerate()
-            .map(|(index, standing)| {
+            .map(|(index, placed)| {
                 let shapes = world.colliders_of(index).map_or_else(
                     || {
-                        let (outline, pose) = standing.outline();
+                        let (outline, pose) = placed.outline();
                         vec![Capsule::around(&outline, &pose)]
                     },
                     |colliders| {
@@ -45,7 +45,7 @@ impl Snapshot {
                             .collect()
                     },
                 );
-                (standing.object.category(), shapes)
+                (placed.object.category(), shapes)
             })
             .collect();
         Snapshot {

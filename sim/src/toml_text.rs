@@ -22,9 +22,37 @@ pub(crate) fn key_at(text: &str, offset: usize) -> String {
     parts.join(".")
 }
 
+/// Keys that files may still use under an earlier name: (present name, earlier name). serde knows them as aliases; errors
+/// look for them here.
+const EARLIER_KEYS: [(&str, &str); 4] = [
+    ("spurious_share", "stray_share"),
+    ("spurious_time_s", "stray_time_s"),
+    ("spurious_force_n", "stray_force_n"),
+    ("model_stiffness_nm_per_rad", "believed_stiffness_nm_per_rad"),
+];
+
+/// Whether a line sets `key`, under its present or an earlier name.
+pub(crate) fn sets_key(line: &str, key: &str) -> bool {
+    let earlier = EARLIER_KEYS.iter().filter(|(present, _)| *present == key);
+    let mut names = earlier.map(|(_, earlier)| *earlier).chain([key]);
+    names.any(|name| {
+        let rest = line.trim_start().strip_prefix(name);
+        rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Pins that a key is found under its earlier name as well, and that a longer key is not taken for it.
+    #[test]
+    fn keys_are_found_under_their_earlier_names() {
+        assert!(sets_key("  spurious_share = 0.1", "spurious_share"));
+        assert!(sets_key("stray_share=0.1", "spurious_share"));
+        assert!(!sets_key("stray_share = 0.1", "spurious_time_s"));
+        assert!(!sets_key("spurious_share_of_all = 0.1", "spurious_share"));
+    }
 
     /// Pins the key of a line of a table, of one before all tables, of a header, and of an inline table.
     #[test]

@@ -12,7 +12,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use crate::arm::Arm;
 use crate::arm::engine::{self, ArmHandles};
 use crate::audit::Auditor;
-use crate::clutter::{Clutter, Standing};
+use crate::clutter::{Clutter, PlacedObject};
 use crate::geometry::{from_parry, parry_pose};
 use crate::physics::{Physics, PhysicsOptions, groups, pressed_points};
 use crate::simulation::mechanism::Mechanism;
@@ -81,7 +81,7 @@ impl World {
     pub fn new(arm: &Arm, posture_rad: &[f64], clutter: &Clutter, options: PhysicsOptions, dormancy: bool) -> Self {
         let mut physics = Physics::new(options);
         let handles = engine::insert_arm(arm, posture_rad, &mut physics, groups::arm());
-        let outlines = clutter.objects.iter().map(Standing::outline);
+        let outlines = clutter.objects.iter().map(PlacedObject::outline);
         let outlines: Vec<(Cuboid, EnginePose)> =
             outlines.map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.aabb(pose)).collect();
@@ -92,7 +92,7 @@ impl World {
             arm: handles,
             contacts: Vec::new(),
             compliance_m3_per_n: objects
-                .map(|standing| standing.object.surface_compliance_m3_per_n())
+                .map(|placed| placed.object.surface_compliance_m3_per_n())
                 .collect(),
             mechanisms: (0..clutter.objects.len()).map(|_| None).collect(),
             standing: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
@@ -200,9 +200,9 @@ impl World {
     }
 
     fn insert(&mut self, clutter: &Clutter, index: usize) {
-        let standing = &clutter.objects[index];
-        let structure = standing.object.structure();
-        let mechanism = Mechanism::build(&structure, &mut self.physics, standing.foot_world, standing.yaw_rad);
+        let placed = &clutter.objects[index];
+        let structure = placed.object.structure();
+        let mechanism = Mechanism::build(&structure, &mut self.physics, placed.foot_world, placed.yaw_rad);
         for collider in mechanism.colliders() {
             self.physics.colliders[*collider].user_data = index as u128 + 1;
         }

@@ -71,8 +71,8 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Failure> {
     let plan = ReachPlan::new(Scene::load(path)?, None, seed)?;
     let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
     let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
-    for standing in &clutter.objects {
-        *objects.entry(standing.object.kind()).or_default() += 1;
+    for placed in &clutter.objects {
+        *objects.entry(placed.object.kind()).or_default() += 1;
     }
     let file = &plan.scene.file;
     let doubts = plan.arm.skin_doubts();

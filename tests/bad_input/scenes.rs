@@ -151,11 +151,11 @@ fn reversed_range() {
         Some(4),
         &["workspace.x_m: found [0.8, 0.2]", "the smaller first", "change"],
     );
-    let text = format!("{HEAD}[sensor]\nstray_force_n = [0.1, 0.02]\n");
+    let text = format!("{HEAD}[sensor]\nspurious_force_n = [0.1, 0.02]\n");
     refuses(
         &text,
         Some(4),
-        &["sensor.stray_force_n: found [0.1, 0.02]", "the smaller first"],
+        &["sensor.spurious_force_n: found [0.1, 0.02]", "the smaller first"],
     );
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use underbrush_recording::Category;
-use underbrush_sim::clutter::{Clutter, Standing};
+use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::geometry::Footprint;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -76,20 +76,20 @@ fn every_scene_draws_and_stands_free() {
 
 /// Whether two footprints are apart, told by points on the edge of each that lie within the other: another way than
 /// the program's own test of axes.
-fn apart(a: &Standing, b: &Standing) -> bool {
-    let foam = |standing: &Standing| standing.object.foam_top().is_some();
+fn apart(a: &PlacedObject, b: &PlacedObject) -> bool {
+    let foam = |placed: &PlacedObject| placed.object.foam_top().is_some();
     if foam(a) != foam(b) {
         return true;
     }
-    let enters = |from: &Standing, into: &Standing| edge(from).into_iter().any(|point| holds(into, point));
+    let enters = |from: &PlacedObject, into: &PlacedObject| edge(from).into_iter().any(|point| holds(into, point));
     !enters(a, b) && !enters(b, a)
 }
 
 /// Points along the edge of a footprint, 1 mm within it, m, world frame; its centre too.
-fn edge(standing: &Standing) -> Vec<[f64; 2]> {
+fn edge(placed: &PlacedObject) -> Vec<[f64; 2]> {
     let inset_m = 0.001;
     let round = |index: usize| std::f64::consts::TAU * index as f64 / 400.0;
-    let local = (0..400).map(round).map(|angle| match standing.object.footprint() {
+    let local = (0..400).map(round).map(|angle| match placed.object.footprint() {
         Footprint::Disc(radius) => [(radius - inset_m) * angle.cos(), (radius - inset_m) * angle.sin()],
         Footprint::Rectangle(x, y) => {
             let (x, y) = (x - inset_m, y - inset_m);
@@ -97,8 +97,8 @@ fn edge(standing: &Standing) -> Vec<[f64; 2]> {
             [angle.cos() / scale, angle.sin() / scale]
         }
     });
-    let (sine, cosine) = standing.yaw_rad.sin_cos();
-    let foot = standing.foot_world;
+    let (sine, cosine) = placed.yaw_rad.sin_cos();
+    let foot = placed.foot_world;
     local
         .chain([[0.0, 0.0]])
         .map(|[x, y]| [foot.x + cosine * x - sine * y, foot.y + sine * x + cosine * y])
@@ -106,11 +106,11 @@ fn edge(standing: &Standing) -> Vec<[f64; 2]> {
 }
 
 /// Whether a point of the ground, m, world frame, lies in a footprint.
-fn holds(standing: &Standing, [x, y]: [f64; 2]) -> bool {
-    let (x, y) = (x - standing.foot_world.x, y - standing.foot_world.y);
-    let (sine, cosine) = standing.yaw_rad.sin_cos();
+fn holds(placed: &PlacedObject, [x, y]: [f64; 2]) -> bool {
+    let (x, y) = (x - placed.foot_world.x, y - placed.foot_world.y);
+    let (sine, cosine) = placed.yaw_rad.sin_cos();
     let (along, across) = (cosine * x + sine * y, cosine * y - sine * x);
-    match standing.object.footprint() {
+    match placed.object.footprint() {
         Footprint::Disc(radius) => along.hypot(across) < radius,
         Footprint::Rectangle(half_x, half_y) => along.abs() < half_x && across.abs() < half_y,
     }
@@ -160,12 +160,11 @@ fn goals_are_clear_of_trunks_and_rolls() {
 }
 
 /// A trunk's or roll's foot, m, and its radius and height, m.
-fn cylinder(standing: &Standing) -> Option<[[f64; 3]; 2]> {
-    match (standing.object.category(), standing.object.footprint()) {
-        (Category::Trunk | Category::Outlier, Footprint::Disc(radius)) => Some([
-            standing.foot_world.to_array(),
-            [radius, standing.object.height_m(), 0.0],
-        ]),
+fn cylinder(placed: &PlacedObject) -> Option<[[f64; 3]; 2]> {
+    match (placed.object.category(), placed.object.footprint()) {
+        (Category::Trunk | Category::Outlier, Footprint::Disc(radius)) => {
+            Some([placed.foot_world.to_array(), [radius, placed.object.height_m(), 0.0]])
+        }
         _ => None,
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::clutter::{Clutter, Standing};
+use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
@@ -78,7 +78,7 @@ impl PressedArm {
         let along = poses[forearm].transform_vector(DVec3::Z);
         let across_world = DVec3::Z.cross(along).normalize();
         let foot_world = place + across_world * (FOREARM_RADIUS_M + gap_m) - DVec3::Z * drop_m;
-        let objects = vec![Standing {
+        let objects = vec![PlacedObject {
             object,
             foot_world,
             yaw_rad: across_world.y.atan2(across_world.x),
@@ -101,8 +101,8 @@ impl PressedArm {
 
     /// Turns the object where it stands, before the arm has moved, rad.
     pub fn turn(&mut self, turn_rad: f64) {
-        for standing in &mut self.clutter.objects {
-            standing.yaw_rad += turn_rad;
+        for placed in &mut self.clutter.objects {
+            placed.yaw_rad += turn_rad;
         }
         let options = self.world.physics.options;
         self.world = World::new(&self.simulated, &self.posture_rad, &self.clutter, options, false);

@@ -14,7 +14,7 @@ pub const CHECK: Check = Check {
     cases: &[
         Case {
             compare: noise,
-            falsifications: &[LOUD_NOISE, STRAYS_LEFT_ON],
+            falsifications: &[LOUD_NOISE, SPURIOUS_LEFT_ON],
         },
         Case {
             compare: quantum,
@@ -44,8 +44,8 @@ const LOUD_NOISE: Falsification = Falsification {
     by: "5 % too large",
     breaks: Breaks::Named(&["variance"]),
 };
-const STRAYS_LEFT_ON: Falsification = Falsification {
-    wrong: "strays of the simulated sensor",
+const SPURIOUS_LEFT_ON: Falsification = Falsification {
+    wrong: "spurious readings of the simulated sensor",
     by: "left on, two taxels of 384",
     breaks: Breaks::Every,
 };
@@ -117,7 +117,7 @@ impl Bench {
 fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mut bench = Bench::new(&SensorOptions {
         noise_n: NOISE_N * simulated.with(LOUD_NOISE, 1.0, 1.05),
-        stray_share: simulated.with(STRAYS_LEFT_ON, 0.0, 2.0 / 384.0),
+        spurious_share: simulated.with(SPURIOUS_LEFT_ON, 0.0, 2.0 / 384.0),
         ..SensorOptions::off()
     })?;
     // A force far from zero, so that nothing is cut.

@@ -36,7 +36,8 @@ struct JointTable {
     damping_nm_s_per_rad: f64,
     #[serde(default)]
     armature_kg_m2: f64,
-    believed_stiffness_nm_per_rad: f64,
+    #[serde(alias = "believed_stiffness_nm_per_rad")]
+    model_stiffness_nm_per_rad: f64,
     controller_limits_deg: [f64; 2],
     start_deg: f64,
 }
@@ -152,8 +153,8 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
             limits::STIFFNESS_NM_PER_RAD,
         ),
         (
-            "believed_stiffness_nm_per_rad",
-            table.believed_stiffness_nm_per_rad,
+            "model_stiffness_nm_per_rad",
+            table.model_stiffness_nm_per_rad,
             limits::STIFFNESS_NM_PER_RAD,
         ),
         (
@@ -196,7 +197,7 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
         stiffness_nm_per_rad: table.stiffness_nm_per_rad,
         damping_nm_s_per_rad: table.damping_nm_s_per_rad,
         armature_kg_m2: table.armature_kg_m2,
-        believed_stiffness_nm_per_rad: table.believed_stiffness_nm_per_rad,
+        model_stiffness_nm_per_rad: table.model_stiffness_nm_per_rad,
         controller_limits_rad: limits_rad,
         start_rad,
     })

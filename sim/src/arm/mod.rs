@@ -99,8 +99,8 @@ pub struct Joint {
     pub damping_nm_s_per_rad: f64,
     /// Reflected inertia of the drive, kg m².
     pub armature_kg_m2: f64,
-    /// Stiffness that the controller believes, Nm/rad.
-    pub believed_stiffness_nm_per_rad: f64,
+    /// Stiffness in the controller's model of the arm, Nm/rad.
+    pub model_stiffness_nm_per_rad: f64,
     /// Limits of q that the controller keeps, rad.
     pub controller_limits_rad: [f64; 2],
     /// Angle at the start of a reach, rad.
@@ -154,7 +154,7 @@ impl Arm {
     pub(crate) fn scale_stiffness(&mut self, scale: f64) {
         for joint in &mut self.joints {
             joint.stiffness_nm_per_rad *= scale;
-            joint.believed_stiffness_nm_per_rad *= scale;
+            joint.model_stiffness_nm_per_rad *= scale;
             joint.damping_nm_s_per_rad *= scale.sqrt();
         }
     }

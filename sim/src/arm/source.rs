@@ -9,7 +9,7 @@ use underbrush_recording::limits::short;
 use underbrush_recording::{InputError, Limits};
 
 use super::limits::DIRECTION;
-use crate::toml_text::{key_at, line_of};
+use crate::toml_text::{key_at, line_of, sets_key};
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -88,11 +88,7 @@ impl Source {
         let first = self.line(offset);
         let line = (first..)
             .zip(self.text.lines().skip(first - 1))
-            .find(|(_, line)| {
-                line.trim_start()
-                    .strip_prefix(key)
-                    .is_some_and(|rest| rest.trim_start().starts_with('='))
-            })
+            .find(|(_, line)| sets_key(line, key))
             .map_or(first, |(number, _)| number);
         let remedy = format!("change `{key}` in {}", self.path.display());
         self.fault(field, found, allowed, remedy).at_line(line)

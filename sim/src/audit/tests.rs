@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::*;
-use crate::clutter::{Clutter, Standing};
+use crate::clutter::{Clutter, PlacedObject};
 use crate::object::trunk::Trunk;
 use crate::physics::PhysicsOptions;
 use crate::world::World;
@@ -73,7 +73,7 @@ fn dragging_along_a_trunk_keeps_the_balance() {
         height_m: 0.6,
     };
     let clutter = Clutter {
-        objects: vec![Standing {
+        objects: vec![PlacedObject {
             object: Box::new(trunk),
             foot_world: (place + DVec3::Y * (0.04604 + 0.017)).with_z(place.z - 0.3),
             yaw_rad: 0.0,

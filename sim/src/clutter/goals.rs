@@ -4,7 +4,7 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Category, InputError};
 
-use super::Standing;
+use super::PlacedObject;
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, segment_distance};
 use crate::range::Quantity;
@@ -29,19 +29,19 @@ pub(super) fn goal_clearance_m(arm: &ArmAtStart) -> f64 {
 pub(super) fn draw_goals(
     scene: &Scene,
     arm: &ArmAtStart,
-    objects: &[Standing],
+    objects: &[PlacedObject],
     random: &mut ChaCha8Rng,
 ) -> Result<Vec<DVec3>, InputError> {
     let settings = &scene.file.goals;
     let plants: Vec<Capsule> = objects
         .iter()
         .filter(|object| object.object.category() != Category::Block)
-        .map(Standing::hull)
+        .map(PlacedObject::bounding_capsule)
         .collect();
     let rigid: Vec<Capsule> = objects
         .iter()
         .filter(|object| matches!(object.object.category(), Category::Trunk | Category::Outlier))
-        .map(Standing::hull)
+        .map(PlacedObject::bounding_capsule)
         .collect();
     let anywhere = (-5.0, 5.0);
     let mut from = arm.tip_world;

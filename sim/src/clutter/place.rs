@@ -4,7 +4,7 @@ use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Category, InputError};
 
-use super::Standing;
+use super::PlacedObject;
 use crate::arm::ArmAtStart;
 use crate::geometry::Footprint;
 use crate::object::{Footing, StandsOn};
@@ -19,11 +19,15 @@ const BLOCK_MARGIN_M: f64 = 0.01;
 const PLACES: usize = 1000;
 
 /// Places every object of a scene.
-pub(super) fn place_all(scene: &Scene, arm: &ArmAtStart, random: &mut ChaCha8Rng) -> Result<Vec<Standing>, InputError> {
-    let mut objects: Vec<Standing> = Vec::new();
+pub(super) fn place_all(
+    scene: &Scene,
+    arm: &ArmAtStart,
+    random: &mut ChaCha8Rng,
+) -> Result<Vec<PlacedObject>, InputError> {
+    let mut objects: Vec<PlacedObject> = Vec::new();
     for (kind, number, group) in scene.file.objects.groups() {
         let field = format!("objects.{kind}[{number}]");
-        for placed in 0..group.count() {
+        for done in 0..group.count() {
             let mut rejected = Rejections::default();
             let mut found = None;
             for _ in 0..PLACES {
@@ -36,18 +40,18 @@ pub(super) fn place_all(scene: &Scene, arm: &ArmAtStart, random: &mut ChaCha8Rng
                 let object = group
                     .draw(random, &footing)
                     .map_err(|error| scene.fault(&field, error, "a range with a fair share of physical values"))?;
-                let standing = Standing {
+                let placed = PlacedObject {
                     object,
                     foot_world: center.extend(footing.height_m),
                     yaw_rad,
                 };
-                if rejected.allows(&standing, &objects, arm) {
-                    found = Some(standing);
+                if rejected.allows(&placed, &objects, arm) {
+                    found = Some(placed);
                     break;
                 }
             }
             objects.push(found.ok_or_else(|| {
-                let allowed = format!("no more than there is room for; placed {placed}; {rejected}");
+                let allowed = format!("no more than there is room for; placed {done}; {rejected}");
                 scene.fault(&format!("{field}.count"), group.count(), allowed)
             })?);
         }
@@ -64,17 +68,17 @@ struct Rejections {
 }
 
 impl Rejections {
-    fn allows(&mut self, standing: &Standing, objects: &[Standing], arm: &ArmAtStart) -> bool {
-        let laid = standing.laid();
+    fn allows(&mut self, placed: &PlacedObject, objects: &[PlacedObject], arm: &ArmAtStart) -> bool {
+        let laid = placed.laid();
         let blocked = objects
             .iter()
-            .any(|other| !may_share_ground(standing, other) && laid.overlaps(&other.laid()));
+            .any(|other| !may_share_ground(placed, other) && laid.overlaps(&other.laid()));
         if blocked {
             self.overlap += 1;
             return false;
         }
-        let hull = standing.hull();
-        if arm.links.iter().any(|link| link.distance(&hull) < START_CLEARANCE_M) {
+        let capsule = placed.bounding_capsule();
+        if arm.links.iter().any(|link| link.distance(&capsule) < START_CLEARANCE_M) {
             self.arm += 1;
             return false;
         }
@@ -94,7 +98,7 @@ impl std::fmt::Display for Rejections {
 }
 
 /// Leaves stand in blocks, and trunks go through them to the table.
-fn may_share_ground(a: &Standing, b: &Standing) -> bool {
+fn may_share_ground(a: &PlacedObject, b: &PlacedObject) -> bool {
     let pair = [a.object.category(), b.object.category()];
     pair.contains(&Category::Block) && (pair.contains(&Category::Leaf) || pair.contains(&Category::Trunk))
 }
@@ -104,7 +108,7 @@ fn propose(
     scene: &Scene,
     place: Option<&Placement>,
     stands_on: StandsOn,
-    objects: &[Standing],
+    objects: &[PlacedObject],
     random: &mut ChaCha8Rng,
 ) -> Option<(DVec2, f64, Footing)> {
     let workspace = &scene.file.workspace;

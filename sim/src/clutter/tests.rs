@@ -135,14 +135,14 @@ fn leaves_and_trunks_stand_in_foam() {
     };
     for kind in ["leaf", "trunk"] {
         let clutter = draw(&on_a_block(kind), &slim).unwrap_or_else(|error| panic!("{kind}: {error}"));
-        let kinds: Vec<_> = clutter.objects.iter().map(|standing| standing.object.kind()).collect();
+        let kinds: Vec<_> = clutter.objects.iter().map(|placed| placed.object.kind()).collect();
         assert!(kinds.contains(&kind) && kinds.contains(&"foam_block"), "{kinds:?}");
         let block = clutter
             .objects
             .iter()
-            .find(|standing| standing.object.kind() == "foam_block");
+            .find(|placed| placed.object.kind() == "foam_block");
         let top_m = block.unwrap().foot_world.z + block.unwrap().object.height_m();
-        let plant = clutter.objects.iter().find(|standing| standing.object.kind() == kind);
+        let plant = clutter.objects.iter().find(|placed| placed.object.kind() == kind);
         let foot_m = plant.unwrap().foot_world.z;
         assert_eq!(foot_m, if kind == "leaf" { top_m } else { -0.3 });
     }

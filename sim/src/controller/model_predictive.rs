@@ -44,7 +44,7 @@ impl ModelPredictive {
             .joints
             .iter()
             .map(|joint| JointBelief {
-                stiffness: joint.believed_stiffness_nm_per_rad,
+                stiffness: joint.model_stiffness_nm_per_rad,
                 limits: joint.controller_limits_rad,
                 step: (joint.slew_limit_rad_per_s / preset.rate_hz).min(most),
             })

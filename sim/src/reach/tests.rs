@@ -23,8 +23,8 @@ fn a_stiffer_arm_keeps_its_damping_ratio() {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
     for (published, scaled) in published.joints.iter().zip(&scaled.joints) {
         assert!(close(scaled.stiffness_nm_per_rad, 4.0 * published.stiffness_nm_per_rad));
-        let believed = 4.0 * published.believed_stiffness_nm_per_rad;
-        assert!(close(scaled.believed_stiffness_nm_per_rad, believed));
+        let believed = 4.0 * published.model_stiffness_nm_per_rad;
+        assert!(close(scaled.model_stiffness_nm_per_rad, believed));
         let ratio = |joint: &crate::arm::Joint| joint.damping_nm_s_per_rad.powi(2) / joint.stiffness_nm_per_rad;
         assert!(close(ratio(scaled), ratio(published)));
     }

@@ -9,7 +9,7 @@ use underbrush_recording::{FRAME_PERIOD_S, InputError};
 
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
-use crate::toml_text::{key_at, line_of};
+use crate::toml_text::{key_at, line_of, sets_key};
 
 mod file;
 pub mod limits;
@@ -226,13 +226,11 @@ impl Scene {
         );
         let key = field.rsplit('.').next().unwrap_or(field);
         let group = self.group_lines(field).unwrap_or(0..usize::MAX);
-        let mut lines = self.text.lines().enumerate().filter(|(number, line)| {
-            group.contains(number)
-                && line
-                    .trim_start()
-                    .strip_prefix(key)
-                    .is_some_and(|rest| rest.trim_start().starts_with('='))
-        });
+        let mut lines = self
+            .text
+            .lines()
+            .enumerate()
+            .filter(|(number, line)| group.contains(number) && sets_key(line, key));
         match (lines.next(), lines.next()) {
             (Some((line, _)), None) => fault.at_line(line + 1),
             _ => fault,
@@ -261,3 +259,6 @@ impl Scene {
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneFile)
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch};
 
 use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
-use super::stray::Strays;
+use super::spurious::SpuriousReadings;
 
 /// Retardation times of the cover's creep, s: one a decade, so that between the first and the last a held force's reading
 /// grows with the logarithm of time, as rubber's strain does.
@@ -21,7 +21,7 @@ pub struct Capacitive {
     creep_advance: [f64; CREEP_TIMES_S.len()],
     /// The forces that each taxel has crept to, N, by retardation time.
     crept_n: Vec<[f64; CREEP_TIMES_S.len()]>,
-    strays: Strays,
+    spurious: SpuriousReadings,
     noise: Noise,
     gate_n: f64,
     floor_n: f64,
@@ -38,7 +38,7 @@ impl Capacitive {
             creep_share: options.creep_share_per_decade,
             creep_advance: CREEP_TIMES_S.map(|time_s| -(-FRAME_PERIOD_S / time_s).exp_m1()),
             crept_n: vec![[0.0; CREEP_TIMES_S.len()]; patch.taxels.len()],
-            strays: Strays::new(options, patch.taxels.len()),
+            spurious: SpuriousReadings::new(options, patch.taxels.len()),
             noise: Noise::new(options.noise_n),
             gate_n: options.gate_sigmas * options.noise_n,
             floor_n: options.floor_n,
@@ -53,9 +53,9 @@ impl Capacitive {
         true_force_n: &[f64],
         reading_n: &mut [f64],
         random: &mut ChaCha8Rng,
-        random_strays: &mut ChaCha8Rng,
+        random_spurious: &mut ChaCha8Rng,
     ) {
-        let offsets = self.strays.advance(random_strays);
+        let offsets = self.spurious.advance(random_spurious);
         for (taxel, (reading, offset)) in reading_n.iter_mut().zip(offsets).enumerate() {
             let felt = felt(&self.neighbours[taxel], self.crosstalk_share, true_force_n, taxel);
             // Kelvin-Voigt elements, exact for a force that is constant over the frame: dz/dt = (f − z)/τ.

@@ -23,14 +23,14 @@ pub const SHARE: Limits = Limits::new(0.0, 1.0, "");
 /// Creep a decade: rubber has 0.02 to 0.1; at 1 a reading grows fivefold over the four decades.
 pub const CREEP_SHARE: Limits = Limits::new(0.0, 1.0, "");
 
-/// Share of stray taxels: with more than half, straying is the rule.
-pub const STRAY_SHARE: Limits = Limits::new(0.0, 0.5, "");
+/// Share of taxels with a spurious reading: above one half they would be the rule.
+pub const SPURIOUS_SHARE: Limits = Limits::new(0.0, 0.5, "");
 
-/// How long a taxel strays: from one frame to some hours.
-pub const STRAY_TIME_S: Limits = Limits::new(0.01, 1e4, "s");
+/// Duration of a spurious reading: from one frame to a few hours.
+pub const SPURIOUS_TIME_S: Limits = Limits::new(0.01, 1e4, "s");
 
-/// Reading of a stray: from a tenth of the driver's step to more than the robot's taxels can tell.
-pub const STRAY_FORCE_N: Limits = Limits::new(1e-4, 100.0, "N");
+/// A spurious reading: from a tenth of the driver's step to more than the robot's taxels can measure.
+pub const SPURIOUS_FORCE_N: Limits = Limits::new(1e-4, 100.0, "N");
 
 /// Frames of delay: two seconds is later than any skin that an arm is controlled with.
 pub const DELAY_FRAMES: Limits = Limits::new(0.0, 200.0, "frames");

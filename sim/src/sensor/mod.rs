@@ -2,7 +2,7 @@
 //!
 //! | patch | the force passes |
 //! |---|---|
-//! | capacitive | crosstalk → creep → strays → noise → gate and floor → quantum → saturation |
+//! | capacitive | crosstalk → creep → spurious readings → noise → gate and floor → quantum → saturation |
 //! | fabric | hysteresis → saturating response → noise → gate → counts |
 //! | both | → dead taxels → delay |
 
@@ -17,7 +17,7 @@ mod converter;
 mod fabric;
 mod limits;
 mod options;
-mod stray;
+mod spurious;
 #[cfg(test)]
 mod tests;
 
@@ -48,8 +48,8 @@ pub struct Sensor {
     readings_n: Vec<Vec<f64>>,
     newest: usize,
     random: ChaCha8Rng,
-    /// Of their own, so that strays do not shift the noise.
-    random_strays: ChaCha8Rng,
+    /// A stream of its own, so that spurious readings do not shift the noise.
+    random_spurious: ChaCha8Rng,
 }
 
 impl Sensor {
@@ -80,7 +80,8 @@ impl Sensor {
             readings_n: vec![vec![0.0; taxels]; frames],
             newest: 0,
             random: stream(seed, scene, reach_index, "sensor"),
-            random_strays: stream(seed, scene, reach_index, "strays"),
+            // The name of the stream is part of what decides the random numbers: it stays as it was.
+            random_spurious: stream(seed, scene, reach_index, "strays"),
         }
     }
 
@@ -98,7 +99,7 @@ impl Sensor {
             match electronics {
                 Electronics::Perfect => reading.copy_from_slice(force),
                 Electronics::Capacitive(taxels) => {
-                    taxels.read(force, reading, &mut self.random, &mut self.random_strays);
+                    taxels.read(force, reading, &mut self.random, &mut self.random_spurious);
                 }
                 Electronics::Fabric(taxels) => taxels.read(force, reading, &mut self.random),
             }

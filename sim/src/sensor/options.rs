@@ -41,14 +41,17 @@ pub struct SensorOptions {
     /// force; after release it is taken back as slowly.
     #[schemars(range(min = limits::CREEP_SHARE.least, max = limits::CREEP_SHARE.most))]
     pub creep_share_per_decade: f64,
-    /// Share of the taxels that stray in the long run: they read a force though nothing touches them.
-    #[schemars(range(min = limits::STRAY_SHARE.least, max = limits::STRAY_SHARE.most))]
-    pub stray_share: f64,
-    /// Mean time for which a taxel strays, s.
-    #[schemars(range(min = limits::STRAY_TIME_S.least, max = limits::STRAY_TIME_S.most))]
-    pub stray_time_s: f64,
-    /// Least and largest reading of a stray, N; anything between is equally likely.
-    pub stray_force_n: [f64; 2],
+    /// Long-run share of the taxels with a spurious reading: a force although nothing touches them.
+    #[serde(alias = "stray_share")]
+    #[schemars(range(min = limits::SPURIOUS_SHARE.least, max = limits::SPURIOUS_SHARE.most))]
+    pub spurious_share: f64,
+    /// Mean duration of a spurious reading, s.
+    #[serde(alias = "stray_time_s")]
+    #[schemars(range(min = limits::SPURIOUS_TIME_S.least, max = limits::SPURIOUS_TIME_S.most))]
+    pub spurious_time_s: f64,
+    /// Smallest and largest spurious reading, N; values between them are equally likely.
+    #[serde(alias = "stray_force_n")]
+    pub spurious_force_n: [f64; 2],
     /// Frames of 10 ms that readings are late.
     #[schemars(range(min = limits::DELAY_FRAMES.least, max = limits::DELAY_FRAMES.most))]
     pub delay_frames: u32,
@@ -62,21 +65,21 @@ pub struct SensorOptions {
 }
 
 /// Two of the forearm's 384 taxels.
-const STRAY_SHARE: f64 = 2.0 / 384.0;
+const SPURIOUS_SHARE: f64 = 2.0 / 384.0;
 
 impl Default for SensorOptions {
     /// Gate, quantum and saturation are the authors'. The others are choices:
     ///
-    /// * strays: a stored frame of the real skin holds, beside one contact, four taxels of 384 with 0.02 to 0.10 N. Some may
-    ///   be what creep has left of contacts before, so half of them count as strays. How long they last is not known; 6 s
-    ///   give, in reaches of some ten to thirty seconds, six to ten a reach, about as many as the paper counts components
-    ///   more than ours without any (ARCHITECTURE.md tells the whole reckoning);
-    /// * noise: the gate, at 12 mN, must be under the smallest of those strays;
-    /// * crosstalk: that frame's strongest taxel (1.5 N) leaves its neighbours dark, so they may get 12 mN at most, the
+    /// * spurious readings: in a stored frame of the real skin, four of 384 taxels away from the one contact read 0.02 to
+    ///   0.10 N. Some of these may be creep left by earlier contacts, so half of them count as spurious. Their duration is
+    ///   not known; 6 s gives six to ten per reach of ten to thirty seconds, about the difference between the paper's count
+    ///   of components and ours without spurious readings (docs/physics.md explains the choice);
+    /// * noise: the gate, at 12 mN, must be below the smallest of those spurious readings;
+    /// * crosstalk: the neighbours of that frame's strongest taxel (1.5 N) read nothing, so they get at most 12 mN, the
     ///   gate: a share of 0.03 in all;
-    /// * creep: slow creep over tens of seconds is documented, its size is not; rubber and its foams creep with the
-    ///   logarithm of time, by 2 to 10 % a decade. With 5 % a taxel that a trunk has
-    ///   pressed with 3 N for a second still reads 49 mN a second after the contact has slid on, and 17 mN after three;
+    /// * creep: slow creep over tens of seconds is documented, but not its size; rubber and rubber foams creep with the
+    ///   logarithm of time, by 2 to 10 % per decade. With 5 %, a taxel that a trunk has pressed with 3 N for a second still
+    ///   reads 49 mN one second after the contact has moved on, and 17 mN after three;
     /// * delay: one frame, which the electronics fill before they send it;
     /// * no dead taxels.
     fn default() -> Self {
@@ -89,9 +92,9 @@ impl Default for SensorOptions {
             floor_n: 0.0,
             crosstalk_share: 0.03,
             creep_share_per_decade: 0.05,
-            stray_share: STRAY_SHARE,
-            stray_time_s: 6.0,
-            stray_force_n: [0.02, 0.10],
+            spurious_share: SPURIOUS_SHARE,
+            spurious_time_s: 6.0,
+            spurious_force_n: [0.02, 0.10],
             delay_frames: 1,
             dead_share: 0.0,
             dead_taxels: BTreeMap::new(),
@@ -151,9 +154,9 @@ impl SensorOptions {
             floor_n: 0.0,
             crosstalk_share: 0.0,
             creep_share_per_decade: 0.0,
-            stray_share: 0.0,
-            stray_time_s: 8.0,
-            stray_force_n: [0.02, 0.10],
+            spurious_share: 0.0,
+            spurious_time_s: 8.0,
+            spurious_force_n: [0.02, 0.10],
             delay_frames: 0,
             dead_share: 0.0,
             dead_taxels: BTreeMap::new(),
@@ -170,7 +173,7 @@ impl SensorOptions {
     /// What is wrong with the options, if anything.
     pub fn fault(&self) -> Option<Fault> {
         let fabric = &self.fabric;
-        let [least_stray_n, most_stray_n] = self.stray_force_n;
+        let [min_spurious_n, max_spurious_n] = self.spurious_force_n;
         let numbers = [
             ("noise_n", self.noise_n, limits::NOISE_N),
             ("gate_sigmas", self.gate_sigmas, limits::GATE_SIGMAS),
@@ -183,10 +186,10 @@ impl SensorOptions {
                 self.creep_share_per_decade,
                 limits::CREEP_SHARE,
             ),
-            ("stray_share", self.stray_share, limits::STRAY_SHARE),
-            ("stray_time_s", self.stray_time_s, limits::STRAY_TIME_S),
-            ("stray_force_n", least_stray_n, limits::STRAY_FORCE_N),
-            ("stray_force_n", most_stray_n, limits::STRAY_FORCE_N),
+            ("spurious_share", self.spurious_share, limits::SPURIOUS_SHARE),
+            ("spurious_time_s", self.spurious_time_s, limits::SPURIOUS_TIME_S),
+            ("spurious_force_n", min_spurious_n, limits::SPURIOUS_FORCE_N),
+            ("spurious_force_n", max_spurious_n, limits::SPURIOUS_FORCE_N),
             ("delay_frames", f64::from(self.delay_frames), limits::DELAY_FRAMES),
             ("dead_share", self.dead_share, limits::SHARE),
             ("fabric.counts_per_n", fabric.counts_per_n, limits::COUNTS_PER_N),
@@ -203,12 +206,12 @@ impl SensorOptions {
         if let Some((key, value, limits)) = broken {
             return Some((key.into(), short(value), limits.to_string()));
         }
-        if least_stray_n > most_stray_n {
-            let found = format!("{:?}", self.stray_force_n);
+        if min_spurious_n > max_spurious_n {
+            let found = format!("{:?}", self.spurious_force_n);
             return Some((
-                "stray_force_n".into(),
+                "spurious_force_n".into(),
                 found,
-                "[least, largest]: the smaller first".into(),
+                "[smallest, largest]: the smaller first".into(),
             ));
         }
         (self.floor_n >= self.saturation_n).then(|| {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::arm::Arm;
-use crate::clutter::{Clutter, Standing};
+use crate::clutter::{Clutter, PlacedObject};
 use crate::object::{Object, leaf::Leaf, trunk::Trunk};
 use crate::physics::PhysicsOptions;
 use crate::sensor::SensorOptions;
@@ -15,7 +15,7 @@ fn press(object: Box<dyn Object>, gap_m: f64, force_n: f64, seconds: f64) -> (Ar
     let forearm = arm.link_index("forearm").unwrap();
     let place = poses[forearm].transform_point(DVec3::new(0.0, 0.0, 0.10));
     let foot_world = (place + DVec3::Y * (0.04604 + gap_m)).with_z(place.z - 0.3);
-    let objects = vec![Standing {
+    let objects = vec![PlacedObject {
         object,
         foot_world,
         yaw_rad: std::f64::consts::FRAC_PI_2,

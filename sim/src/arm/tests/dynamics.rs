@@ -31,7 +31,7 @@ fn one_joint_arm() -> Arm {
                 stiffness_nm_per_rad = 20
                 damping_nm_s_per_rad = 0.2
                 armature_kg_m2 = 0.011
-                believed_stiffness_nm_per_rad = 20
+                model_stiffness_nm_per_rad = 20
                 controller_limits_deg = [-90, 90]
                 start_deg = 0"#
             }

@@ -22,6 +22,26 @@ fn cody_from_disk_is_cody() {
 }
 
 #[test]
+fn earlier_keys_are_still_read() {
+    // Pins that the model stiffness is read under its earlier key too, and that an error about it names its line.
+    let earlier = |value: &str| {
+        let (present, value) = (
+            "model_stiffness_nm_per_rad = 3.2",
+            format!("believed_stiffness_nm_per_rad = {value}"),
+        );
+        altered_cody("cody.toml", present, &value)
+    };
+    let arm = earlier("4.5").unwrap();
+    assert_eq!(arm.joints[3].model_stiffness_nm_per_rad, 4.5);
+    let error = earlier("0.0").unwrap_err();
+    let line = cody_file(Path::new("cody.toml"))
+        .unwrap()
+        .lines()
+        .position(|line| line.ends_with("rad = 3.2"));
+    assert_eq!(error.line, line.map(|line| line + 1), "{error}");
+}
+
+#[test]
 fn bad_values_are_refused_with_their_place() {
     // Pins that every kind of bad value ends in an error that names its file, its field and, where it can, its line.
     // File, what is there, what is put in its place, a part of the error's field, a part of its text.
@@ -32,7 +52,7 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.toml", "stiffness_nm_per_rad = 50.0", "stiffness_nm_per_rad = nan", "shoulder_abduction.stiffness", "NaN"),
         ("cody.toml", "damping_nm_s_per_rad = 5.73", "damping_nm_s_per_rad = -1.0", "damping", "-1"),
         ("cody.toml", "damping_nm_s_per_rad = 5.73", "damping_nm_s_per_rad = inf", "damping", "inf"),
-        ("cody.toml", "believed_stiffness_nm_per_rad = 3.2", "believed_stiffness_nm_per_rad = 0.0", "believed", "0"),
+        ("cody.toml", "model_stiffness_nm_per_rad = 3.2", "model_stiffness_nm_per_rad = 0.0", "model_stiffness", "0"),
         ("cody.toml", "[-47.61, 120.0]", "[120.0, -47.61]", "controller_limits_deg", "smaller first"),
         ("cody.toml", "[-47.61, 120.0]", "[-47.61, 130.0]", "controller_limits_deg", "within the URDF"),
         ("cody.toml", "start_deg = 122.0", "start_deg = 150.0", "elbow_flexion.start_deg", "150"),

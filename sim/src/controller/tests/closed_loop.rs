@@ -95,7 +95,7 @@ impl Wall {
     /// Moves the equilibrium angles from `from` to `to` in small steps and lets the arm come to rest after each:
     /// K (φ − q) + Jᵀ f = 0, by Newton's method from `angle`. Gives the force, N.
     fn settle(&self, arm: &Arm, from: &[f64], to: &[f64], angle: &mut [f64]) -> f64 {
-        let spring = DVector::from_iterator(7, arm.joints.iter().map(|joint| joint.believed_stiffness_nm_per_rad));
+        let spring = DVector::from_iterator(7, arm.joints.iter().map(|joint| joint.model_stiffness_nm_per_rad));
         let (from, to) = (DVector::from_column_slice(from), DVector::from_column_slice(to));
         for part in 1..=20 {
             let equilibrium = from.lerp(&to, f64::from(part) / 20.0);

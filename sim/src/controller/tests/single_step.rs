@@ -16,7 +16,7 @@ fn presets() -> [Preset; 2] {
 /// count.
 fn model(situation: &Situation<'_>, preset: &Preset) -> (DMatrix<f64>, Vec<(f64, DVector<f64>)>) {
     let joints = &situation.arm.joints;
-    let believed = joints.iter().map(|joint| joint.believed_stiffness_nm_per_rad);
+    let believed = joints.iter().map(|joint| joint.model_stiffness_nm_per_rad);
     let spring = DMatrix::from_diagonal(&DVector::from_iterator(7, believed));
     let mut stiffness = spring.clone();
     let mut rows = Vec::new();
@@ -50,7 +50,7 @@ fn cost(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) -> f6
         .arm
         .joints
         .iter()
-        .map(|joint| joint.believed_stiffness_nm_per_rad);
+        .map(|joint| joint.model_stiffness_nm_per_rad);
     let torque: f64 = believed
         .zip(change)
         .map(|(stiffness, change)| (stiffness * change).powi(2))

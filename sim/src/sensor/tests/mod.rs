@@ -4,7 +4,7 @@
 mod capacitive;
 mod fabric;
 mod noise;
-mod stray;
+mod spurious;
 
 use std::collections::BTreeMap;
 

@@ -1,31 +1,36 @@
-//! Strays.
+//! Spurious readings.
 
 use super::*;
 
-/// Pins the strays' long-run share and mean duration within four standard errors, their range, that none is there when
-/// the skin has just been zeroed, and that they leave the noise alone.
+/// Pins the long-run share and the mean duration of spurious readings within four standard errors, their range, that
+/// there are none just after the skin was zeroed, and that they do not change the noise.
 #[test]
-fn strays_have_the_share_and_the_duration_asked_for() {
+fn spurious_readings_have_the_share_and_the_duration_asked_for() {
     let (share, time_s, range) = (0.05, 0.5, [0.02, 0.10]);
     let options = SensorOptions {
-        stray_share: share,
-        stray_time_s: time_s,
-        stray_force_n: range,
+        spurious_share: share,
+        spurious_time_s: time_s,
+        spurious_force_n: range,
         ..SensorOptions::off()
     };
-    let mut straying = sensor(&options);
+    let mut sensor_under_test = sensor(&options);
     let (frames, taxels) = (20_000, 384);
     let (mut lit, mut begun, mut before) = (0.0, 0.0, vec![0.0; taxels]);
     for frame in 0..frames {
-        straying.sample();
-        let now: Vec<f64> = (0..taxels).map(|taxel| straying.reading_n(FOREARM, taxel)).collect();
+        sensor_under_test.sample();
+        let now: Vec<f64> = (0..taxels)
+            .map(|taxel| sensor_under_test.reading_n(FOREARM, taxel))
+            .collect();
         assert!(
             now.iter()
                 .all(|force| *force == 0.0 || (range[0]..=range[1]).contains(force))
         );
-        let strays = now.iter().filter(|force| **force > 0.0).count() as f64;
-        assert!(frame > 0 || strays < 0.1 * share * taxels as f64, "{strays} at once");
-        lit += strays;
+        let affected = now.iter().filter(|force| **force > 0.0).count() as f64;
+        assert!(
+            frame > 0 || affected < 0.1 * share * taxels as f64,
+            "{affected} at once"
+        );
+        lit += affected;
         begun += before
             .iter()
             .zip(&now)
@@ -43,13 +48,13 @@ fn strays_have_the_share_and_the_duration_asked_for() {
     // In the long run; the first time constants from zero cost a part in 400.
     let found = lit / (frames * taxels) as f64;
     assert!((found / share - 1.0).abs() < 1.5 * error + 0.0025, "share {found}");
-    let noisy = |stray_share| {
+    let noisy = |spurious_share| {
         let mut sensor = sensor(&SensorOptions {
             noise_n: 0.01,
-            stray_share,
+            spurious_share,
             ..SensorOptions::off()
         });
-        // A force far from zero; strays are on few taxels for the first frames.
+        // A force far from zero; few taxels have spurious readings in the first frames.
         (0..5)
             .map(|_| press(&mut sensor, (FOREARM, 7), 1.0))
             .collect::<Vec<f64>>()
