@@ -2,5 +2,6 @@
 
 mod balance;
 mod engine;
+mod imports;
 mod ranges;
 mod scenes;
