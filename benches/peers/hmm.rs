@@ -29,12 +29,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let every: Vec<&Observations> = all.iter().collect();
     let samples: usize = all.iter().map(Observations::sample_count).sum();
     let mut result = serde_json::Map::new();
-    for (category, model) in models.models() {
+    for (category, scorer) in models.models() {
         let mut entry = serde_json::Map::new();
         for (kind, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
             let one_by_one =
-                || -> Result<Vec<f64>, _> { all.iter().map(|one| model.log_probability(kind, one)).collect() };
-            let together = || model.log_probabilities(kind, &every);
+                || -> Result<Vec<f64>, _> { all.iter().map(|one| scorer.log_probability(kind, one)).collect() };
+            let together = || scorer.log_probabilities(kind, &every);
             if one_by_one()? != together()? {
                 return Err("scores one by one and together differ".into());
             }
@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 tolerance: 0.0,
                 ..TrainingOptions::default()
             };
-            quickest(repeats, || black_box(train(model, &own, &options)).map(drop))
+            quickest(repeats, || black_box(train(scorer.model(), &own, &options)).map(drop))
         };
         let seconds = (iterate(11)? - iterate(1)?) / 10.0;
         entry.insert(

@@ -120,7 +120,7 @@ impl ModelSet {
         let models: BTreeMap<_, _> = self
             .models
             .iter()
-            .map(|(name, model)| (name, model.parameters()))
+            .map(|(name, scorer)| (name, scorer.model().parameters()))
             .collect();
         let entries = [
             ("format", json!(FORMAT)),

@@ -10,7 +10,7 @@ use underbrush_recording::{Category, InputError, Trial};
 use crate::decision::Decision;
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
 use crate::hmm::{
-    GaussianHmm, RunningScore, ScoreKind, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train,
+    GaussianHmm, RunningScore, ScoreKind, Scorer, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train,
 };
 use crate::recipe::{Recipe, ScalingKind};
 
@@ -68,7 +68,8 @@ impl From<InputError> for ModelError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelSet {
     pub(crate) features: FeatureSet,
-    pub(crate) models: BTreeMap<String, GaussianHmm>,
+    /// Prepared for scoring once, when the set is made.
+    pub(crate) models: BTreeMap<String, Scorer>,
     pub(crate) scaling: Option<Scaling>,
     /// What made the models, where known; foreign models have none.
     pub recipe: Option<Recipe>,
@@ -136,7 +137,7 @@ impl ModelSet {
         let (training, provenance) = (BTreeMap::new(), BTreeMap::new());
         Ok(ModelSet {
             features,
-            models,
+            models: prepared(models),
             scaling: None,
             recipe: None,
             training,
@@ -235,7 +236,7 @@ impl ModelSet {
                 if let Some(scaling) = &start.scaling {
                     sequences.iter_mut().for_each(|sequence| scaling.apply_all(sequence));
                 }
-                with_category(category.clone(), train(model, &sequences, options))
+                with_category(category.clone(), train(model.model(), &sequences, options))
             })
             .collect();
         let (models, report) = collect(trained, trials.len())?;
@@ -245,7 +246,7 @@ impl ModelSet {
         });
         Ok((
             ModelSet {
-                models,
+                models: prepared(models),
                 recipe,
                 training: report.categories.clone(),
                 ..start
@@ -259,8 +260,8 @@ impl ModelSet {
         self.features
     }
 
-    /// The models by category.
-    pub fn models(&self) -> &BTreeMap<String, GaussianHmm> {
+    /// The models by category, prepared for scoring.
+    pub fn models(&self) -> &BTreeMap<String, Scorer> {
         &self.models
     }
 
@@ -348,6 +349,11 @@ impl ModelSet {
         }
         Ok(sequence)
     }
+}
+
+fn prepared(models: BTreeMap<String, GaussianHmm>) -> BTreeMap<String, Scorer> {
+    let models = models.into_iter();
+    models.map(|(category, model)| (category, model.into())).collect()
 }
 
 type Trained = (String, GaussianHmm, TrainingHistory);

@@ -186,7 +186,7 @@ fn model(path: &Path) -> Result<Value, Failure> {
     let states: BTreeMap<&str, usize> = models
         .models()
         .iter()
-        .map(|(category, model)| (category.as_str(), model.state_count()))
+        .map(|(category, scorer)| (category.as_str(), scorer.model().state_count()))
         .collect();
     Ok(json!({
         "model": path.display().to_string(),

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use underbrush_classifier::feature::Observations;
-use underbrush_classifier::hmm::{GaussianHmm, HmmParameters, ScoreKind, TrainingOptions, train};
+use underbrush_classifier::hmm::{GaussianHmm, HmmParameters, ScoreKind, Scorer, TrainingOptions, train};
 use underbrush_oracles::markov::{log_normal_density, log_sum_over_paths};
 
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
@@ -110,7 +110,7 @@ fn forward(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         scored.transition[0][0] += off;
         scored.transition[0][1] -= off;
         let model = GaussianHmm::new(scored).map_err(|error| CheckError::Case(format!("{error:?}")))?;
-        let found = model
+        let found = Scorer::from(model)
             .log_probability(ScoreKind::Forward, &observations)
             .map_err(fault)?;
         comparisons.push(Comparison::relative(
@@ -152,9 +152,10 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         ..TrainingOptions::default()
     };
     let score = |model: &GaussianHmm| -> Result<f64, CheckError> {
+        let scorer = Scorer::from(model.clone());
         let scores = sequences
             .iter()
-            .map(|sequence| model.log_probability(ScoreKind::Forward, sequence));
+            .map(|sequence| scorer.log_probability(ScoreKind::Forward, sequence));
         scores.map(|score| score.map_err(fault)).sum()
     };
     let mut model = start()?;

@@ -1,15 +1,14 @@
-//! Filters of many streams at once: one a taxel in contact, for each of some models.
+//! Filters for many streams at once: one for each taxel in contact and each model.
 
-use super::filter::{STREAMS, Weights};
-use super::model::GaussianHmm;
-use super::score::ScoreKind;
+use super::filter::{STREAMS, ScoreKind, Weights};
+use super::scorer::Scorer;
 use super::tile::{Tile, vectorized};
 use crate::feature::FeatureError;
 
-/// Filters of a fixed number of streams under each of some models of the same features.
+/// Filters of a fixed number of streams under several models of the same features.
 ///
-/// Samples are put in one by one, then all filters advance together, four streams at a time. Nothing is allocated after
-/// [`FilterBank::new`]. Scores are those of [`super::RunningScore`], bit for bit.
+/// Samples are put in one by one; then all filters advance together, four streams at a time. Nothing is allocated after
+/// [`FilterBank::new`]. The scores are those of [`super::RunningScore`], bit for bit.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterBank {
     dimension: usize,
@@ -22,24 +21,24 @@ pub(crate) struct FilterBank {
 struct Group {
     /// D tiles.
     sample: Vec<Tile>,
-    /// Streams with a sample that has not been taken in.
+    /// Streams with a sample that has not been processed yet.
     waiting: [bool; STREAMS],
-    /// Over 0: streams whose next sample is their first.
+    /// Above 0 for streams whose next sample is their first.
     fresh: Tile,
-    /// Streams that have taken in a sample which was not theirs.
+    /// Streams that were advanced with a sample of another stream.
     spoiled: [bool; STREAMS],
-    /// One a model.
+    /// One per model.
     weights: Vec<Weights>,
     scores: Vec<Tile>,
 }
 
 impl FilterBank {
-    /// Filters for so many streams, none of which has begun.
-    pub(crate) fn new<'a>(kind: ScoreKind, models: impl Iterator<Item = &'a GaussianHmm>, streams: usize) -> Self {
+    /// Filters for `streams` streams, none of which has started.
+    pub(crate) fn new<'a>(kind: ScoreKind, scorers: impl Iterator<Item = &'a Scorer>, streams: usize) -> Self {
         let (mut weights, mut dimension) = (Vec::new(), 0);
-        for model in models {
-            weights.push(Weights::new(kind, &model.filter));
-            dimension = model.dimension;
+        for scorer in scorers {
+            weights.push(Weights::new(kind, scorer.model().state_count()));
+            dimension = scorer.model().dimension();
         }
         let group = Group {
             sample: vec![[0.0; STREAMS]; dimension],
@@ -64,7 +63,7 @@ impl FilterBank {
     /// Puts in the next sample of a stream, of D numbers.
     ///
     /// # Errors
-    /// [`FeatureError::BadMatrix`] where the sample is not D finite numbers; the stream stays as it was.
+    /// [`FeatureError::BadMatrix`] if the sample is not D finite numbers; the stream stays as it was.
     pub(crate) fn put(&mut self, stream: usize, sample: &[f64]) -> Result<(), FeatureError> {
         let bad = |found: String| FeatureError::BadMatrix {
             found,
@@ -87,8 +86,9 @@ impl FilterBank {
         Ok(())
     }
 
-    /// Takes in all samples put in since the last time. `models` are those given to [`FilterBank::new`], in their order.
-    pub(crate) fn advance<'a>(&mut self, models: impl Iterator<Item = &'a GaussianHmm> + Clone) {
+    /// Processes all samples put in since the last call. `scorers` must be those given to [`FilterBank::new`], in the
+    /// same order.
+    pub(crate) fn advance<'a>(&mut self, scorers: impl Iterator<Item = &'a Scorer> + Clone) {
         vectorized(
             #[inline(always)]
             || {
@@ -96,7 +96,7 @@ impl FilterBank {
                     let Some(some) = group.waiting.iter().position(|&waiting| waiting) else {
                         continue;
                     };
-                    // Streams without a sample go on with that of another, and begin again with their next.
+                    // Streams without a sample are fed that of another, and start again with their next one.
                     for stream in 0..STREAMS {
                         if !group.waiting[stream] {
                             group.spoiled[stream] = true;
@@ -104,8 +104,8 @@ impl FilterBank {
                         }
                     }
                     let filters = group.weights.iter_mut().zip(&mut group.scores);
-                    for (model, (weights, score)) in models.clone().zip(filters) {
-                        weights.step(&model.filter, &group.sample, group.fresh, group.waiting);
+                    for (scorer, (weights, score)) in scorers.clone().zip(filters) {
+                        scorer.step(weights, &group.sample, group.fresh, group.waiting);
                         *score = weights.scores();
                     }
                     group.fresh = [0.0; STREAMS];
@@ -115,7 +115,7 @@ impl FilterBank {
         );
     }
 
-    /// The scores of a stream under all models after its last sample, nats.
+    /// The scores of a stream under all models after its last sample, in nats.
     pub(crate) fn scores(&self, stream: usize) -> impl Iterator<Item = f64> {
         let scores = &self.groups[stream / STREAMS].scores[..self.models];
         scores.iter().map(move |tile| tile[stream % STREAMS])

@@ -1,16 +1,16 @@
-//! Hidden Markov models with one Gaussian of full covariance per state.
+//! Hidden Markov models with one full-covariance Gaussian per state.
 //!
-//! [`HmmParameters`] are numbers as they stand in a file; only [`GaussianHmm::new`] turns them into a model that can
-//! score and be trained, so whatever scores is known to be sound. Training is [`train()`], scores are
-//! [`GaussianHmm::log_probability`] for whole sequences and [`RunningScore`] sample by sample; both run the same code.
+//! [`HmmParameters`] are the numbers as they appear in a file. [`GaussianHmm::new`] checks them, so that every model is
+//! sound. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole sequences,
+//! and [`RunningScore`] follows a stream sample by sample with the same code.
 
 mod bank;
-mod density;
-mod emission;
+mod covariance;
 mod filter;
-mod linear;
+mod gaussian;
 mod model;
-mod score;
+mod running_score;
+mod scorer;
 mod start;
 mod statistics;
 mod tile;
@@ -18,8 +18,10 @@ mod topology;
 mod train;
 
 pub(crate) use bank::FilterBank;
+pub use filter::ScoreKind;
 pub use model::{GaussianHmm, HmmParameters, ParameterError};
-pub use score::{RunningScore, ScoreKind};
+pub use running_score::RunningScore;
+pub use scorer::Scorer;
 pub use start::equal_slice_start;
 pub use topology::{InitialDistribution, Topology};
 pub use train::{Stop, TrainingError, TrainingHistory, TrainingOptions, train};

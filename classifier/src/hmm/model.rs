@@ -1,10 +1,9 @@
-//! The model: parameters as written in a file, and the same checked and ready to score.
+//! The model: parameters as written in a file, and the same parameters checked.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::emission::Emissions;
-use super::filter::FilterModel;
+use super::gaussian::Gaussians;
 
 /// Parameters of a hidden Markov model of N states over D features (paper, eq. 1: λ = (A, B, π)), not yet checked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,7 +36,7 @@ pub struct ParameterError {
 /// How far a row of probabilities may be from 1 and still be taken as it stands.
 const ROW_SUM_TOLERANCE: f64 = 1e-6;
 
-/// A checked model, with what scoring needs prepared.
+/// A model with checked parameters. To score with it, make a [`super::Scorer`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaussianHmm {
     pub(super) states: usize,
@@ -49,17 +48,12 @@ pub struct GaussianHmm {
     pub(super) mean: Vec<f64>,
     /// N × D × D.
     pub(super) covariance: Vec<f64>,
-    pub(super) log_initial: Vec<f64>,
-    /// N × N, −inf for zero.
-    pub(super) log_transition: Vec<f64>,
-    /// Its transpose: row: to, column: from.
-    pub(super) log_transition_into: Vec<f64>,
-    pub(super) emissions: Emissions,
-    pub(super) filter: FilterModel,
+    /// Means and covariances as densities need them; checking the covariances computes them anyway.
+    pub(super) gaussians: Gaussians,
 }
 
 impl GaussianHmm {
-    /// Checks parameters and prepares them for scoring.
+    /// Checks parameters.
     ///
     /// # Errors
     /// [`ParameterError`] where sizes disagree, a number is not finite, a probability is outside 0 … 1, a row does not
@@ -100,7 +94,7 @@ impl GaussianHmm {
         }
         let mean = parameters.mean.concat();
         let covariance: Vec<f64> = parameters.covariance.iter().flatten().flatten().copied().collect();
-        let emissions = Emissions::new(dimension, &mean, &covariance).map_err(|state| {
+        let gaussians = Gaussians::new(dimension, &mean, &covariance).map_err(|state| {
             error(
                 format!("covariance[{state}]"),
                 "a matrix that is not positive definite",
@@ -108,21 +102,14 @@ impl GaussianHmm {
                 "train with a variance floor above 0, or raise the diagonal",
             )
         })?;
-        let transition = parameters.transition.concat();
-        let log_transition: Vec<f64> = transition.iter().map(|p| p.ln()).collect();
-        let into = |to: usize| log_transition[to..].iter().step_by(states).copied();
         Ok(GaussianHmm {
             states,
             dimension,
-            log_initial: parameters.initial.iter().map(|p| p.ln()).collect(),
-            log_transition_into: (0..states).flat_map(into).collect(),
-            log_transition,
-            filter: FilterModel::new(&parameters.initial, &transition, &emissions),
             initial: parameters.initial,
-            transition,
+            transition: parameters.transition.concat(),
             mean,
             covariance,
-            emissions,
+            gaussians,
         })
     }
 

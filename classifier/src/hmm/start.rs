@@ -1,6 +1,6 @@
 //! Where training starts: means and covariances of equal time slices.
 
-use super::emission::{floor_eigenvalues, is_singular};
+use super::covariance::{floor_eigenvalues, is_singular};
 use super::model::{GaussianHmm, HmmParameters};
 use super::topology::{InitialDistribution, Topology};
 use super::train::{TrainingError, check_sequences, largest_observation};

@@ -1,9 +1,10 @@
 //! The expectation step: expected counts of states and transitions over all sequences.
 
 mod exact;
+mod linear;
 mod scaled;
 
-use super::linear::LinearModel;
+use self::linear::LinearModel;
 use super::model::GaussianHmm;
 use super::tile::vectorized;
 use crate::feature::Observations;
@@ -56,7 +57,7 @@ impl Statistics {
                 .any(|row| (1e-300..FEW).contains(&departures(row)));
         if scarce {
             let mut exact = Self::zero(model.states, model.dimension);
-            let mut pass = exact::Pass::new(model.states);
+            let mut pass = exact::Pass::new(model);
             for (index, sequence) in sequences.iter().enumerate() {
                 exact.count_exactly(model, sequence, &mut pass).ok_or(index)?;
             }
@@ -69,7 +70,7 @@ impl Statistics {
     fn collect_scaled(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
         let linear = LinearModel::new(model);
         let mut statistics = Self::zero(model.states, model.dimension);
-        let mut exact = exact::Pass::new(model.states);
+        let mut exact = exact::Pass::new(model);
         vectorized(
             #[inline(always)]
             || {

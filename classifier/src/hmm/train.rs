@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::emission::{floor_eigenvalues, is_singular};
+use super::covariance::{floor_eigenvalues, is_singular};
 use super::model::{GaussianHmm, HmmParameters, ParameterError};
 use super::statistics::Statistics;
 use crate::feature::Observations;

@@ -64,8 +64,8 @@ pub(super) fn check(path: &Path, set: &ModelSet) -> Result<(), InputError> {
 }
 
 fn numbers(set: &ModelSet) -> Result<(), Fault> {
-    for (category, model) in set.models() {
-        model_numbers(category, model)?;
+    for (category, scorer) in set.models() {
+        model_numbers(category, scorer.model())?;
     }
     if let Some(scaling) = &set.scaling {
         scaling_numbers(scaling, set.features())?;
@@ -206,7 +206,8 @@ fn agreement(set: &ModelSet) -> Result<(), Fault> {
         let allowed = "z_score with a `scaling` in the file, unscaled without";
         return Err(fault("scaling", format!("{:?}", recipe.scaling), allowed.into()));
     }
-    for (category, model) in set.models() {
+    for (category, scorer) in set.models() {
+        let model = scorer.model();
         let states = model.state_count();
         if recipe.states != states {
             let allowed = format!("{states}, the states of models.{category}");

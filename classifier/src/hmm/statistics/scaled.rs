@@ -16,7 +16,7 @@ mod backward;
 use std::f64::consts::LN_2;
 
 use crate::feature::Observations;
-use crate::hmm::linear::{LinearModel, TiledMatrix};
+use crate::hmm::statistics::linear::{LinearModel, TiledMatrix};
 use crate::hmm::tile::{
     Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, power_of_two, scale, sum, zip,
 };
@@ -84,8 +84,8 @@ impl Pass {
             exponents: Vec::new(),
             initial: zeros(1),
             occupancy: zeros(1),
-            first: zeros(model.density.dimension),
-            second: zeros(model.density.dimension * model.density.dimension),
+            first: zeros(model.gaussians.dimension()),
+            second: zeros(model.gaussians.dimension() * model.gaussians.dimension()),
             transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
             own_transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
         }

@@ -3,7 +3,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::hmm::tile::tests::BASELINE_ONLY;
-use crate::hmm::{HmmParameters, ScoreKind, Topology};
+use crate::hmm::{HmmParameters, ScoreKind, Scorer, Topology};
 
 /// A model of the authors' start topology over 0 … 3 N, with narrow and wide states.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
@@ -52,7 +52,7 @@ fn press(samples: usize, dimension: usize, number: usize, rng: &mut ChaCha8Rng) 
 fn exactly(model: &GaussianHmm, sequence: &Observations) -> Statistics {
     let mut exact = Statistics::zero(model.states, model.dimension);
     exact
-        .count_exactly(model, sequence, &mut exact::Pass::new(model.states))
+        .count_exactly(model, sequence, &mut exact::Pass::new(model))
         .unwrap();
     exact
 }
@@ -161,10 +161,11 @@ fn every_processor_gets_the_same_bits() {
             })
             .collect();
         let all: Vec<&Observations> = sequences.iter().collect();
+        let scorer = Scorer::from(model.clone());
         let compute = || {
             let counts = Statistics::collect(&model, &sequences).ok().unwrap();
             let scores =
-                [ScoreKind::Forward, ScoreKind::Viterbi].map(|kind| model.log_probabilities(kind, &all).unwrap());
+                [ScoreKind::Forward, ScoreKind::Viterbi].map(|kind| scorer.log_probabilities(kind, &all).unwrap());
             let numbers = [
                 counts.initial,
                 counts.transition,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{BLOCK, LEAST_SUM, Pass, probability, raise};
 use crate::feature::Observations;
-use crate::hmm::linear::LinearModel;
+use crate::hmm::statistics::linear::LinearModel;
 use crate::hmm::model::GaussianHmm;
 use crate::hmm::statistics::Statistics;
 use crate::hmm::tile::{Tile, WIDTH, add, larger, largest, map, multiply, zip};
@@ -93,7 +93,7 @@ impl Pass {
     /// Adds the probabilities of states, and with them the moments about the old means.
     #[inline(always)]
     pub(super) fn count_samples(&mut self, model: &LinearModel, sequence: &Observations) {
-        let (tiles, d) = (model.tiles, model.density.dimension);
+        let (tiles, d) = (model.tiles, model.gaussians.dimension());
         for (initial, probability) in self.initial.iter_mut().zip(&self.probability) {
             *initial = add(*initial, *probability);
         }
@@ -102,12 +102,12 @@ impl Pass {
                 for column in 0..=row {
                     let (mut occupancy, mut first, mut second) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
                     for (sample, probability) in sequence.samples().zip(self.probability.chunks_exact(tiles)) {
-                        let weighted = multiply(probability[tile], model.density.deviation(row, sample[row], tile));
+                        let weighted = multiply(probability[tile], model.gaussians.deviation(row, sample[row], tile));
                         occupancy = add(occupancy, probability[tile]);
                         first = add(first, weighted);
                         second = add(
                             second,
-                            multiply(weighted, model.density.deviation(column, sample[column], tile)),
+                            multiply(weighted, model.gaussians.deviation(column, sample[column], tile)),
                         );
                     }
                     let place = (row * d + column) * tiles + tile;

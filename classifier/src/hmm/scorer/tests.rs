@@ -3,7 +3,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::hmm::HmmParameters;
+use crate::hmm::{HmmParameters, RunningScore};
 
 /// Parameters of N ≤ 4 states and sequences of up to 5 samples, with zeros and wide ranges of densities.
 pub(in crate::hmm) fn small_problem() -> impl Strategy<Value = (HmmParameters, Vec<f64>)> {
@@ -91,9 +91,9 @@ proptest! {
             f64::NEG_INFINITY => best,
             best => best + paths.iter().map(|path| (path - best).exp()).sum::<f64>().ln(),
         };
-        let model = GaussianHmm::new(parameters).unwrap();
+        let scorer = Scorer::from(GaussianHmm::new(parameters).unwrap());
         for (kind, expected) in [(ScoreKind::Forward, all), (ScoreKind::Viterbi, best)] {
-            let found = model.log_probability(kind, &observations).unwrap();
+            let found = scorer.log_probability(kind, &observations).unwrap();
             let close = found == expected || (found - expected).abs() <= 1e-12 * expected.abs().max(1.0);
             prop_assert!(close, "{kind:?}: {found} for {expected}");
         }
@@ -136,8 +136,8 @@ fn left_to_right_models_score_foreign_data_exactly() {
         let values: Vec<f64> = (0..200).map(|t| 4.0 * (0.1 * f64::from(t + round)).sin()).collect();
         let expected = slow_log_forward(&parameters, &values);
         let observations = Observations::new(1, values).unwrap();
-        let model = GaussianHmm::new(parameters).unwrap();
-        let found = model.log_probability(ScoreKind::Forward, &observations).unwrap();
+        let scorer = Scorer::from(GaussianHmm::new(parameters).unwrap());
+        let found = scorer.log_probability(ScoreKind::Forward, &observations).unwrap();
         assert!(
             expected.is_finite() && expected < -1e4,
             "the data must be foreign: {expected}"
@@ -227,11 +227,11 @@ fn holds_swings_and_outliers_are_exact() {
         let mut outlier = swing.clone();
         outlier[150] = 1e6;
         let parameters = trained_left_to_right(&mut rng);
-        let model = GaussianHmm::new(parameters.clone()).unwrap();
+        let scorer = Scorer::from(GaussianHmm::new(parameters.clone()).unwrap());
         for values in [held, back, swing, outlier, vec![1.0]] {
             let expected = slow_log_forward(&parameters, &values);
             let observations = Observations::new(1, values).unwrap();
-            let found = model.log_probability(ScoreKind::Forward, &observations).unwrap();
+            let found = scorer.log_probability(ScoreKind::Forward, &observations).unwrap();
             let close = found == expected || ((found - expected) / expected).abs() < 1e-9;
             assert!(
                 close,
@@ -246,25 +246,25 @@ fn holds_swings_and_outliers_are_exact() {
 fn one_by_one_and_together_are_the_same_bits() {
     // Pins that scores do not depend on which sequences share a filter, nor on whether samples come one by one.
     let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let model = GaussianHmm::new(trained_left_to_right(&mut rng)).unwrap();
+    let scorer = Scorer::from(GaussianHmm::new(trained_left_to_right(&mut rng)).unwrap());
     let sequences: Vec<Observations> = [3, 1, 80, 7, 7, 41, 2, 300, 5]
         .iter()
         .map(|&length| Observations::new(1, (0..length).map(|_| rng.random_range(-1.0..6.0)).collect()).unwrap())
         .collect();
     let all: Vec<&Observations> = sequences.iter().collect();
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
-        let together = model.log_probabilities(kind, &all).unwrap();
+        let together = scorer.log_probabilities(kind, &all).unwrap();
         for (sequence, found) in sequences.iter().zip(together) {
-            let mut running = RunningScore::new(kind, &model);
+            let mut running = RunningScore::new(kind, &scorer);
             sequence
                 .samples()
-                .for_each(|sample| running.push(&model, sample).unwrap());
+                .for_each(|sample| running.push(&scorer, sample).unwrap());
             assert_eq!(found.to_bits(), running.log_probability().to_bits());
             assert_eq!(
                 found.to_bits(),
-                model.log_probability(kind, sequence).unwrap().to_bits()
+                scorer.log_probability(kind, sequence).unwrap().to_bits()
             );
         }
     }
-    assert_eq!(model.log_probabilities(ScoreKind::Forward, &[]), Ok(vec![]));
+    assert_eq!(scorer.log_probabilities(ScoreKind::Forward, &[]), Ok(vec![]));
 }

@@ -3,9 +3,10 @@
 
 use std::ops::Range;
 
-use super::density::TiledDensity;
-use super::model::GaussianHmm;
-use super::tile::{
+use crate::hmm::gaussian::Gaussians;
+use crate::hmm::model::GaussianHmm;
+use crate::hmm::tile::{
+    self,
     ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, tiled, tiles_for, zip,
 };
 
@@ -22,10 +23,10 @@ const LOG2_LEAST_TRANSITION: f64 = -500.0;
 const FAR_OUT: f64 = -1e12;
 
 /// A model laid out in tiles.
-pub(super) struct LinearModel {
+pub(super) struct LinearModel<'a> {
     /// Tiles of states.
     pub(super) tiles: usize,
-    pub(super) density: TiledDensity,
+    pub(super) gaussians: &'a Gaussians,
     pub(super) initial: Vec<Tile>,
     /// From all states into those of a tile.
     pub(super) forward: TiledMatrix,
@@ -35,14 +36,14 @@ pub(super) struct LinearModel {
     pub(super) exponents: TiledMatrix,
 }
 
-impl LinearModel {
-    pub(super) fn new(model: &GaussianHmm) -> Self {
+impl<'a> LinearModel<'a> {
+    pub(super) fn new(model: &'a GaussianHmm) -> Self {
         let n = model.states;
         let raised = |p: f64| if p > 0.0 { larger(p, LEAST_TRANSITION) } else { 0.0 };
         let forward = TiledMatrix::new(n, |from, to| raised(model.transition[from * n + to]));
         LinearModel {
             tiles: tiles_for(n),
-            density: TiledDensity::new(&model.emissions),
+            gaussians: &model.gaussians,
             initial: tiled(1, n, 0.0, |_, state| model.initial[state]),
             backward: TiledMatrix::new(n, |to, from| raised(model.transition[from * n + to])),
             exponents: forward.map(|p| if p > 0.0 { exponent(p) as f64 } else { f64::NEG_INFINITY }),
@@ -58,10 +59,10 @@ impl LinearModel {
     pub(super) fn densities(&self, sample: &[f64], out: &mut [Tile]) -> Option<f64> {
         let mut largest = [f64::NEG_INFINITY; WIDTH];
         for (tile, out) in out.iter_mut().enumerate() {
-            *out = self.density.log2(tile, |feature| sample[feature]);
+            *out = self.gaussians.log2_of_states(tile, |feature| sample[feature]);
             largest = zip(*out, largest, larger);
         }
-        let largest = super::tile::largest(largest);
+        let largest = tile::largest(largest);
         if largest.is_nan() || largest < FAR_OUT {
             return None;
         }
