@@ -10,7 +10,8 @@ use underbrush_recording::{Category, InputError, Trial};
 use crate::decision::Decision;
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
 use crate::hmm::{
-    GaussianHmm, RunningScore, ScoreKind, Scorer, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train,
+    GaussianHmm, RunningScore, ScoreKind, Scorer, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start,
+    train,
 };
 use crate::recipe::{Recipe, ScalingKind};
 

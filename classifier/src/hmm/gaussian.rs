@@ -32,9 +32,7 @@ impl Gaussians {
         for (state, block) in covariance.chunks_exact(d * d).enumerate() {
             let factor = DMatrix::from_row_slice(d, d, block).cholesky().ok_or(state)?;
             let lower = factor.l();
-            let inverse = lower
-                .solve_lower_triangular(&DMatrix::identity(d, d))
-                .ok_or(state)?;
+            let inverse = lower.solve_lower_triangular(&DMatrix::identity(d, d)).ok_or(state)?;
             let log_determinant = 2.0 * lower.diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
             if !log_determinant.is_finite() || inverse.iter().any(|entry| !entry.is_finite()) {
                 return Err(state);
@@ -132,7 +130,10 @@ mod tests {
         let (s1, s2, rho) = (0.5, 2.0, 0.3);
         let covariance = [s1 * s1, rho * s1 * s2, rho * s1 * s2, s2 * s2];
         // The second state is the one evaluated, so that the layout matters.
-        let (mean, covariance) = ([[7.0, 8.0], [1.0, -1.0]].concat(), [[1.0, 0.0, 0.0, 1.0], covariance].concat());
+        let (mean, covariance) = (
+            [[7.0, 8.0], [1.0, -1.0]].concat(),
+            [[1.0, 0.0, 0.0, 1.0], covariance].concat(),
+        );
         let gaussians = Gaussians::new(2, &mean, &covariance).unwrap();
         let (u, v) = ((0.2f64 - 1.0) / s1, (2.5 + 1.0) / s2);
         let q = (u * u - 2.0 * rho * u * v + v * v) / (1.0 - rho * rho);

@@ -99,7 +99,10 @@ impl Pass {
         );
         for i in 0..n {
             let row = &self.log_transition[i * n..(i + 1) * n];
-            fill(&mut self.terms, row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead));
+            fill(
+                &mut self.terms,
+                row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead),
+            );
             self.log_beta[i] = log_sum_exp(&self.terms);
             let log_share = self.log_alpha[t * n + i] - log_likelihood;
             let transitions = &mut counts.transition[i * n..(i + 1) * n];

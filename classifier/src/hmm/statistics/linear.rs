@@ -6,8 +6,7 @@ use std::ops::Range;
 use crate::hmm::gaussian::Gaussians;
 use crate::hmm::model::GaussianHmm;
 use crate::hmm::tile::{
-    self,
-    ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, tiled, tiles_for, zip,
+    self, ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, tiled, tiles_for, zip,
 };
 
 /// Base-2 logarithm of the least density, relative to the largest of its sample, that [`LinearModel::densities`] gives.

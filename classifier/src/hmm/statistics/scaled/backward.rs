@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::{BLOCK, LEAST_SUM, Pass, probability, raise};
 use crate::feature::Observations;
-use crate::hmm::statistics::linear::LinearModel;
 use crate::hmm::model::GaussianHmm;
 use crate::hmm::statistics::Statistics;
+use crate::hmm::statistics::linear::LinearModel;
 use crate::hmm::tile::{Tile, WIDTH, add, larger, largest, map, multiply, zip};
 
 /// 2^−500: probabilities over sums of weights under it count as 0.
