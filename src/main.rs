@@ -75,8 +75,8 @@ enum Command {
     Validate(command::validate::Options),
     /// Say what is in a scene, data set, recording, trials table or model, and check it
     Inspect(command::inspect::Options),
-    /// Print the JSON Schema of the scene file, for editors
-    Schema,
+    /// Print the JSON Schema of scene, arm or skin files, for editors
+    Schema(command::schema::Options),
 }
 
 fn main() -> ExitCode {
@@ -114,6 +114,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Score(options) => command::score::run(options, shared.json),
         Command::Validate(options) => command::validate::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
-        Command::Schema => command::schema::run(),
+        Command::Schema(options) => command::schema::run(&options),
     }
 }

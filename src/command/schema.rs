@@ -1,10 +1,36 @@
-//! `underbrush schema`: the JSON Schema of the scene file.
+//! `underbrush schema`: the JSON Schema of a file that a person edits.
+
+use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;
 use crate::output;
 
+/// Options of `underbrush schema`.
+#[derive(Args)]
+pub struct Options {
+    /// The kind of file
+    #[arg(value_enum, default_value = "scene")]
+    file: Kind,
+}
+
+/// The kinds of file that have a schema.
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Scene: what stands in front of the arm, and how it is sensed
+    Scene,
+    /// Arm: the properties of an arm that its URDF cannot express
+    Arm,
+    /// Skin: patches of taxels on an arm's links
+    Skin,
+}
+
 /// Prints the schema.
-pub fn run() -> Result<(), Failure> {
-    let schema = serde_json::to_string_pretty(&underbrush_sim::scene::schema());
-    output::lines([schema.map_err(|error| Failure::run(error.to_string()))?])
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let schema = match options.file {
+        Kind::Scene => underbrush_sim::scene::schema(),
+        Kind::Arm => underbrush_sim::arm::schema(),
+        Kind::Skin => underbrush_sim::arm::skin_schema(),
+    };
+    let text = serde_json::to_string_pretty(&schema);
+    output::lines([text.map_err(|error| Failure::run(error.to_string()))?])
 }

@@ -1,4 +1,4 @@
-//! `underbrush inspect` and `underbrush schema`.
+//! `underbrush inspect`.
 
 use std::path::Path;
 
@@ -40,15 +40,4 @@ fn each_kind_of_thing_is_recognized() {
         serde_json::json!({ "leaf": 3, "trunk": 3 })
     );
     assert_eq!(found["features"], serde_json::json!(["force_n"]));
-}
-
-#[test]
-fn the_schema_lists_what_a_scene_may_hold() {
-    // Pins: the schema is JSON, forbids unknown keys and knows every kind of object.
-    let schema: serde_json::Value = serde_json::from_str(&underbrush!["schema"].success()).unwrap();
-    assert_eq!(schema["additionalProperties"], false);
-    let objects = schema["$defs"]["Objects"]["properties"].as_object().unwrap();
-    let mut kinds: Vec<_> = objects.keys().map(String::as_str).collect();
-    kinds.sort_unstable();
-    assert_eq!(kinds, ["foam_block", "foam_roll", "leaf", "trunk"]);
 }

@@ -12,6 +12,7 @@ mod paths;
 mod provenance;
 mod reach;
 mod resume;
+mod schema;
 #[cfg(unix)]
 mod signals;
 #[cfg(target_os = "linux")]

@@ -1,5 +1,6 @@
 //! What the libraries promise beyond the command line.
 
+mod arms;
 mod balance;
 mod engine;
 mod imports;

@@ -3,49 +3,82 @@
 use std::path::Path;
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::short;
 use underbrush_recording::{BodyShape, InputError};
 
 use super::limits;
+use super::schema::Within;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, skin_file};
 use crate::geometry::engine_shape;
 
-#[derive(Deserialize)]
+/// An arm: its URDF, its skin, and the properties that URDF cannot express.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct ArmFile {
+pub(super) struct ArmFile {
+    /// Name of the robot; `robot_type` in data sets.
     name: String,
+    /// Path of the URDF file, relative to this file.
     urdf: String,
+    /// Path of the skin file, relative to this file.
     skin: String,
+    /// The link that is fixed to the world. Its frame is the world frame.
     base_link: String,
+    /// The link at the end of the chain whose frame the controller moves to goals (the end effector).
     tip_link: String,
+    /// Coefficient of friction of the arm's surface, with or without skin.
+    #[schemars(transform = Within(limits::FRICTION))]
     friction: f64,
+    /// One table for each moving joint of the chain.
+    #[schemars(with = "Vec<JointTable>", length(min = 1))]
     joint: Vec<Spanned<JointTable>>,
+    /// Convex collision shapes, beside those of the URDF.
     #[serde(default)]
+    #[schemars(with = "Vec<HullTable>")]
     hull: Vec<Spanned<HullTable>>,
 }
 
-#[derive(Deserialize)]
+/// A joint: a spring and a damper about an equilibrium angle, which the controller moves.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct JointTable {
+    /// Name of the joint in the URDF.
     name: String,
+    /// Stiffness of the simulated joint.
+    #[schemars(transform = Within(limits::STIFFNESS_NM_PER_RAD))]
     stiffness_nm_per_rad: f64,
+    /// Damping of the simulated joint.
+    #[schemars(transform = Within(limits::DAMPING_NM_S_PER_RAD))]
     damping_nm_s_per_rad: f64,
+    /// Inertia of the drive, reflected through its gear.
     #[serde(default)]
+    #[schemars(transform = Within(limits::ARMATURE_KG_M2))]
     armature_kg_m2: f64,
+/// Stiffness in the controller's model of the joint. Equal to `stiffness_nm_per_rad` unless the model is wrong on
+    /// purpose.
     #[serde(alias = "believed_stiffness_nm_per_rad")]
+    #[schemars(transform = Within(limits::STIFFNESS_NM_PER_RAD))]
     model_stiffness_nm_per_rad: f64,
+    /// Smallest and largest angle that the controller asks for, within the joint limits of the URDF.
+    #[schemars(transform = Within(limits::ANGLE_DEG))]
     controller_limits_deg: [f64; 2],
+    /// Angle at the start of a reach, within `controller_limits_deg`.
+    #[schemars(transform = Within(limits::ANGLE_DEG))]
     start_deg: f64,
 }
 
-#[derive(Deserialize)]
+/// A convex hull as a collision shape of a link.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct HullTable {
+    /// The link that it belongs to.
     link: String,
+    /// At least four points, not all in one plane; their convex hull is the shape. Frame of the link.
+    #[schemars(transform = Within(limits::PLACE_M), length(min = 4))]
     points_m: Vec<[f64; 3]>,
 }
 

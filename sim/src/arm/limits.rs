@@ -47,6 +47,9 @@ pub(super) const HULL_VOLUME_M3: Limits = Limits::new(1e-9, 1000.0, "m³");
 /// Length of a vector that gives a direction; it need not be of unit length.
 pub(super) const DIRECTION: Limits = Limits::new(1e-3, 1e3, "");
 
+/// A component of a vector whose length lies within [`DIRECTION`].
+pub(super) const DIRECTION_ENTRY: Limits = Limits::new(-DIRECTION.most, DIRECTION.most, "");
+
 /// Stiffness of the skin per volume, modulus over thickness: from a cushion of 5 cm of the softest foam (5 kPa) to 0.1 mm of
 /// steel (200 GPa).
 pub(super) const SKIN_N_PER_M3: Limits = Limits::new(1e5, 2e15, "N/m³");

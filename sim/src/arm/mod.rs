@@ -14,6 +14,7 @@ pub mod engine;
 mod file;
 pub mod kinematics;
 mod limits;
+mod schema;
 pub mod skin;
 mod skin_file;
 mod skin_fit;
@@ -182,6 +183,16 @@ pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
         true => Ok(Arm::load(path)?.skin.layout),
         false => skin_file::read_layout(&source),
     }
+}
+
+/// The JSON Schema of an arm's TOML file.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(file::ArmFile)
+}
+
+/// The JSON Schema of a skin file.
+pub fn skin_schema() -> schemars::Schema {
+    schemars::schema_for!(skin_file::SkinFile)
 }
 
 /// The files of Cody by the names that they give each other.

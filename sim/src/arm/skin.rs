@@ -1,6 +1,7 @@
 //! The skin: patches of taxels on links, the surfaces under them, and the elastic layer they lie in.
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_recording::{SkinLayout, Taxel};
 
@@ -26,8 +27,8 @@ pub struct PatchSurface {
     pub technology: Technology,
 }
 
-/// What a patch's taxels are made of; [`crate::sensor`] says what follows from it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+/// The sensing technology of a patch. The scene file's `[sensor]` section has a model for each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Technology {
     /// Capacitors under a continuous cover, as on Cody's forearm.

@@ -1,61 +1,109 @@
 //! The skin file: patches of taxels that name links, either laid on a cylinder or listed one by one.
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::{MOST_PATCHES, MOST_TAXELS, short};
 use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel};
 
+use super::schema::Within;
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
 use super::source::{Source, listed};
 use super::urdf::Chain;
 use super::{limits, skin_fit};
 
-#[derive(Deserialize)]
+/// The tactile skin of an arm: patches of taxels on its links.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct SkinFile {
+pub(super) struct SkinFile {
+    /// Stiffness of the skin's soft layer: pressure per indentation, which is elastic modulus over thickness.
+    #[schemars(transform = Within(limits::SKIN_N_PER_M3))]
     stiffness_n_per_m3: f64,
+    /// The patches. The first one is what the command line uses where no other is named.
     #[serde(default)]
+    #[schemars(with = "Vec<PatchTable>")]
     patch: Vec<Spanned<PatchTable>>,
 }
 
-#[derive(Deserialize)]
+/// A patch of taxels on one link, laid out either on a cylinder or point by point.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{ "required": ["cylinder"] }, { "required": ["points"] }]))]
 struct PatchTable {
+    /// Name of the patch, unique on the arm; part of column names in data sets.
+    #[schemars(length(min = 1))]
     name: String,
+    /// The link of the URDF that carries it; all positions of the patch are in this link's frame.
     link: String,
+    /// Sensing technology; the scene file's `[sensor]` section holds the properties of each.
     #[serde(default)]
     technology: Technology,
+    /// Taxels in rows and columns on a cylinder. Either this or `points`.
+    #[schemars(with = "Option<CylinderTable>")]
     cylinder: Option<Spanned<CylinderTable>>,
+    /// Taxels listed one by one. Either this or `cylinder`.
+    #[schemars(with = "Option<PointsTable>")]
     points: Option<Spanned<PointsTable>>,
 }
 
-#[derive(Deserialize)]
+/// Square taxels in rows and columns on a cylinder. Taxel index = row · columns + column.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct CylinderTable {
+    /// Point on the cylinder's axis at the middle of row 0.
+    #[schemars(transform = Within(limits::PLACE_M))]
     row_0_m: [f64; 3],
+    /// Direction of the axis, from row 0 to the next rows; need not be of unit length.
+    #[schemars(transform = Within(limits::DIRECTION_ENTRY))]
     axis: [f64; 3],
+    /// Direction of column angle 0, across the axis; angles are right-handed about the axis.
+    #[schemars(transform = Within(limits::DIRECTION_ENTRY))]
     zero_angle: [f64; 3],
+    /// Radius of the cylinder, to the taxels' surface.
+    #[schemars(transform = Within(limits::RADIUS_M))]
     radius_m: f64,
+    /// Number of rows, at most 65536 taxels on all patches together.
+    #[schemars(range(min = 1, max = MOST_TAXELS))]
     rows: usize,
+    /// Distance from one row to the next.
+    #[schemars(transform = Within(limits::TAXEL_SIZE_M))]
     row_pitch_m: f64,
+    /// Side of a taxel, at most `row_pitch_m`.
+    #[schemars(transform = Within(limits::TAXEL_SIZE_M))]
     taxel_size_m: f64,
+    /// Whether the last column is a neighbour of the first, as on a closed sleeve.
     wraps: bool,
+    /// Angle of each column, ascending, so far apart that taxels do not overlap.
+    #[schemars(transform = Within(limits::ANGLE_DEG), length(min = 1))]
     column_angles_deg: Vec<f64>,
 }
 
-#[derive(Deserialize)]
+/// Taxels listed one by one.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PointsTable {
+    /// Smallest and largest area of taxels that give none: their area is the square of the distance to the nearest taxel
+    /// that faces the same way, within these two.
+    #[schemars(transform = Within(limits::TAXEL_AREA_M2))]
     derived_area_limits_m2: Option<[f64; 2]>,
+    /// The taxels, in the order of their indices.
+    #[schemars(with = "Vec<TaxelTable>", length(min = 1))]
     taxels: Vec<Spanned<TaxelTable>>,
 }
 
-#[derive(Deserialize)]
+/// A single taxel.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct TaxelTable {
+    /// Centre of the taxel, on the link's collision shapes.
+    #[schemars(transform = Within(limits::PLACE_M))]
     position_m: [f64; 3],
+    /// Outward normal; need not be of unit length.
+    #[schemars(transform = Within(limits::DIRECTION_ENTRY))]
     normal: [f64; 3],
+    /// Area; needed unless the patch has `derived_area_limits_m2`.
+    #[schemars(transform = Within(limits::TAXEL_AREA_M2))]
     area_m2: Option<f64>,
 }
 
