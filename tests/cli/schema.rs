@@ -12,7 +12,10 @@ fn schema(file: &str) -> Value {
 #[test]
 fn the_schema_lists_the_keys_of_a_scene() {
     let scene = schema("scene");
-    assert_eq!(scene, serde_json::from_str::<Value>(&underbrush!["schema"].success()).unwrap());
+    assert_eq!(
+        scene,
+        serde_json::from_str::<Value>(&underbrush!["schema"].success()).unwrap()
+    );
     assert_eq!(scene["additionalProperties"], false);
     let objects = scene["$defs"]["Objects"]["properties"].as_object().unwrap();
     let mut kinds: Vec<_> = objects.keys().map(String::as_str).collect();
@@ -27,7 +30,10 @@ fn arm_and_skin_files_have_schemas() {
         assert_eq!(schema(file)["additionalProperties"], false);
     }
     assert_eq!(schema("arm")["properties"]["friction"]["maximum"], 2.0);
-    assert_eq!(schema("skin")["$defs"]["CylinderTable"]["properties"]["radius_m"]["unit"], "m");
+    assert_eq!(
+        schema("skin")["$defs"]["CylinderTable"]["properties"]["radius_m"]["unit"],
+        "m"
+    );
 }
 
 /// Pins that an unknown kind of file is refused with the kinds that there are.

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use underbrush_recording::limits::short;
 use underbrush_sim::arm::{self, Arm};
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+
+use crate::support::underbrush;
 
 fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("docs")
@@ -45,6 +45,7 @@ impl Schema {
                 let (kind, numbers) = self.kind(&schema["items"]);
                 let list = match schema["maxItems"].as_u64() {
                     Some(count) if schema["minItems"].as_u64() == Some(count) => format!("{count} {kind}s"),
+                    _ if kind.ends_with('s') => format!("list of {kind}"),
                     _ => format!("list of {kind}s"),
                 };
                 return (list, numbers);
@@ -125,7 +126,11 @@ fn the_page_lists_every_key() {
         }
         let objects = schema.0["$defs"].as_object().unwrap().values();
         let objects = objects.filter(|definition| definition["type"] == "object").count();
-        assert_eq!(objects + 1, tables.len(), "a table of the file has no heading in the page");
+        assert_eq!(
+            objects + 1,
+            tables.len(),
+            "a table of the file has no heading in the page"
+        );
     }
 }
 
@@ -143,20 +148,26 @@ fn the_pandas_flange_is_where_franka_says() {
     let poses = arm.forward_kinematics(&[0.0; 7]);
     let flange = poses[arm.tip_link] * arm.tip_pose_link;
     let expected = glam::DVec3::new(0.088, 0.0, 0.926);
-    assert!((flange.translation - expected).length() < 1e-9, "{flange:?}");
-    assert!((flange.rotation * glam::DVec3::Z + glam::DVec3::Z).length() < 1e-9, "{flange:?}");
+    assert!((flange.position - expected).length() < 1e-9, "{flange:?}");
+    let down = flange.orientation * glam::DVec3::Z;
+    assert!((down + glam::DVec3::Z).length() < 1e-9, "{flange:?}");
 }
 
 /// Pins that the Panda of the page works: nothing about its skin is doubtful, it reaches goals through foliage, and its
 /// skin feels the leaves.
 #[test]
 fn the_panda_reaches_goals_through_foliage() {
-    let plan = ReachPlan::new(Scene::load(panda().join("foliage.toml")).unwrap(), None, 0).unwrap();
-    let doubts = plan.arm.skin_doubts();
-    assert!(doubts.is_empty(), "{doubts:?}");
-    let recording = plan.run(0).unwrap();
-    let goals = recording.goal_outcomes();
-    assert!(goals.reached >= 2, "{goals}");
-    let touched = recording.touched_frames();
-    assert!(touched.values().any(|frames| *frames > 100), "{touched:?}");
+    let scene = panda().join("foliage.toml");
+    let found = underbrush!["inspect", scene, "--json"].json();
+    assert_eq!(
+        (&found["arm"], &found["doubtful"]),
+        (&"panda".into(), &"nothing".into())
+    );
+    let reach = underbrush!["reach", scene, "--json"].json();
+    assert!(reach["goals_reached"].as_u64().unwrap() >= 2, "{reach}");
+    let touched = reach["touched_frames"].as_object().unwrap();
+    assert!(
+        touched.values().any(|frames| frames.as_u64().unwrap() > 100),
+        "{touched:?}"
+    );
 }

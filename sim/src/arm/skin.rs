@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::{SkinLayout, Taxel};
 
 /// All tactile skin of an arm.
@@ -28,7 +28,7 @@ pub struct PatchSurface {
 }
 
 /// The sensing technology of a patch. The scene file's `[sensor]` section has a model for each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Technology {
     /// Capacitors under a continuous cover, as on Cody's forearm.

@@ -63,7 +63,7 @@ struct CylinderTable {
     /// Radius of the cylinder, to the taxels' surface.
     #[schemars(transform = Within(limits::RADIUS_M))]
     radius_m: f64,
-    /// Number of rows, at most 65536 taxels on all patches together.
+    /// Number of rows. All patches of an arm together have at most 65536 taxels.
     #[schemars(range(min = 1, max = MOST_TAXELS))]
     rows: usize,
     /// Distance from one row to the next.
