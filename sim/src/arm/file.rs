@@ -58,7 +58,7 @@ struct JointTable {
     #[serde(default)]
     #[schemars(transform = Within(limits::ARMATURE_KG_M2))]
     armature_kg_m2: f64,
-/// Stiffness in the controller's model of the joint. Equal to `stiffness_nm_per_rad` unless the model is wrong on
+    /// Stiffness in the controller's model of the joint. Equal to `stiffness_nm_per_rad` unless the model is wrong on
     /// purpose.
     #[serde(alias = "believed_stiffness_nm_per_rad")]
     #[schemars(transform = Within(limits::STIFFNESS_NM_PER_RAD))]
