@@ -7,9 +7,6 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use sweep::Sweep;
 use underbrush_sim::scene::PhysicsSection;
-use underbrush_sim::sensor::{Sensor, SensorOptions};
-use underbrush_sim::skin::SkinPatch;
-use underbrush_sim::touch::feel;
 
 #[path = "peers/sweep.rs"]
 mod sweep;
@@ -23,27 +20,22 @@ fn foliage(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(Sweep::frames() as u64));
     let options = PhysicsSection::default().options();
     for leaves in LEAVES {
-        let sweep = Sweep::new(leaves, 0);
-        let patches = SkinPatch::of_arm(&sweep.arm);
-        let mut felt = 0;
-        let mut with_skin = |world: &mut _| {
-            let mut sensor = Sensor::new(&SensorOptions::default(), &sweep.arm.skin, 0, "sweep", 0);
-            sweep.run(world, |world| {
-                let touch = feel(world, &sweep.arm.skin.layout, &patches, &mut sensor);
-                felt += usize::from(touch.largest_force().is_some());
-            });
+        let skinned = || Sweep::new(leaves, 0).simulation(options, true);
+        let bare = || {
+            let mut sweep = Sweep::new(leaves, 0);
+            sweep.arm.skin.layout.patches.clear();
+            sweep.arm.skin.surfaces.clear();
+            sweep.simulation(options, true)
         };
+        let mut felt = 0;
+        Sweep::run(&mut skinned(), |report| felt += usize::from(report.tactile.largest_force().is_some()));
+        assert_eq!(felt > 0, leaves > 0, "the arm feels the leaves and nothing else");
         group.bench_function(BenchmarkId::new("physics", leaves), |bencher| {
-            bencher.iter_batched_ref(
-                || sweep.world(options, true),
-                |world| sweep.run(world, |_| {}),
-                BatchSize::PerIteration,
-            );
+            bencher.iter_batched_ref(bare, |simulation| Sweep::run(simulation, |_| {}), BatchSize::PerIteration);
         });
         group.bench_function(BenchmarkId::new("physics_and_skin", leaves), |bencher| {
-            bencher.iter_batched_ref(|| sweep.world(options, true), &mut with_skin, BatchSize::PerIteration);
+            bencher.iter_batched_ref(skinned, |simulation| Sweep::run(simulation, |_| {}), BatchSize::PerIteration);
         });
-        assert_eq!(felt > 0, leaves > 0, "the arm feels the leaves and nothing else");
     }
 }
 

@@ -48,7 +48,7 @@ fn reach(criterion: &mut Criterion) {
     for (name, text) in [("leaf", LEAF), ("trunk", TRUNK)] {
         let plan = plan(name, text);
         let run = |index| {
-            plan.run(index, &mut |_, _, _| {})
+            plan.run(index, &mut |_, _| {})
                 .expect("there is room for the clutter")
         };
         // The first reach that touches something: an empty one would say nothing, and which one it is may change.

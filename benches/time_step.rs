@@ -13,7 +13,8 @@ use rayon::prelude::*;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
-use underbrush_sim::world::World;
+use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::simulation::{Setup, Simulation};
 
 /// Scenes with the reach of each that is replayed: the first.
 const SCENES: [&str; 3] = ["leaf", "trunk", "mixed"];
@@ -50,15 +51,20 @@ fn replay(
         substeps,
         ..plan.scene.file.physics.options()
     };
-    let clutter = plan.draw(0).unwrap();
-    let mut world = World::new(&plan.arm, &plan.arm.start_posture_rad(), &clutter, options, dormancy);
+    let mut simulation = Simulation::new(Setup {
+        arm: plan.arm.clone(),
+        clutter: plan.draw(0).unwrap(),
+        sensor: Sensor::new(&SensorOptions::off(), &plan.arm.skin, 0, "time_step", 0),
+        physics: options,
+        dormancy,
+    });
     let start = Instant::now();
     let trace = equilibrium_rad
         .iter()
         .map(|angles| {
-            world.advance_frame(&plan.arm, angles, &clutter);
+            let report = simulation.step(angles);
             let on = |link: usize| {
-                let contacts = world.contacts().iter().filter(|contact| contact.link == link);
+                let contacts = report.contacts.iter().filter(|contact| contact.link == link);
                 contacts.map(|contact| contact.force_world).sum()
             };
             plan.arm.skin.surfaces.iter().map(|surface| on(surface.link)).collect()
@@ -88,7 +94,7 @@ fn main() {
         .map(|name| {
             let scene = Scene::load(format!("scenes/{name}.toml")).unwrap();
             let plan = ReachPlan::new(scene, None, 0).unwrap();
-            let recording = plan.run(0, &mut |_, _, _| {}).unwrap();
+            let recording = plan.run(0, &mut |_, _| {}).unwrap();
             let frames = recording.frames.into_iter().take(FRAMES);
             (plan, frames.map(|frame| frame.equilibrium_angle_rad).collect())
         })

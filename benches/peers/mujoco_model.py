@@ -57,7 +57,6 @@ def text(numbers):
 
 
 # Turns MuJoCo's z, along which its cylinders and capsules lie, into the y of this project's engine.
-Z_TO_Y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 
 class Builder:
@@ -157,14 +156,13 @@ class Builder:
     def geom(self, body, collider, is_arm):
         pose = Pose.read(collider["pose_body"])
         (kind, shape), = collider["shape"].items()
-        along_y = pose * Pose(rotation=Z_TO_Y)
         if kind == "sphere":
             given = {"type": "sphere", "size": repr(shape["radius_m"]), **pose.attributes()}
         elif kind == "box":
             given = {"type": "box", "size": text(shape["half_size_m"]), **pose.attributes()}
-        elif kind == "cylinder_y":
+        elif kind == "cylinder_z":
             given = {"type": "cylinder", "size": text([shape["radius_m"], shape["half_length_m"]]),
-                     **along_y.attributes()}
+                     **pose.attributes()}
         elif kind == "capsule":
             ends = [pose.position + pose.rotation @ np.array(shape[end]) for end in ("start_m", "end_m")]
             given = {"type": "capsule", "size": repr(shape["radius_m"]), "fromto": text(ends)}

@@ -12,7 +12,8 @@ use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::range::Quantity;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::seed::stream;
-use underbrush_sim::world::World;
+use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
 /// Equilibrium angles at the start, degrees: upper arm hanging, forearm forward at half the leaves' height, turned
 /// inward.
@@ -99,15 +100,15 @@ impl Sweep {
         }
     }
 
-    /// The world at the start.
-    pub fn world(&self, options: PhysicsOptions, dormancy: bool) -> World {
-        World::new(
-            &self.arm,
-            &self.arm.start_posture_rad(),
-            &self.clutter,
-            options,
+    /// The simulation at the start of the sweep through `leaves` leaves, drawn from the seed `layout`.
+    pub fn simulation(self, physics: PhysicsOptions, dormancy: bool) -> Simulation {
+        Simulation::new(Setup {
+            sensor: Sensor::new(&SensorOptions::default(), &self.arm.skin, 0, "sweep", 0),
+            arm: self.arm,
+            clutter: self.clutter,
+            physics,
             dormancy,
-        )
+        })
     }
 
     /// Number of frames.
@@ -115,11 +116,11 @@ impl Sweep {
         (DURATION_S / FRAME_PERIOD_S).round() as usize
     }
 
-    /// Equilibrium angles during one frame, rad: out and back as half a cosine each.
-    pub fn equilibrium_rad(&self, frame: usize) -> Vec<f64> {
+    /// Equilibrium angles of an arm during one frame, rad: out and back as half a cosine each.
+    pub fn equilibrium_rad(arm: &Arm, frame: usize) -> Vec<f64> {
         let phase = frame as f64 / Sweep::frames() as f64;
         let share = (1.0 - (TAU * phase).cos()) / 2.0;
-        let start = self.arm.start_posture_rad();
+        let start = arm.start_posture_rad();
         start
             .iter()
             .zip(SWEEP_DEG)
@@ -127,11 +128,11 @@ impl Sweep {
             .collect()
     }
 
-    /// Runs the whole motion; `look` sees the world after each frame.
-    pub fn run(&self, world: &mut World, mut look: impl FnMut(&World)) {
+    /// Runs the whole motion; `look` sees the report of each frame.
+    pub fn run(simulation: &mut Simulation, mut look: impl FnMut(&FrameReport)) {
         for frame in 0..Sweep::frames() {
-            world.advance_frame(&self.arm, &self.equilibrium_rad(frame), &self.clutter);
-            look(world);
+            let equilibrium_rad = Sweep::equilibrium_rad(simulation.arm(), frame);
+            look(simulation.step(&equilibrium_rad));
         }
     }
 }
@@ -151,9 +152,9 @@ fn grid() -> Vec<DVec2> {
 
 /// Force of all contacts on each link in the last frame, N, world frame, one for each link.
 #[allow(dead_code, reason = "the bench looks at no forces")]
-pub fn force_on_links(arm: &Arm, world: &World) -> Vec<DVec3> {
-    let mut forces = vec![DVec3::ZERO; arm.links.len()];
-    for contact in world.contacts() {
+pub fn force_on_links(report: &FrameReport) -> Vec<DVec3> {
+    let mut forces = vec![DVec3::ZERO; report.link_pose_world.len()];
+    for contact in &report.contacts {
         forces[contact.link] += contact.force_world;
     }
     forces

@@ -98,7 +98,7 @@ impl Search {
         }
         let (mut drawn, mut reaches) = (0, Vec::new());
         while drawn < self.most && reaches.len() < self.enough {
-            let recording = plan.run(drawn, &mut |_, _, _| {})?;
+            let recording = plan.run(drawn, &mut |_, _| {})?;
             if self.wanted.is(&recording)? {
                 write_recording(file(drawn), &recording)?;
                 reaches.push(recording);

@@ -47,12 +47,12 @@ pub fn take(
     let layout = plan.arm.skin.layout.clone();
     let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);
-    plan.run(shown.reach_index, &mut |world, clutter, frame| {
+    plan.run(shown.reach_index, &mut |simulation, frame| {
         if index <= chosen && fault.is_none() {
             match classifier.update(frame) {
                 Ok(judged) if index == chosen => {
                     let verdicts = judged.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
-                    taken = Some((Snapshot::take(world, clutter, frame), verdicts));
+                    taken = Some((Snapshot::take(simulation, frame), verdicts));
                 }
                 Ok(_) => {}
                 Err(error) => fault = Some(error),

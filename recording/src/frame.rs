@@ -66,6 +66,12 @@ impl Pose {
     }
 }
 
+impl Default for Pose {
+    fn default() -> Self {
+        Pose::IDENTITY
+    }
+}
+
 /// `outer * inner` is the pose in the outer frame of what has the pose `inner` in the local one.
 impl Mul for Pose {
     type Output = Pose;

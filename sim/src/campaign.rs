@@ -58,7 +58,7 @@ pub fn run<E: std::error::Error + Send + 'static>(
         .enumerate()
         .try_for_each(|(position, job)| {
             let plan = &plans[job.plan];
-            let outcome = catch_unwind(AssertUnwindSafe(|| plan.run(job.reach_index, &mut |_, _, _| {})));
+            let outcome = catch_unwind(AssertUnwindSafe(|| plan.run(job.reach_index, &mut |_, _| {})));
             let recording = outcome.map_err(|panic| CampaignError::Engine {
                 scene: plan.scene.name.clone(),
                 reach_index: job.reach_index,

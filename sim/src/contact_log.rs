@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_recording::Contact;
 
-use crate::touch::Pair;
+use crate::simulation::ContactPair;
 
 /// Follows which part of the arm touches which object, frame by frame.
 #[derive(Default)]
 pub struct ContactLog {
-    open: BTreeMap<Pair, Course>,
-    closed: Vec<(Pair, Course)>,
+    open: BTreeMap<ContactPair, Course>,
+    closed: Vec<(ContactPair, Course)>,
 }
 
 /// One contact so far.
@@ -24,7 +24,7 @@ struct Course {
 
 impl ContactLog {
     /// Takes the forces between the pairs that touch in one frame, N.
-    pub fn observe(&mut self, frame: u32, pairs: &BTreeMap<Pair, DVec3>) {
+    pub fn observe(&mut self, frame: u32, pairs: &BTreeMap<ContactPair, DVec3>) {
         for (pair, force) in pairs {
             let force_n = force.length();
             let course = self.open.entry(*pair).or_insert(Course {
@@ -45,7 +45,7 @@ impl ContactLog {
     pub fn finish(mut self, link_name: impl Fn(u16) -> String) -> Vec<Contact> {
         self.closed.extend(self.open);
         self.closed.sort_by_key(|(pair, course)| (course.first_frame, *pair));
-        let contact = |(pair, course): (Pair, Course)| Contact {
+        let contact = |(pair, course): (ContactPair, Course)| Contact {
             link: link_name(pair.link),
             patch: pair.patch,
             object: pair.object,
@@ -62,7 +62,7 @@ impl ContactLog {
 mod tests {
     use super::*;
 
-    const PAIR: Pair = Pair {
+    const PAIR: ContactPair = ContactPair {
         patch: Some(0),
         link: 2,
         object: 3,
@@ -93,7 +93,7 @@ mod tests {
     /// of one first frame come by patch, then link, then object.
     #[test]
     fn contacts_name_their_links() {
-        let bare = |link, object| Pair {
+        let bare = |link, object| ContactPair {
             patch: None,
             link,
             object,

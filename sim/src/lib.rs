@@ -5,8 +5,8 @@
 //! | what could be there: a scene file with ranges | [`scene`] |
 //! | what is there: one draw of it from a seed | [`clutter`], [`object`], [`seed`] |
 //! | the arm and its skin, from files | [`arm`] |
-//! | the engine's world: steps in, solver contacts out | [`world`], [`physics`] |
-//! | contacts spread over taxels, and what the sensor makes of them | [`touch`], [`skin`], [`sensor`] |
+//! | arm and clutter in the physics engine: equilibrium angles in, one report of the frame out | [`simulation`] |
+//! | contacts spread over taxels, and what the sensor makes of them | [`skin`], [`sensor`] |
 //! | equilibrium angles from what is felt | [`controller`] |
 //! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
 
@@ -32,5 +32,3 @@ pub mod simulation;
 pub mod skin;
 pub mod snapshot;
 mod toml_text;
-pub mod touch;
-pub mod world;

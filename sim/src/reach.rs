@@ -3,28 +3,24 @@
 use glam::DVec3;
 use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Outcome, Recording, SafetyStop};
 
+use crate::audit::Auditor;
 use crate::body_log::BodyLog;
-use crate::clutter::Clutter;
 use crate::contact_log::ContactLog;
 use crate::controller::{ControlStatus, Controller, ControllerInput, Goal, Preset, TaxelContact};
 use crate::monitor::Monitor;
-use crate::sensor::Sensor;
-use crate::skin::SkinPatch;
-use crate::touch::{Touch, feel};
-use crate::world::World;
+use crate::simulation::Simulation;
 use back_off::Way;
 pub use plan::ReachPlan;
 
-/// Looks on while a reach runs: called once a frame.
-pub type Observer<'a> = dyn FnMut(&World, &Clutter, &Frame) + 'a;
+/// Watches a reach: called once in each frame.
+pub type Observer<'a> = dyn FnMut(&Simulation, &Frame) + 'a;
 
 /// A reach under way.
 struct Reach<'a> {
     plan: &'a ReachPlan,
-    patches: Vec<SkinPatch>,
-    world: World,
+    simulation: Simulation,
+    auditor: Auditor,
     controller: Box<dyn Controller>,
-    sensor: Sensor,
     contacts: ContactLog,
     /// What ended the last way, if its force passed the stop force.
     safety_stop: Option<SafetyStop>,
@@ -59,11 +55,9 @@ impl ControlCounts {
 /// controller's slowest published speed is five times that.
 const HEADWAY_M_PER_S: f64 = 0.01;
 impl<'a> Reach<'a> {
-    fn new(plan: &'a ReachPlan, clutter: &Clutter, reach_index: u64) -> Self {
+    fn new(plan: &'a ReachPlan, simulation: Simulation, reach_index: u64) -> Self {
         let scene = &plan.scene;
         let controller = plan.make_controller();
-        let posture = plan.arm.start_posture_rad();
-        let physics = &scene.file.physics;
         let recording = Recording {
             scene: scene.name.clone(),
             controller: plan.controller.name().into(),
@@ -72,34 +66,32 @@ impl<'a> Reach<'a> {
             rate_hz: 1.0 / FRAME_PERIOD_S,
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: plan.arm.skin.layout.clone(),
-            objects: clutter.objects.iter().map(|placed| placed.record()).collect(),
+            objects: simulation.clutter().objects.iter().map(|placed| placed.record()).collect(),
             bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),
             frames: Vec::new(),
             audit: Audit::default(),
         };
-        let world = World::new(&plan.arm, &posture, clutter, physics.options(), physics.dormancy);
         Reach {
             plan,
-            patches: SkinPatch::of_arm(&plan.arm),
-            bodies: BodyLog::new(&plan.arm, clutter, &world),
-            world,
+            bodies: BodyLog::new(&simulation),
+            auditor: Auditor::new(&simulation),
             control_period: (1.0 / FRAME_PERIOD_S / controller.preset().rate_hz).round().max(1.0) as usize,
             controller,
-            sensor: Sensor::new(&scene.file.sensor, &plan.arm.skin, plan.seed, &scene.name, reach_index),
             contacts: ContactLog::default(),
             safety_stop: None,
             recording,
-            equilibrium_rad: posture,
+            equilibrium_rad: plan.arm.start_posture_rad(),
             control_counts: ControlCounts::default(),
+            simulation,
         }
     }
 
-    fn run(mut self, clutter: &Clutter, observer: &mut Observer) -> Recording {
-        for (index, goal) in clutter.goals.iter().enumerate() {
+    fn run(mut self, observer: &mut Observer) -> Recording {
+        for (index, goal) in self.simulation.clutter().goals.clone().iter().enumerate() {
             let start_time_s = self.time_s();
-            let outcome = self.pursue(clutter, index, *goal, observer);
+            let outcome = self.pursue(index, *goal, observer);
             let end_time_s = self.time_s();
             self.recording.goals.push(GoalRecord {
                 position_world: *goal,
@@ -119,33 +111,31 @@ impl<'a> Reach<'a> {
             controller_steps: self.control_counts.steps,
             infeasible_controller_steps: self.control_counts.infeasible,
             failed_controller_steps: self.control_counts.failed,
-            ..self.world.auditor.audit()
+            ..self.auditor.audit()
         };
         self.recording
     }
 
     /// Drives the tip to a goal; where it gets stuck, backs off and tries again as often as the scene allows.
-    fn pursue(&mut self, clutter: &Clutter, index: usize, goal: DVec3, observer: &mut Observer) -> Outcome {
+    fn pursue(&mut self, index: usize, goal: DVec3, observer: &mut Observer) -> Outcome {
         let mut waypoints = [goal; 2];
         back_off::pursue(self.plan.scene.file.goals.retries, |way| {
             let (target, time_out_s) = match way {
                 Way::ToGoal => (goal, None),
                 Way::Back => {
-                    let arm = &self.plan.arm;
-                    let tip = (self.world.link_pose(arm.tip_link) * arm.tip_pose_link).position;
+                    let tip = self.simulation.report().tip_pose_world.position;
                     waypoints = back_off::waypoints(tip, goal);
                     (waypoints[0], Some(back_off::TIME_S))
                 }
                 Way::Aside => (waypoints[1], Some(back_off::TIME_S)),
             };
-            self.go(clutter, index, target, goal, time_out_s, observer)
+            self.go(index, target, goal, time_out_s, observer)
         })
     }
 
     /// Drives the tip to `target` until the way ends; frames name `goal`.
     fn go(
         &mut self,
-        clutter: &Clutter,
         goal_index: usize,
         target: DVec3,
         goal: DVec3,
@@ -164,19 +154,20 @@ impl<'a> Reach<'a> {
         }
         let mut monitor = Monitor::new(rules, target);
         loop {
-            let touch = feel(&self.world, &self.recording.layout, &self.patches, &mut self.sensor);
             if self.recording.frames.len().is_multiple_of(self.control_period) {
-                self.control(&touch, target);
+                self.control(target);
             }
-            let frame = self.record(&touch, goal_index, goal);
-            let largest = touch.largest_force();
+            let frame = self.record(goal_index, goal);
+            let largest = self.simulation.report().tactile.largest_force();
             let ended = monitor.observe(
                 frame.tip_pose_world.position,
                 largest.map_or(0.0, |force| force.force_n),
             );
-            observer(&self.world, clutter, &frame);
+            observer(&self.simulation, &frame);
             self.recording.frames.push(frame);
-            self.world.advance_frame(&self.plan.arm, &self.equilibrium_rad, clutter);
+            let auditor = &mut self.auditor;
+            self.simulation
+                .step_observed(&self.equilibrium_rad, &mut |step| auditor.observe_step(step));
             if let Some(outcome) = ended {
                 let stop = largest.filter(|_| outcome == Outcome::Aborted);
                 self.safety_stop = stop.map(|force| SafetyStop {
@@ -191,18 +182,20 @@ impl<'a> Reach<'a> {
     }
 
     /// Lets the controller move the equilibrium angles, from what the skin senses.
-    fn control(&mut self, touch: &Touch, target: DVec3) {
-        let arm = &self.plan.arm;
-        let joint_angle_rad = self.world.arm.joint_angle_rad(&self.world.physics);
+    fn control(&mut self, target: DVec3) {
+        let arm = self.simulation.arm();
+        let report = self.simulation.report();
+        let joint_angle_rad = report.joint_angle_rad();
         let poses = arm.forward_kinematics(&joint_angle_rad);
-        let contacts: Vec<TaxelContact> = touch
+        let contacts: Vec<TaxelContact> = report
+            .tactile
             .taxels
             .iter()
             .filter(|reading| reading.sensed_force_n > 0.0)
             .map(|reading| {
                 let patch = usize::from(reading.patch);
                 let place = &self.recording.layout.patches[patch].taxels[usize::from(reading.taxel)];
-                let link = self.patches[patch].link;
+                let link = arm.skin.surfaces[patch].link;
                 let position = poses[link].transform_point(place.position_link);
                 TaxelContact {
                     position_jacobian: arm.position_jacobian(&poses, link, position),
@@ -230,34 +223,30 @@ impl<'a> Reach<'a> {
         self.equilibrium_rad = output.equilibrium_angle_rad;
     }
 
-    fn record(&mut self, touch: &Touch, goal_index: usize, goal: DVec3) -> Frame {
-        let number = self.recording.frames.len();
-        self.contacts.observe(number as u32, &touch.pairs);
-        self.bodies.observe(number as u32, &self.world);
-        self.world.audit_frame(&self.plan.arm, touch);
-        let arm = &self.world.arm;
-        let physics = &self.world.physics;
+    fn record(&mut self, goal_index: usize, goal: DVec3) -> Frame {
+        let report = self.simulation.report();
+        let arm = self.simulation.arm();
+        self.contacts.observe(report.frame, &report.tactile.pairs);
+        self.bodies.observe(report);
+        self.auditor.observe_frame(arm, report);
+        let surfaces = arm.skin.surfaces.iter();
         Frame {
-            time_s: self.time_s(),
-            joint_angle_rad: arm.joint_angle_rad(physics),
-            joint_velocity_rad_per_s: arm.joint_velocity_rad_per_s(physics),
+            time_s: report.time_s(),
+            joint_angle_rad: report.joint_angle_rad(),
+            joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
             equilibrium_angle_rad: self.equilibrium_rad.clone(),
-            joint_torque_nm: arm.joint_torque_nm(physics),
-            tip_pose_world: self.world.link_pose(self.plan.arm.tip_link) * self.plan.arm.tip_pose_link,
+            joint_torque_nm: report.joint_torque_nm(),
+            tip_pose_world: report.tip_pose_world,
             goal_position_world: goal,
             goal_index: goal_index as u16,
-            patch_pose_world: self
-                .patches
-                .iter()
-                .map(|patch| self.world.link_pose(patch.link))
-                .collect(),
-            contact_force_world: touch.contact_force_world.clone(),
-            taxels: touch.taxels.clone(),
+            patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),
+            contact_force_world: report.tactile.contact_force_world.clone(),
+            taxels: report.tactile.taxels.clone(),
         }
     }
 
     fn time_s(&self) -> f64 {
-        self.recording.frames.len() as f64 * FRAME_PERIOD_S
+        self.simulation.report().time_s()
     }
 }
 

@@ -1,50 +1,43 @@
 //! Where everything is at one moment, as plain capsules: for pictures.
 
-use rapier3d::prelude::*;
-use underbrush_recording::{Category, Frame};
+use underbrush_recording::{BodyShape, Category, Frame, Pose};
 
-use crate::clutter::Clutter;
-use crate::geometry::{Capsule, from_parry};
-use crate::physics::Physics;
-use crate::world::World;
+use crate::geometry::{Capsule, engine_shape};
+use crate::simulation::Simulation;
 
 /// The arm and the clutter at one moment.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// The links' shapes, base first.
+    /// The shapes of the links, base first.
     pub arm: Vec<Capsule>,
-    /// The objects' shapes with their categories; a bent leaf is a chain of thin ones.
+    /// The shapes of the objects with their categories; a bent leaf is a chain of thin ones.
     pub objects: Vec<(Category, Vec<Capsule>)>,
     /// What arm and skin felt.
     pub frame: Frame,
 }
 
 impl Snapshot {
-    /// Takes a snapshot of a world.
-    pub fn take(world: &World, clutter: &Clutter, frame: &Frame) -> Self {
-        let arm = world
-            .arm
-            .colliders
-            .iter()
-            .filter_map(|(collider, _)| capsule(&world.physics, *collider))
+    /// A snapshot of a simulation in the frame `frame`.
+    pub fn take(simulation: &Simulation, frame: &Frame) -> Self {
+        let report = simulation.report();
+        let links = simulation.arm().links.iter().zip(&report.link_pose_world);
+        let arm = links
+            .flat_map(|(link, pose)| link.colliders.iter().map(move |part| (part, pose)))
+            .filter_map(|(part, pose)| capsule(&part.shape, &(*pose * part.pose_link)))
             .collect();
-        let objects = clutter
-            .objects
-            .iter()
-            .enumerate()
-            .map(|(index, placed)| {
-                let shapes = world.colliders_of(index).map_or_else(
-                    || {
-                        let (outline, pose) = placed.outline();
-                        vec![Capsule::around(&outline, &pose)]
-                    },
-                    |colliders| {
-                        colliders
-                            .iter()
-                            .filter_map(|collider| capsule(&world.physics, *collider))
-                            .collect()
-                    },
-                );
+        let placed = simulation.clutter().objects.iter().zip(&report.objects).enumerate();
+        let objects = placed
+            .map(|(index, (placed, state))| {
+                let shapes = if state.active {
+                    let bodies = simulation.structure(index).bodies.iter().zip(&state.body_pose_world);
+                    bodies
+                        .flat_map(|(body, pose)| body.parts.iter().map(move |part| (part, pose)))
+                        .filter_map(|(part, pose)| capsule(&part.shape, &(*pose * part.pose_body)))
+                        .collect()
+                } else {
+                    let (outline, pose) = placed.outline();
+                    vec![Capsule::around(&outline, &pose)]
+                };
                 (placed.object.category(), shapes)
             })
             .collect();
@@ -56,7 +49,7 @@ impl Snapshot {
     }
 }
 
-fn capsule(physics: &Physics, collider: ColliderHandle) -> Option<Capsule> {
-    let collider = physics.colliders.get(collider)?;
-    Some(Capsule::around(collider.shape(), &from_parry(collider.position())))
+fn capsule(shape: &BodyShape, pose_world: &Pose) -> Option<Capsule> {
+    let (shape, pose) = engine_shape(shape)?;
+    Some(Capsule::around(shape.as_ref(), &(*pose_world * pose)))
 }

@@ -103,10 +103,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     dataset::say_doubts([&plan.arm], &Shown);
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
-    let recording = plan.run(options.index, &mut |world, clutter, frame| {
+    let recording = plan.run(options.index, &mut |simulation, frame| {
         let most = best.as_ref().map_or(0, |snapshot| snapshot.frame.taxels.len());
         if options.picture.is_some() && (best.is_none() || frame.taxels.len() > most) {
-            best = Some(Snapshot::take(world, clutter, frame));
+            best = Some(Snapshot::take(simulation, frame));
         }
     })?;
     let wall_s = start.elapsed().as_secs_f64();

@@ -1,6 +1,6 @@
 //! The arm's joints against the contact forces that are read from the engine, while it moves.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::DVector;
 use underbrush_sim::scene::PhysicsSection;
 
 use sweep::Sweep;
@@ -13,21 +13,15 @@ mod sweep;
 ///
 /// The forearm then goes at its fastest through the leaves: contact points come and go in every frame.
 fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {
-    let sweep = Sweep::new(leaves, 0);
-    let mut world = sweep.world(PhysicsSection::default().options(), true);
-    let joints = sweep.arm.joints.len();
+    let mut simulation = Sweep::new(leaves, 0).simulation(PhysicsSection::default().options(), true);
+    let arm = simulation.arm().clone();
+    let joints = arm.joints.len();
     let (mut springs, mut contacts) = (DVector::zeros(joints), DVector::zeros(joints));
     let mut frame = 0;
-    sweep.run(&mut world, |world| {
+    Sweep::run(&mut simulation, |report| {
         if (200..300).contains(&frame) {
-            springs += DVector::from_vec(world.arm.joint_torque_nm(&world.physics)) / 100.0;
-            let poses = sweep.arm.forward_kinematics(&world.arm.joint_angle_rad(&world.physics));
-            for contact in world.contacts() {
-                let position = poses[contact.link].transform_point(contact.position_link);
-                let force = Vector3::from(contact.force_world.to_array());
-                let jacobian = sweep.arm.position_jacobian(&poses, contact.link, position);
-                contacts += jacobian.transpose() * force / 100.0;
-            }
+            springs += DVector::from_vec(report.joint_torque_nm()) / 100.0;
+            contacts += DVector::from_vec(report.contact_torque_nm(&arm)) / 100.0;
         }
         frame += 1;
     });

@@ -4,5 +4,6 @@ mod arms;
 mod balance;
 mod engine;
 mod imports;
+mod own_controller;
 mod ranges;
 mod scenes;

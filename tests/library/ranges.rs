@@ -7,9 +7,7 @@ use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::sensor::Sensor;
-use underbrush_sim::skin::SkinPatch;
-use underbrush_sim::touch::feel;
-use underbrush_sim::world::World;
+use underbrush_sim::simulation::{Setup, Simulation};
 
 /// A trunk, a leaf, its foam and a roll around the arm's forearm, close enough to be pressed within some frames.
 const AROUND: &str = r#"summary = "One of each, near the arm"
@@ -34,36 +32,38 @@ segments = 2
 #[track_caller]
 fn stays_finite(plan: &ReachPlan, what: &str) {
     // Ranges at their ends may leave no room, or leaves that cannot carry themselves: that is an error with a reason.
-    let Ok(clutter) = plan.draw(0) else {
-        let empty = Clutter {
-            objects: Vec::new(),
-            goals: Vec::new(),
-        };
-        return run(plan, &empty, what);
-    };
-    run(plan, &clutter, what);
+    let clutter = plan.draw(0).unwrap_or(Clutter {
+        objects: Vec::new(),
+        goals: Vec::new(),
+    });
+    run(plan, clutter, what);
 }
 
 #[track_caller]
-fn run(plan: &ReachPlan, clutter: &Clutter, what: &str) {
+fn run(plan: &ReachPlan, clutter: Clutter, what: &str) {
     let scene = &plan.scene.file;
     let mut posture = plan.arm.start_posture_rad();
-    let options = scene.physics.options();
-    let mut world = World::new(&plan.arm, &posture, clutter, options, scene.physics.dormancy);
-    let patches = SkinPatch::of_arm(&plan.arm);
-    let mut sensor = Sensor::new(&scene.sensor, &plan.arm.skin, 0, "ends", 0);
+    let mut simulation = Simulation::new(Setup {
+        arm: plan.arm.clone(),
+        clutter,
+        sensor: Sensor::new(&scene.sensor, &plan.arm.skin, 0, "ends", 0),
+        physics: scene.physics.options(),
+        dormancy: scene.physics.dormancy,
+    });
     posture[1] += 0.3;
     posture[3] -= 0.3;
     for frame in 0..10 {
-        world.advance_frame(&plan.arm, &posture, clutter);
-        let touch = feel(&world, &plan.arm.skin.layout, &patches, &mut sensor);
-        let angles = world.arm.joint_angle_rad(&world.physics);
-        let torques = world.arm.joint_torque_nm(&world.physics);
-        let felt = touch
+        let report = simulation.step(&posture);
+        let joints = report
+            .joints
+            .iter()
+            .flat_map(|joint| [joint.angle_rad, joint.torque_nm]);
+        let felt = report
+            .tactile
             .taxels
             .iter()
             .flat_map(|taxel| [taxel.true_normal_force_n, taxel.sensed_force_n]);
-        let numbers: Vec<f64> = angles.into_iter().chain(torques).chain(felt).collect();
+        let numbers: Vec<f64> = joints.chain(felt).collect();
         assert!(
             numbers.iter().all(|number| number.is_finite()),
             "{what}, frame {frame}: {numbers:?}"

@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use underbrush_recording::Category;
-use underbrush_sim::clutter::{Clutter, PlacedObject};
+use underbrush_sim::clutter::PlacedObject;
 use underbrush_sim::geometry::Footprint;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
-use underbrush_sim::world::World;
 
 /// Every scene file below `folder`, sorted.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
@@ -69,7 +68,7 @@ fn every_scene_draws_and_stands_free() {
                 assert!(apart(a, b), "{}, seed {seed}: {a:?} overlaps {b:?}", path.display());
             }
         }
-        let contacts = contacts_at_start(&plan, &clutter);
+        let contacts = contacts_at_start(&plan);
         assert_eq!(contacts, 0, "{}, seed {seed}", path.display());
     });
 }
@@ -117,11 +116,9 @@ fn holds(placed: &PlacedObject, [x, y]: [f64; 2]) -> bool {
 }
 
 /// Contacts between arm and clutter in the first frame.
-fn contacts_at_start(plan: &ReachPlan, clutter: &Clutter) -> usize {
-    let posture = plan.arm.start_posture_rad();
-    let mut world = World::new(&plan.arm, &posture, clutter, plan.scene.file.physics.options(), false);
-    world.advance_frame(&plan.arm, &posture, clutter);
-    world.contacts().len()
+fn contacts_at_start(plan: &ReachPlan) -> usize {
+    let mut simulation = plan.simulation(0).unwrap();
+    simulation.step(&plan.arm.start_posture_rad()).contacts.len()
 }
 
 /// Pins that, by ground truth, the arm feels only leaves or foam in a leaf scene and only trunks or foam in a trunk
@@ -200,7 +197,7 @@ fn touched(path: &Path) -> Vec<Category> {
     // One goal, tried once, shows what there is to touch, and a reach to one is quick.
     plan.scene.file.goals.count = 1;
     plan.scene.file.goals.retries = 0;
-    let recording = plan.run(0, &mut |_, _, _| {}).unwrap();
+    let recording = plan.run(0, &mut |_, _| {}).unwrap();
     let felt = recording
         .frames
         .iter()

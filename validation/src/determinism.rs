@@ -10,7 +10,7 @@ use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
+use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 15.
@@ -122,18 +122,16 @@ fn bytes(recording: &Recording) -> Vec<u8> {
 /// the middle of a push on a leaf; the copy is pushed by `more_rad` more.
 fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
     let arm = Arm::cody()?;
-    let mut pressed = PressedArm::new(arm.clone(), arm.clone(), Box::new(LEAF), 0.002, 0.3, OPTIONS)?;
+    let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(LEAF), 0.002, 0.3), OPTIONS)?;
     let equilibrium = pressed.moving_rad(0.03);
     pressed.hold(&equilibrium, 0.2);
-    let mut copied = pressed.world.clone();
+    let mut copied = pressed.simulation.clone();
     let pushed: Vec<f64> = equilibrium.iter().map(|angle| angle + more_rad).collect();
     let mut found = [Vec::new(), Vec::new()];
     for _ in 0..100 {
-        pressed.world.advance_frame(&arm, &equilibrium, &pressed.clutter);
-        copied.advance_frame(&arm, &pushed, &pressed.clutter);
-        for (world, bytes) in [&pressed.world, &copied].into_iter().zip(&mut found) {
-            let text = format!("{:?} {:?}", world.arm.joint_angle_rad(&world.physics), world.contacts());
-            bytes.extend(text.into_bytes());
+        let reports = [pressed.simulation.step(&equilibrium), copied.step(&pushed)];
+        for (report, bytes) in reports.into_iter().zip(&mut found) {
+            bytes.extend(format!("{report:?}").into_bytes());
         }
     }
     Ok(found)

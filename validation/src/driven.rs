@@ -1,17 +1,16 @@
-//! One degree of freedom of an object alone in the engine, let go or driven along a given way.
+//! One degree of freedom of an object alone in the engine, released or driven along a given path.
 
-use glam::DVec3;
-use rapier3d::prelude::{MultibodyLink, RigidBodyHandle};
 use underbrush_sim::object::Object;
-use underbrush_sim::physics::{Physics, PhysicsOptions};
-use underbrush_sim::simulation::mechanism::Mechanism;
+use underbrush_sim::object::structure::Axis;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::rig::{BodyId, Rig};
 
 use crate::CheckError;
 
-/// A moment of a driven way.
+/// A moment of a driven path.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Place of the coordinate, m.
+    /// Displacement of the coordinate, m.
     pub place: f64,
     /// Force of the drive on it, N.
     pub force: f64,
@@ -19,77 +18,57 @@ pub struct Point {
 
 /// An object of which one coordinate is watched or driven.
 pub struct Driven {
-    physics: Physics,
-    mechanism: Mechanism,
-    body: RigidBodyHandle,
-    axis: usize,
+    rig: Rig,
+    body: BodyId,
+    axis: Axis,
 }
 
 impl Driven {
     /// Length of a step, s.
     pub const STEP_S: f64 = 1e-3;
-    /// Stiffness of the drive, over the coordinate's own. Only that the drive is stiff depends on the simulated object: the
-    /// force is the drive's own, its stiffness times how far it is behind.
+    /// Stiffness of the drive relative to the coordinate's own. It only has to be stiff: the force is that of the drive
+    /// itself, its stiffness times its lag.
     const DRIVE: f64 = 1e3;
 
     /// The object at rest, with the coordinate along `axis` of the joint that carries body number `body`.
     ///
     /// # Errors
     /// When the object has no such body.
-    pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: usize) -> Result<Self, CheckError> {
-        let mut physics = Physics::new(PhysicsOptions {
+    pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Result<Self, CheckError> {
+        let mut rig = Rig::new(PhysicsOptions {
             step_s: Self::STEP_S,
             substeps: 1,
             gravity_m_per_s2,
         });
-        let mechanism = Mechanism::build(&object.structure(), &mut physics, DVec3::ZERO, 0.0);
-        let body = mechanism.bodies().get(body).copied();
+        let body = rig.add_object(object).get(body).copied();
         Ok(Driven {
-            physics,
-            mechanism,
-            body: body.ok_or_else(|| CheckError::Case("no such body in the object".into()))?,
+            rig,
+            body: body.ok_or_else(|| CheckError::Case("the object has no such body".into()))?,
             axis,
         })
     }
 
-    fn link(&mut self) -> Option<&mut MultibodyLink> {
-        let link = *self.physics.joints.rigid_body_link(self.body)?;
-        self.physics.joints.get_multibody_mut(link.multibody)?.link_mut(link.id)
+    fn place(&self) -> f64 {
+        self.rig.coordinate(self.body, self.axis).unwrap_or(f64::NAN)
     }
 
-    fn place(&mut self) -> f64 {
-        let axis = self.axis;
-        self.link().map_or(f64::NAN, |link| link.joint.coords()[axis])
-    }
-
-    /// Where the coordinate is after some time without any drive.
+    /// Displacement of the coordinate after some time without a drive.
     pub fn let_go(&mut self, seconds: f64) -> f64 {
         for _ in 0..(seconds / Self::STEP_S).round() as usize {
-            self.mechanism.relax(&mut self.physics);
-            self.physics.step();
+            self.rig.step();
         }
         self.place()
     }
 
-    /// Drives the coordinate along `way` (time, s, to place) by a stiff spring beside its own, step by step.
-    pub fn drive(&mut self, way: impl Fn(f64) -> f64, seconds: f64) -> Vec<Point> {
-        let axis = self.axis;
+    /// Drives the coordinate along `path` (from time, s, to displacement), step by step.
+    pub fn drive(&mut self, path: impl Fn(f64) -> f64, seconds: f64) -> Vec<Point> {
         (1..=(seconds / Self::STEP_S).round() as usize)
             .map(|index| {
-                self.mechanism.relax(&mut self.physics);
-                let goal = way(index as f64 * Self::STEP_S);
-                let mut drive = 0.0;
-                if let Some(link) = self.link() {
-                    let (own, rest) = link.joint.spring(axis);
-                    drive = own * Self::DRIVE;
-                    link.joint
-                        .set_spring(axis, own + drive, (own * rest + drive * goal) / (own + drive));
-                }
-                self.physics.step();
-                let place = self.place();
+                let goal = path(index as f64 * Self::STEP_S);
+                let force = self.rig.step_driven(self.body, self.axis, Self::DRIVE, goal);
                 Point {
-                    place,
-                    force: drive * (goal - place),
+                    place: self.place(),
+                    force: force.unwrap_or(f64::NAN),
                 }
             })
             .collect()

@@ -3,6 +3,7 @@
 use underbrush_oracles::foam::{self, StandardLinearSolid};
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::foam_roll::FoamRoll;
+use underbrush_sim::object::structure::Axis;
 
 use crate::driven::Driven;
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
@@ -90,10 +91,10 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         ..BLOCK
     };
     let sag = foam::sag_m(DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, BLOCK.height_m, BLOCK.modulus_pa);
-    let mut standing = Driven::new(&block, GRAVITY_M_PER_S2, 1, 2)?;
+    let mut standing = Driven::new(&block, GRAVITY_M_PER_S2, 1, Axis::TranslationZ)?;
     let sunk = standing.let_go(30.0);
     let depth_m = 1e-3;
-    let mut pressed = Driven::new(&block, 0.0, 1, 2)?;
+    let mut pressed = Driven::new(&block, 0.0, 1, Axis::TranslationZ)?;
     let force = pressed
         .drive(|_| -depth_m, 0.02)
         .last()
@@ -133,7 +134,7 @@ fn roll(simulated: Simulated) -> FoamRoll {
 
 /// One slice of the simulated roll, to be driven sideways.
 fn slice(simulated: Simulated) -> Result<Driven, CheckError> {
-    Driven::new(&roll(simulated), 0.0, 3 + SLICE, 0)
+    Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::TranslationX)
 }
 
 /// The closed form of a slice: a bar as long and as wide as the diameter.

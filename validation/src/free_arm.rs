@@ -1,8 +1,12 @@
 //! Check 8: the arm without springs, dampers, gravity and contacts keeps its energy.
 
+use nalgebra::DVector;
+use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::arm::engine::{ArmHandles, insert_arm};
-use underbrush_sim::physics::{Physics, PhysicsOptions, groups};
+use underbrush_sim::clutter::Clutter;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::simulation::{JointState, Setup, Simulation};
 
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
@@ -91,57 +95,55 @@ fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
     for joint in &mut arm.joints {
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
     }
-    let mut physics = Physics::new(PhysicsOptions {
+    let physics = PhysicsOptions {
         step_s,
         substeps: 1,
         gravity_m_per_s2: 0.0,
-    });
-    let posture = arm.start_posture_rad();
-    let handles = insert_arm(&arm, &posture, &mut physics, groups::arm());
-    let multibody = handles.joints.first().and_then(|joint| physics.joints.get_mut(*joint));
-    let Some((multibody, _)) = multibody else {
-        return Err(CheckError::Case("an arm without joints".into()));
     };
-    multibody
-        .generalized_velocity_mut()
-        .copy_from_slice(&VELOCITY_RAD_PER_S);
-    let energy =
-        |physics: &Physics| kinetic_energy_j(&arm, &handles, physics) + spring_energy_j(&arm, &handles, physics);
-    let mut energies = vec![energy(&physics)];
-    for _ in 0..(SECONDS / step_s).round() as usize {
-        physics.step();
-        energies.push(energy(&physics));
+    let posture = arm.start_posture_rad();
+    let mut simulation = alone(arm, physics);
+    simulation.set_joint_velocity(&VELOCITY_RAD_PER_S);
+    let start = simulation.report();
+    let mut energies = vec![energy_j(simulation.arm(), &start.joints, &start.link_pose_world)];
+    for _ in 0..(SECONDS / FRAME_PERIOD_S).round() as usize {
+        simulation.step_observed(&posture, &mut |step| {
+            energies.push(energy_j(step.arm, step.joints, step.link_pose_world));
+        });
     }
     Ok(energies)
 }
 
-/// Energy of the joints' springs, which rest in the start posture, J.
-fn spring_energy_j(arm: &Arm, handles: &ArmHandles, physics: &Physics) -> f64 {
-    let stretch = handles
-        .joint_angle_rad(physics)
-        .into_iter()
-        .zip(arm.start_posture_rad());
-    arm.joints
-        .iter()
-        .zip(stretch)
-        .map(|(joint, (angle, rest))| 0.5 * joint.stiffness_nm_per_rad * (angle - rest).powi(2))
-        .sum()
+/// An arm with nothing around it.
+pub fn alone(arm: Arm, physics: PhysicsOptions) -> Simulation {
+    let clutter = Clutter {
+        objects: Vec::new(),
+        goals: Vec::new(),
+    };
+    Simulation::new(Setup {
+        sensor: Sensor::new(&SensorOptions::off(), &arm.skin, 0, "validate", 0),
+        arm,
+        clutter,
+        physics,
+        dormancy: false,
+    })
 }
 
-/// Kinetic energy of the links and of the drives' reflected inertia, J, from the joint velocities alone.
-fn kinetic_energy_j(arm: &Arm, handles: &ArmHandles, physics: &Physics) -> f64 {
-    let velocity = nalgebra::DVector::from_vec(handles.joint_velocity_rad_per_s(physics));
-    let poses = arm.forward_kinematics(&handles.joint_angle_rad(physics));
+/// Energy of the joints' springs, which rest in the start posture, of the links and of the drives' reflected inertia, J,
+/// from joint angles and velocities alone.
+fn energy_j(arm: &Arm, joints: &[JointState], link_poses: &[Pose]) -> f64 {
+    let velocity = DVector::from_iterator(joints.len(), joints.iter().map(|joint| joint.velocity_rad_per_s));
     let mut energy = 0.0;
     for (index, link) in arm.links.iter().enumerate().skip(1) {
-        let center = poses[index].transform_point(link.center_of_mass_link);
-        let speed = arm.position_jacobian(&poses, index, center) * &velocity;
-        let turn = arm.angular_jacobian(&poses, index) * &velocity;
-        let turn_link = poses[index].inverse_transform_vector(glam::DVec3::new(turn[0], turn[1], turn[2]));
-        energy += 0.5 * (link.mass_kg * speed.norm_squared() + turn_link.dot(link.inertia_link * turn_link));
+        let pose = &link_poses[index];
+        let center = pose.transform_point(link.center_of_mass_link);
+        let speed = arm.position_jacobian(link_poses, index, center) * &velocity;
+        let rotation = arm.angular_jacobian(link_poses, index) * &velocity;
+        let rotation_link = pose.inverse_transform_vector(glam::DVec3::new(rotation[0], rotation[1], rotation[2]));
+        energy += 0.5 * (link.mass_kg * speed.norm_squared() + rotation_link.dot(link.inertia_link * rotation_link));
     }
-    for (joint, velocity) in arm.joints.iter().zip(velocity.iter()) {
-        energy += 0.5 * joint.armature_kg_m2 * velocity * velocity;
+    for (joint, state) in arm.joints.iter().zip(joints) {
+        energy += 0.5 * joint.armature_kg_m2 * state.velocity_rad_per_s.powi(2);
+        energy += 0.5 * joint.stiffness_nm_per_rad * (state.angle_rad - joint.start_rad).powi(2);
     }
     energy
 }

@@ -1,15 +1,14 @@
 //! Check 7: dry friction.
 
-use glam::DVec3;
-use rapier3d::prelude::*;
+use glam::{DQuat, DVec3};
 use underbrush_oracles::statics;
+use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::object::FRICTION as TRUNK_FRICTION;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::{Physics, PhysicsOptions};
-use underbrush_sim::skin::SkinPatch;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::rig::{FreeBody, Rig};
 
-use crate::pressed_arm::{self, PressedArm};
+use crate::pressed_arm::{self, Beside, PressedArm, friction_of, with_friction};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 7.
@@ -51,18 +50,18 @@ const OPTIONS: PhysicsOptions = PhysicsOptions {
 fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let friction = FRICTION * simulated.with(SMOOTH_BOX, 1.0, 0.9);
     let mut comparisons = Vec::new();
-    for (name, may_turn) in [("box that cannot turn", false), ("free box", true)] {
+    for (name, may_rotate) in [("box that cannot turn", false), ("free box", true)] {
         comparisons.push(Comparison::absolute(
             format!("slope at which a {name} slips"),
             "deg",
             statics::slip_angle_rad(FRICTION).to_degrees(),
-            slip_slope_rad(friction, may_turn).to_degrees(),
+            slip_slope_rad(friction, may_rotate).to_degrees(),
             0.5,
             "0.5°: the search ends at 0.01°; a slip is told from creep within a second",
         ));
         for slope_deg in [30.0_f64, 45.0] {
             let slope = slope_deg.to_radians();
-            let speeds = sliding_speeds(slope, friction, may_turn);
+            let speeds = sliding_speeds(slope, friction, may_rotate);
             // The first half second lets the soft contact settle.
             let half = speeds.len() / 2;
             let seconds = (speeds.len() - 1 - half) as f64 * OPTIONS.step_s;
@@ -83,15 +82,14 @@ fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 /// friction is from opposing the slip.
 fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let arm = Arm::cody()?;
-    // The engine's rule for two surfaces: the mean.
-    let friction = 0.5 * (arm.friction + TRUNK_FRICTION);
+    let friction = friction_of(&arm);
+    let simulated = with_friction(&arm, friction * simulated.with(ROUGH_FOREARM, 1.0, 2.0));
     let trunk = Trunk {
         diameter_m: 0.03,
         height_m: 0.6,
     };
-    let mut pressed = PressedArm::new(arm.clone(), arm, Box::new(trunk), 0.017, 0.3, pressed_arm::OPTIONS)?;
-    pressed.scale_friction(simulated.with(ROUGH_FOREARM, 1.0, 2.0));
-    let patches = SkinPatch::of_arm(&pressed.arm);
+    let beside = Beside::facing(Box::new(trunk), 0.017, 0.3);
+    let mut pressed = PressedArm::new(arm, simulated, beside, pressed_arm::OPTIONS)?;
     let mut equilibrium = pressed.pressing_rad(6.0);
     pressed.hold(&equilibrium, 1.0);
     let (mut largest, mut opposed, mut whole) = (0.0_f64, 0.0, 0.0);
@@ -99,14 +97,13 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
         // The upper arm swings on: the forearm is drawn along the trunk.
         equilibrium[0] += 0.004;
         pressed.hold(&equilibrium, 0.01);
-        for (patch, contacts, collider) in pressed.touched(&patches) {
-            let shape = &pressed.world.physics.colliders[collider];
-            let pose = pressed.world.link_pose(patch.link).inverse() * recorded(shape.position());
-            for force in patch.spread(&contacts, shape.shape(), &pose) {
-                largest = largest.max(force.shear_link.length() / (friction * force.normal_force_n));
+        for taxel in pressed.forearm_taxels()? {
+            let [first, second] = taxel.true_shear_force_n;
+            if taxel.true_normal_force_n > 0.0 {
+                largest = largest.max(first.hypot(second) / (friction * taxel.true_normal_force_n));
             }
         }
-        for contact in pressed.world.contacts() {
+        for contact in &pressed.report().contacts {
             let slip = pressed.velocity_world(contact.link, contact.position_link);
             let along = slip.reject_from_normalized(contact.inward_world);
             let rubbing = contact.force_world.reject_from_normalized(contact.inward_world);
@@ -137,18 +134,13 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     ])
 }
 
-/// A pose of the engine's.
-fn recorded(pose: &Pose) -> underbrush_recording::Pose {
-    underbrush_recording::Pose::new(pose.translation, pose.rotation)
-}
-
 /// The slope at which a box begins to slide, by bisection.
-fn slip_slope_rad(friction: f64, may_turn: bool) -> f64 {
+fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
     let (mut holds, mut slips) = (0.1, 0.8);
     for _ in 0..12 {
         let slope = 0.5 * (holds + slips);
         // What still slides after a second slips: 5 mm/s is a slope 0.03° too steep.
-        let speeds = sliding_speeds(slope, friction, may_turn);
+        let speeds = sliding_speeds(slope, friction, may_rotate);
         if speeds.last().is_some_and(|speed| *speed > 5e-3) {
             slips = slope;
         } else {
@@ -159,30 +151,28 @@ fn slip_slope_rad(friction: f64, may_turn: bool) -> f64 {
 }
 
 /// Speed of a box down a slope after each step of one second, m/s.
-fn sliding_speeds(slope_rad: f64, friction: f64, may_turn: bool) -> Vec<f64> {
-    let mut physics = Physics::new(OPTIONS);
-    let tilt = Pose::rotation(DVec3::Y * slope_rad);
-    let ground = physics.bodies.insert(RigidBodyBuilder::fixed().pose(tilt));
-    let plate = ColliderBuilder::cuboid(5.0, 0.5, 0.05)
-        .translation(DVec3::Z * -0.05)
-        .friction(friction);
-    physics.colliders.insert_with_parent(plate, ground, &mut physics.bodies);
-    let pose = tilt * Pose::translation(0.0, 0.0, 0.02);
-    let sliding = physics.bodies.insert(
-        RigidBodyBuilder::dynamic()
-            .pose(pose)
-            .enabled_rotations(may_turn, may_turn, may_turn)
-            .can_sleep(false),
-    );
-    let shape = ColliderBuilder::cuboid(0.06, 0.05, 0.02).mass(0.5).friction(friction);
-    physics
-        .colliders
-        .insert_with_parent(shape, sliding, &mut physics.bodies);
+fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
+    let cuboid = |size_m: DVec3, center: DVec3| BodyPart {
+        shape: BodyShape::Box { size_m },
+        pose_body: Pose::from_position(center),
+    };
+    let mut rig = Rig::new(OPTIONS);
+    let tilt = Pose::from_orientation(DQuat::from_rotation_y(slope_rad));
+    let plate = cuboid(DVec3::new(10.0, 1.0, 0.1), DVec3::Z * -0.05);
+    rig.add_fixed(&plate, friction, &tilt);
+    let sliding = rig.add_free(&FreeBody {
+        part: cuboid(DVec3::new(0.12, 0.1, 0.04), DVec3::ZERO),
+        mass_kg: 0.5,
+        friction,
+        pose_world: tilt * Pose::from_position(DVec3::Z * 0.02),
+        velocity_world: DVec3::ZERO,
+        may_rotate: [may_rotate; 3],
+    });
     let down = tilt.transform_vector(DVec3::X);
     (0..(1.0 / OPTIONS.step_s).round() as usize)
         .map(|_| {
-            physics.step();
-            physics.bodies[sliding].linvel().dot(down)
+            rig.step();
+            sliding.map_or(f64::NAN, |body| rig.velocity_world(body).dot(down))
         })
         .collect()
 }

@@ -1,12 +1,12 @@
 //! Check 9: a step of one joint's equilibrium angle.
 
 use underbrush_oracles::oscillator::Oscillator;
+use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
-use underbrush_sim::arm::engine::insert_arm;
-use underbrush_sim::physics::{Physics, PhysicsOptions, groups};
+use underbrush_sim::physics::PhysicsOptions;
 
 use crate::leaf_case::measure_vibration;
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated, free_arm};
 
 /// Check 9.
 pub const CHECK: Check = Check {
@@ -105,22 +105,19 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError
     let exact = Oscillator::new(inertia, stiffness, joint.damping_nm_s_per_rad);
     joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINT, 1.0, 1.05);
 
-    let mut physics = Physics::new(PhysicsOptions {
+    // From 0, so that an angle over the target is a response.
+    arm.joints[0].start_rad = 0.0;
+    let physics = PhysicsOptions {
         step_s,
         substeps: 1,
         gravity_m_per_s2: 0.0,
-    });
-    let handles = insert_arm(&arm, &[0.0], &mut physics, groups::arm());
+    };
+    let mut simulation = free_arm::alone(arm, physics);
     let mut angles = Vec::new();
-    for _ in 0..(SECONDS / step_s) as usize {
-        handles.set_equilibrium(&arm, &[TARGET_RAD], &mut physics);
-        physics.step();
-        angles.extend(
-            handles
-                .joint_angle_rad(&physics)
-                .first()
-                .map(|angle| angle / TARGET_RAD),
-        );
+    for _ in 0..(SECONDS / FRAME_PERIOD_S).round() as usize {
+        simulation.step_observed(&[TARGET_RAD], &mut |step| {
+            angles.push(step.joints[0].angle_rad / TARGET_RAD);
+        });
     }
     Ok(Response { exact, angles, step_s })
 }

@@ -6,7 +6,7 @@ use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
-use crate::pressed_arm::{LEAF, OPTIONS, PressedArm};
+use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 6.
@@ -51,17 +51,17 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         for joint in &mut wrong.joints {
             joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.01);
         }
-        let mut pressed = PressedArm::new(arm, wrong, object, gap_m, 0.3, OPTIONS)?;
+        let mut pressed = PressedArm::new(arm, wrong, Beside::facing(object, gap_m, 0.3), OPTIONS)?;
         let equilibrium = pressed.pressing_rad(force_n);
         pressed.hold(&equilibrium, 8.0);
         let springs = pressed
             .arm
             .joints
             .iter()
-            .zip(equilibrium.iter().zip(pressed.angles_rad()));
+            .zip(equilibrium.iter().zip(pressed.report().joint_angle_rad()));
         let springs = springs.map(|(joint, (rest, angle))| joint.stiffness_nm_per_rad * (rest - angle));
         let springs = DVector::from_vec(springs.collect());
-        let contacts = pressed.contact_torque_nm();
+        let contacts = DVector::from_vec(pressed.report().contact_torque_nm(&pressed.arm));
         comparisons.push(Comparison {
             residual: (&springs + &contacts).norm() / contacts.norm(),
             ..Comparison::relative(

@@ -1,12 +1,10 @@
 //! One clamped leaf alone in the engine, without gravity, to be pushed, bent and plucked.
 
 use glam::DVec3;
-use rapier3d::prelude::RigidBodyHandle;
 use underbrush_oracles::beam;
-use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
-use underbrush_sim::physics::{Physics, PhysicsOptions};
-use underbrush_sim::simulation::mechanism::Mechanism;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::rig::{BodyId, Rig};
 
 use crate::{Breaks, CheckError, Falsification};
 
@@ -36,56 +34,48 @@ pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Le
     }
 }
 
-/// A clamped leaf in an engine of its own; x is across the blade, z up along it.
+/// A clamped leaf on a rig; x is across the blade, z up along it.
 pub struct ClampedLeaf {
-    physics: Physics,
-    mechanism: Mechanism,
-    tip_local: DVec3,
+    rig: Rig,
+    bodies: Vec<BodyId>,
+    /// The highest body, and the tip in its frame.
+    last: BodyId,
+    tip_body: DVec3,
 }
 
 impl ClampedLeaf {
     /// The leaf at rest, upright, in an engine that takes steps of `step_s`.
     ///
     /// # Errors
-    /// When the leaf has no shape at its tip.
+    /// When the leaf has no bodies.
     pub fn new(leaf: &Leaf, step_s: f64) -> Result<Self, CheckError> {
-        let mut physics = Physics::new(PhysicsOptions {
+        let mut rig = Rig::new(PhysicsOptions {
             step_s,
             substeps: 1,
             gravity_m_per_s2: 0.0,
         });
-        let mechanism = Mechanism::build(&leaf.structure(), &mut physics, DVec3::ZERO, 0.0);
-        let last = mechanism.bodies().last().copied();
-        let shape = mechanism.colliders().last().map(|handle| &physics.colliders[*handle]);
-        let (Some(last), Some(shape)) = (last, shape) else {
+        let bodies = rig.add_object(leaf);
+        let Some(last) = bodies.last().copied() else {
             return Err(CheckError::Case("a leaf without bodies".into()));
         };
-        // The top of the last piece, wherever the leaf's own frames stand.
-        let top = shape.shape().compute_aabb(shape.position()).maxs.z;
-        let tip_local = physics.bodies[last].position().inverse_transform_point(DVec3::Z * top);
         Ok(ClampedLeaf {
-            physics,
-            mechanism,
-            tip_local,
+            tip_body: rig.pose_world(last).inverse_transform_point(DVec3::Z * leaf.height_m),
+            rig,
+            bodies,
+            last,
         })
     }
 
     /// The tip, m, foot frame.
     pub fn tip(&self) -> DVec3 {
-        let last = self.mechanism.bodies()[self.mechanism.bodies().len() - 1];
-        self.physics.bodies[last].position().transform_point(self.tip_local)
+        self.rig.pose_world(self.last).transform_point(self.tip_body)
     }
 
     /// One step with a force, N, and a moment, Nm, on the tip.
     pub fn step(&mut self, force_world: DVec3, moment_world: DVec3) {
         let tip = self.tip();
-        let last = self.mechanism.bodies()[self.mechanism.bodies().len() - 1];
-        let body = &mut self.physics.bodies[last];
-        body.reset_forces(true);
-        body.reset_torques(true);
-        body.add_force_at_point(force_world, tip, true);
-        body.add_torque(moment_world, true);
-        self.physics.step();
+        self.rig.load(self.last, force_world, tip, moment_world);
+        self.rig.step();
     }
 
     /// The tip at rest under a constant load, which is laid on over the first second.
@@ -93,7 +83,7 @@ impl ClampedLeaf {
     /// # Errors
     /// When it does not come to rest.
     pub fn settle(&mut self, force_world: DVec3, moment_world: DVec3) -> Result<DVec3, CheckError> {
-        let step_s = self.physics.options.step_s;
+        let step_s = self.rig.physics().step_s;
         let (mut last, mut still) = (self.tip(), 0);
         for index in 1..=20_000 {
             let share = (f64::from(index) * step_s).min(1.0);
@@ -118,21 +108,16 @@ impl ClampedLeaf {
     /// # Errors
     /// When it does not come to rest.
     pub fn settle_at(&mut self, force_world: DVec3, height_m: f64) -> Result<f64, CheckError> {
-        let below = |handle: &&RigidBodyHandle| self.physics.bodies[**handle].position().translation.z <= height_m;
-        let body = self.mechanism.bodies().iter().rfind(below).copied();
+        let below = |body: &&BodyId| self.rig.pose_world(**body).position.z <= height_m;
+        let body = self.bodies.iter().rfind(below).copied();
         let body = body.ok_or_else(|| CheckError::Case("a height below the leaf".into()))?;
-        let point_local = self.physics.bodies[body]
-            .position()
-            .inverse_transform_point(DVec3::Z * height_m);
+        let point_body = self.rig.pose_world(body).inverse_transform_point(DVec3::Z * height_m);
         let (mut last, mut still) = (0.0, 0);
         for _ in 0..20_000 {
-            let point = self.physics.bodies[body].position().transform_point(point_local);
-            let bodies = &mut self.physics.bodies;
-            bodies[body].reset_forces(true);
-            bodies[body].reset_torques(true);
-            bodies[body].add_force_at_point(force_world, point, true);
-            self.physics.step();
-            let point = self.physics.bodies[body].position().transform_point(point_local).x;
+            let point = self.rig.pose_world(body).transform_point(point_body);
+            self.rig.load(body, force_world, point, DVec3::ZERO);
+            self.rig.step();
+            let point = self.rig.pose_world(body).transform_point(point_body).x;
             still = if (point - last).abs() < 1e-13 { still + 1 } else { 0 };
             if still == 10 {
                 return Ok(point);
@@ -142,25 +127,26 @@ impl ClampedLeaf {
         Err(CheckError::Case("the leaf does not come to rest".into()))
     }
 
-    /// Plucks the leaf in the shape of a clamped beam's first mode, by one step's force in proportion to mass and
-    /// mode, and returns the tip's displacement across the blade after each step.
+    /// Plucks the leaf in the shape of a clamped beam's first mode, with a force in proportion to mass and mode during one
+    /// step, and returns the tip's displacement across the blade after each later step.
     pub fn pluck(&mut self, seconds: f64) -> Vec<f64> {
-        let step_s = self.physics.options.step_s;
+        let step_s = self.rig.physics().step_s;
         let push_m_per_s = 0.02;
-        // The engine knows masses and centres after its first step only.
-        self.physics.step();
-        for handle in self.mechanism.bodies() {
-            let body = &mut self.physics.bodies[*handle];
-            let mode = beam::first_mode(body.center_of_mass().z / LENGTH_M);
-            body.add_force(DVec3::X * (body.mass() * mode * push_m_per_s / step_s), true);
+        // The engine knows masses and centres of mass only after its first step.
+        self.rig.step();
+        for body in &self.bodies {
+            let center = self.rig.center_of_mass_world(*body);
+            let mode = beam::first_mode(center.z / LENGTH_M);
+            let force = DVec3::X * (self.rig.mass_kg(*body) * mode * push_m_per_s / step_s);
+            self.rig.load(*body, force, center, DVec3::ZERO);
         }
-        self.physics.step();
-        for handle in self.mechanism.bodies() {
-            self.physics.bodies[*handle].reset_forces(true);
+        self.rig.step();
+        for body in &self.bodies {
+            self.rig.load(*body, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         }
         (0..(seconds / step_s).round() as usize)
             .map(|_| {
-                self.physics.step();
+                self.rig.step();
                 self.tip().x
             })
             .collect()

@@ -7,12 +7,9 @@ use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::sensor::{Sensor, SensorOptions};
-use underbrush_sim::skin::SkinPatch;
-use underbrush_sim::touch::feel;
 
 use crate::CheckError;
-use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::pressed_arm::{Beside, OPTIONS, PressedArm};
 
 /// The forearm's skin pressed on one object.
 #[derive(Clone, Debug)]
@@ -71,22 +68,19 @@ pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
 }
 
 fn portrait(
-    (name, object, gap_m, turn_rad): (&'static str, Box<dyn Object>, f64, f64),
+    (name, object, gap_m, rotation_rad): (&'static str, Box<dyn Object>, f64, f64),
 ) -> Result<Portrait, CheckError> {
     let arm = Arm::cody()?;
-    let mut pressed = PressedArm::new(arm.clone(), arm, object, gap_m, 0.2, OPTIONS)?;
-    pressed.turn(turn_rad);
-    let layout = &pressed.arm.skin.layout.clone();
+    let beside = Beside {
+        rotation_rad,
+        ..Beside::facing(object, gap_m, 0.2)
+    };
+    let mut pressed = PressedArm::new(arm.clone(), arm, beside, OPTIONS)?;
+    let layout = &pressed.arm.skin.layout;
     let index = layout.patch_index("forearm");
-    let Some((index, grid)) = index.and_then(|index| Some((index, layout.patches[index].grid?))) else {
+    let Some(grid) = index.and_then(|index| layout.patches[index].grid) else {
         return Err(CheckError::Case("the forearm has no grid of taxels".into()));
     };
-    let patches = SkinPatch::of_arm(&pressed.arm);
-    let options = SensorOptions {
-        perfect: true,
-        ..SensorOptions::default()
-    };
-    let mut sensor = Sensor::new(&options, &pressed.arm.skin, 0, "portrait", 0);
     let push = pressed.pressing_rad(PUSH_N);
     let mut best = vec![0.0; grid.rows * grid.columns];
     for frame in 1..=300 {
@@ -94,12 +88,7 @@ fn portrait(
         let share = f64::from(frame) / 300.0;
         pressed.hold_part_way(&push, share);
         let mut force_n = vec![0.0; best.len()];
-        let touch = feel(&pressed.world, layout, &patches, &mut sensor);
-        for reading in touch
-            .taxels
-            .iter()
-            .filter(|reading| usize::from(reading.patch) == index)
-        {
+        for reading in pressed.forearm_taxels()? {
             force_n[usize::from(reading.taxel)] = reading.true_normal_force_n;
         }
         if force_n.iter().sum::<f64>() > best.iter().sum() {
@@ -123,7 +112,7 @@ fn portrait(
 /// When the arm's files are bad or nothing is touched.
 pub fn roll_loop() -> Result<Vec<(f64, f64)>, CheckError> {
     let arm = Arm::cody()?;
-    let mut pressed = PressedArm::new(arm.clone(), arm, Box::new(roll()), 0.061, 0.2, OPTIONS)?;
+    let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(roll()), 0.061, 0.2), OPTIONS)?;
     let (push, half) = (pressed.pressing_rad(12.0), 500);
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut first = None;
@@ -131,10 +120,8 @@ pub fn roll_loop() -> Result<Vec<(f64, f64)>, CheckError> {
         let share = 1.0 - (f64::from(frame - half) / f64::from(half)).abs();
         pressed.hold_part_way(&push, share);
         let force_n = -pressed.contact_force_world().dot(pressed.across_world);
-        let place = pressed
-            .world
-            .link_pose(pressed.forearm)
-            .transform_point(DVec3::new(0.0, 0.0, 0.10));
+        let forearm = &pressed.report().link_pose_world[pressed.forearm];
+        let place = forearm.transform_point(DVec3::new(0.0, 0.0, 0.10));
         let way = place.dot(pressed.across_world);
         if force_n > 0.0 {
             let from = *first.get_or_insert(way);

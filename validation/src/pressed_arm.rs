@@ -2,15 +2,14 @@
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
-use rapier3d::prelude::ColliderHandle;
-use underbrush_recording::{FRAME_PERIOD_S, Pose};
+use underbrush_recording::{FRAME_PERIOD_S, Pose, TaxelReading};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, PlacedObject};
-use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::Leaf;
+use underbrush_sim::object::{FRICTION, Object};
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::skin::{ContactPoint, SkinPatch};
-use underbrush_sim::world::World;
+use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
 use crate::CheckError;
 
@@ -37,38 +36,50 @@ const PLACE_LINK: DVec3 = DVec3::new(0.0, 0.0, 0.10);
 /// Radius of the forearm's collision shape, m.
 pub const FOREARM_RADIUS_M: f64 = 0.04604;
 
+/// An object beside the forearm.
+pub struct Beside {
+    /// The object. If it is a leaf, it faces the forearm.
+    pub object: Box<dyn Object>,
+    /// From the forearm's surface to the middle of the object, m.
+    pub gap_m: f64,
+    /// From the forearm's axis down to the object's foot, m.
+    pub drop_m: f64,
+    /// Rotation of the object about the vertical from where it faces the forearm, rad.
+    pub rotation_rad: f64,
+}
+
+impl Beside {
+    /// An object that faces the forearm.
+    pub fn facing(object: Box<dyn Object>, gap_m: f64, drop_m: f64) -> Self {
+        Beside {
+            object,
+            gap_m,
+            drop_m,
+            rotation_rad: 0.0,
+        }
+    }
+}
+
 /// The arm in its start posture, an object beside its forearm, and equilibrium angles that press one on the other.
 pub struct PressedArm {
     /// The arm as the closed form describes it.
     pub arm: Arm,
-    /// The engine.
-    pub world: World,
-    /// The one object.
-    pub clutter: Clutter,
+    /// The simulation, with the arm that is simulated.
+    pub simulation: Simulation,
     /// The start posture, rad.
     pub posture_rad: Vec<f64>,
     /// Index of the forearm.
     pub forearm: usize,
     /// The pushing direction: horizontal, across the forearm, unit.
     pub across_world: DVec3,
-    simulated: Arm,
 }
 
 impl PressedArm {
-    /// `gap_m` from the forearm's surface to the object's middle, which stands with its foot `drop_m` under the
-    /// forearm's axis and, if it is a leaf, faces the forearm. The engine gets the arm `simulated`, `arm` stays what the
-    /// closed form describes.
+    /// The arm `simulated` beside an object; `arm` is what the closed form describes. The skin's sensor is perfect.
     ///
     /// # Errors
     /// When the arm has no forearm.
-    pub fn new(
-        arm: Arm,
-        simulated: Arm,
-        object: Box<dyn Object>,
-        gap_m: f64,
-        drop_m: f64,
-        options: PhysicsOptions,
-    ) -> Result<Self, CheckError> {
+    pub fn new(arm: Arm, simulated: Arm, beside: Beside, options: PhysicsOptions) -> Result<Self, CheckError> {
         let posture_rad = arm.start_posture_rad();
         let poses = arm.forward_kinematics(&posture_rad);
         let forearm = arm
@@ -77,42 +88,38 @@ impl PressedArm {
         let place = poses[forearm].transform_point(PLACE_LINK);
         let along = poses[forearm].transform_vector(DVec3::Z);
         let across_world = DVec3::Z.cross(along).normalize();
-        let foot_world = place + across_world * (FOREARM_RADIUS_M + gap_m) - DVec3::Z * drop_m;
-        let objects = vec![PlacedObject {
-            object,
-            foot_world,
-            yaw_rad: across_world.y.atan2(across_world.x),
-        }];
+        let placed = PlacedObject {
+            object: beside.object,
+            foot_world: place + across_world * (FOREARM_RADIUS_M + beside.gap_m) - DVec3::Z * beside.drop_m,
+            yaw_rad: across_world.y.atan2(across_world.x) + beside.rotation_rad,
+        };
         let clutter = Clutter {
-            objects,
+            objects: vec![placed],
             goals: Vec::new(),
         };
-        let world = World::new(&simulated, &posture_rad, &clutter, options, false);
+        let perfect = SensorOptions {
+            perfect: true,
+            ..SensorOptions::default()
+        };
+        let simulation = Simulation::new(Setup {
+            sensor: Sensor::new(&perfect, &simulated.skin, 0, "validate", 0),
+            arm: simulated,
+            clutter,
+            physics: options,
+            dormancy: false,
+        });
         Ok(PressedArm {
             arm,
-            world,
-            clutter,
+            simulation,
             posture_rad,
             forearm,
             across_world,
-            simulated,
         })
     }
 
-    /// Turns the object where it stands, before the arm has moved, rad.
-    pub fn turn(&mut self, turn_rad: f64) {
-        for placed in &mut self.clutter.objects {
-            placed.yaw_rad += turn_rad;
-        }
-        let options = self.world.physics.options;
-        self.world = World::new(&self.simulated, &self.posture_rad, &self.clutter, options, false);
-    }
-
-    /// Makes the friction of everything in the engine `factor` times what it was.
-    pub fn scale_friction(&mut self, factor: f64) {
-        for (_, collider) in self.world.physics.colliders.iter_mut() {
-            collider.set_friction(factor * collider.friction());
-        }
+    /// The report of the last frame.
+    pub fn report(&self) -> &FrameReport {
+        self.simulation.report()
     }
 
     /// Equilibrium angles that would press with `force_n` across the forearm if nothing moved, rad.
@@ -156,8 +163,7 @@ impl PressedArm {
     /// Holds equilibrium angles for some time.
     pub fn hold(&mut self, equilibrium_rad: &[f64], seconds: f64) {
         for _ in 0..(seconds / FRAME_PERIOD_S).round() as usize {
-            self.world
-                .advance_frame(&self.simulated, equilibrium_rad, &self.clutter);
+            self.simulation.step(equilibrium_rad);
         }
     }
 
@@ -173,56 +179,45 @@ impl PressedArm {
         self.arm.position_jacobian(poses, self.forearm, point_world)
     }
 
-    /// Joint angles, rad.
-    pub fn angles_rad(&self) -> Vec<f64> {
-        self.world.arm.joint_angle_rad(&self.world.physics)
-    }
-
-    /// The contacts on each patch of skin, by the shape that makes them.
-    pub fn touched<'a>(
-        &self,
-        patches: &'a [SkinPatch],
-    ) -> impl Iterator<Item = (&'a SkinPatch, Vec<ContactPoint>, ColliderHandle)> {
-        let mut groups: Vec<(usize, ColliderHandle, Vec<ContactPoint>)> = Vec::new();
-        for contact in self.world.contacts() {
-            let pose = self.world.link_pose(contact.link);
-            let point = contact.in_link_frame(&pose);
-            let covers = |patch: &SkinPatch| patch.link == contact.link && patch.covers(&point);
-            let Some(patch) = patches.iter().position(covers) else {
-                continue;
-            };
-            let group = groups
-                .iter_mut()
-                .find(|group| group.0 == patch && group.1 == contact.collider);
-            match group {
-                Some(group) => group.2.push(point),
-                None => groups.push((patch, contact.collider, vec![point])),
-            }
-        }
-        let named = groups.into_iter();
-        named.map(|(patch, collider, points)| (&patches[patch], points, collider))
+    /// The taxels of the forearm that feel something.
+    ///
+    /// # Errors
+    /// When the forearm has no skin.
+    pub fn forearm_taxels(&self) -> Result<impl Iterator<Item = &TaxelReading> + Clone, CheckError> {
+        let mut surfaces = self.arm.skin.surfaces.iter();
+        let patch = surfaces.position(|surface| surface.link == self.forearm);
+        let patch = patch.ok_or_else(|| CheckError::Case("the forearm has no skin".into()))?;
+        let readings = self.report().tactile.taxels.iter();
+        Ok(readings.filter(move |reading| usize::from(reading.patch) == patch))
     }
 
     /// Velocity of a point of a link, m/s, world frame.
     pub fn velocity_world(&self, link: usize, point_link: DVec3) -> DVec3 {
-        let body = &self.world.physics.bodies[self.world.arm.links[link]];
-        body.velocity_at_point(body.position().transform_point(point_link))
+        let poses = &self.report().link_pose_world;
+        let point = poses[link].transform_point(point_link);
+        let velocity = DVector::from_vec(self.report().joint_velocity_rad_per_s());
+        let velocity = self.arm.position_jacobian(poses, link, point) * velocity;
+        DVec3::new(velocity.x, velocity.y, velocity.z)
     }
 
     /// Sum of the contact forces on the arm, N, world frame.
     pub fn contact_force_world(&self) -> DVec3 {
-        self.world.contacts().iter().map(|contact| contact.force_world).sum()
-    }
-
-    /// Σ Jᵀ f of the contacts, Nm, one per joint.
-    pub fn contact_torque_nm(&self) -> DVector<f64> {
-        let poses = self.arm.forward_kinematics(&self.angles_rad());
-        let mut torque = DVector::zeros(self.arm.joints.len());
-        for contact in self.world.contacts() {
-            let point = poses[contact.link].transform_point(contact.position_link);
-            let jacobian = self.arm.position_jacobian(&poses, contact.link, point);
-            torque += jacobian.transpose() * Vector3::from(contact.force_world.to_array());
-        }
-        torque
+        self.report().contacts.iter().map(|contact| contact.force_world).sum()
     }
 }
+
+/// An arm for which the coefficient of friction with an object is `friction`: the mean of both surfaces' coefficients.
+pub fn with_friction(arm: &Arm, friction: f64) -> Arm {
+    Arm {
+        friction: 2.0 * friction - FRICTION,
+        ..arm.clone()
+    }
+}
+
+/// The coefficient of friction between an arm and an object.
+pub fn friction_of(arm: &Arm) -> f64 {
+    0.5 * (arm.friction + FRICTION)
+}
+
+#[cfg(test)]
+mod tests;

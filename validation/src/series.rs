@@ -2,16 +2,15 @@
 
 use glam::DVec3;
 use nalgebra::Vector3;
-use rapier3d::prelude::ColliderHandle;
 use underbrush_oracles::{beam, foam, statics};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::{PhysicsOptions, pressed_points};
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::Contact;
 
-use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::pressed_arm::{Beside, OPTIONS, PressedArm, with_friction};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 14.
@@ -93,7 +92,7 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>
         // Many, so that the closed form may be the beam's.
         segments: 20,
     };
-    let pushed = push(Box::new(leaf), 0.002, drop_m, [0.003, 0.004], simulated)?;
+    let pushed = push(Beside::facing(Box::new(leaf), 0.002, drop_m), [0.003, 0.004], simulated)?;
     series(name, &pushed, |height_m| {
         1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2)
     })
@@ -107,7 +106,7 @@ fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1),
         ..ROLL
     };
-    let pushed = push(Box::new(roll), 0.061, 0.275, [0.002, 0.003], simulated)?;
+    let pushed = push(Beside::facing(Box::new(roll), 0.061, 0.275), [0.002, 0.003], simulated)?;
     let remaining_pa = ROLL.modulus_pa * (1.0 - ROLL.relaxing_share);
     let slice_m2 = ROLL.diameter_m * ROLL.height_m / 10.0;
     let slice = foam::bar_force_n(remaining_pa, slice_m2, ROLL.diameter_m, 1.0);
@@ -123,16 +122,14 @@ fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         diameter_m: 0.03,
         height_m: 0.6,
     };
-    let pushed = push(Box::new(trunk), 0.016, 0.3, [0.006, 0.011], simulated)?;
+    let pushed = push(Beside::facing(Box::new(trunk), 0.016, 0.3), [0.006, 0.011], simulated)?;
     series("trunk", &pushed, |_| f64::INFINITY)
 }
 
 /// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
 /// point across the forearm. The first millimetre is air.
 fn push(
-    object: Box<dyn Object>,
-    gap_m: f64,
-    drop_m: f64,
+    beside: Beside,
     moves_m: [f64; 2],
     simulated: Simulated,
 ) -> Result<(PressedArm, [Pushed; 2]), CheckError> {
@@ -141,14 +138,11 @@ fn push(
         ..OPTIONS
     };
     let arm = Arm::cody()?;
-    let mut wrong = arm.clone();
+    let mut wrong = with_friction(&arm, 0.0);
     for joint in &mut wrong.joints {
         joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.05);
     }
-    let mut pressed = PressedArm::new(arm, wrong, object, gap_m, drop_m, options)?;
-    for (_, collider) in pressed.world.physics.colliders.iter_mut() {
-        collider.set_friction(0.0);
-    }
+    let mut pressed = PressedArm::new(arm, wrong, beside, options)?;
     let mut state = |move_m: f64| {
         let equilibrium = pressed.moving_rad(move_m);
         pressed.hold(&equilibrium, 8.0);
@@ -159,7 +153,7 @@ fn push(
 }
 
 fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, CheckError> {
-    let contacts = pressed.world.contacts();
+    let contacts = &pressed.report().contacts;
     let force: DVec3 = contacts.iter().map(|contact| contact.force_world).sum();
     if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
         return Err(CheckError::Case(
@@ -177,9 +171,9 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
         force_n: force.length(),
         outward_world: -force.normalize(),
         place_link: place / weights.sum::<f64>(),
-        angle_rad: pressed.angles_rad(),
+        angle_rad: pressed.report().joint_angle_rad(),
         equilibrium_rad,
-        overlap_m: overlap_m(pressed),
+        overlap_m: overlap_m(contacts),
     })
 }
 
@@ -212,7 +206,7 @@ fn series(
         / joints
             .map(|(lever, joint)| lever * lever / joint.stiffness_nm_per_rad)
             .sum::<f64>();
-    let height_m = place(&middle).z - pressed.clutter.objects[0].foot_world.z;
+    let height_m = place(&middle).z - pressed.simulation.clutter().objects[0].foot_world.z;
     let push_m = (place(&more.equilibrium_rad) - place(&less.equilibrium_rad)).dot(outward);
     let overlap_m = more.overlap_m - less.overlap_m;
     Ok(vec![Comparison::relative(
@@ -225,19 +219,13 @@ fn series(
     )])
 }
 
-/// Overlap of the shapes at the contact points, weighed by their impulses, m.
-fn overlap_m(pressed: &PressedArm) -> f64 {
-    let physics = &pressed.world.physics;
-    let colliders = pressed.world.arm.colliders.iter();
-    let on_forearm = colliders
-        .filter(|(_, link)| *link == pressed.forearm)
-        .map(|(collider, _)| *collider);
-    let points = on_forearm.flat_map(|collider: ColliderHandle| physics.narrow_phase.contact_pairs_with(collider));
-    let points = points.flat_map(|pair| pair.manifolds()).flat_map(pressed_points);
+/// Overlap of the shapes at the contact points, weighted by their normal forces, m.
+fn overlap_m(contacts: &[Contact]) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
-    for point in points {
-        sum -= point.dist * point.data.impulse;
-        weight += point.data.impulse;
+    for contact in contacts {
+        let normal_n = contact.force_world.dot(contact.inward_world);
+        sum += contact.penetration_m * normal_n;
+        weight += normal_n;
     }
     sum / weight
 }

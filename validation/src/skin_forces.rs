@@ -1,17 +1,13 @@
 //! Check 5: taxels feel what the solver does, and bodies push each other equally.
 
 use glam::DVec3;
-use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder};
-use underbrush_recording::SkinLayout;
+use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::object::FRICTION as TRUNK_FRICTION;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::{Physics, PhysicsOptions};
-use underbrush_sim::sensor::{Sensor, SensorOptions};
-use underbrush_sim::skin::SkinPatch;
-use underbrush_sim::touch::{Touch, feel};
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
 
-use crate::pressed_arm::{OPTIONS, PressedArm};
+use crate::pressed_arm::{Beside, OPTIONS, PressedArm, friction_of, with_friction};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 5.
@@ -65,21 +61,15 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         diameter_m: 0.03,
         height_m: 0.6,
     });
-    let mut pressed = PressedArm::new(Arm::cody()?, Arm::cody()?, trunk, 0.017, 0.3, OPTIONS)?;
-    let skin = pressed.arm.skin.clone();
-    if simulated.is(ROUGH_CONTACT) {
-        pressed.scale_friction(2.0);
-    }
-    let mut patches = SkinPatch::of_arm(&pressed.arm);
+    let arm = Arm::cody()?;
+    let friction = friction_of(&arm);
+    let mut wrong = with_friction(&arm, friction * simulated.with(ROUGH_CONTACT, 1.0, 2.0));
     if simulated.is(SHIFTED_TAXELS) {
-        patches.iter_mut().for_each(shift_by_one);
+        for patch in &mut wrong.skin.layout.patches {
+            patch.taxels.rotate_left(1);
+        }
     }
-    let friction = 0.5 * (pressed.arm.friction + TRUNK_FRICTION);
-    let options = SensorOptions {
-        perfect: true,
-        ..SensorOptions::default()
-    };
-    let mut sensor = Sensor::new(&options, &skin, 0, "validate", 0);
+    let mut pressed = PressedArm::new(arm, wrong, Beside::facing(trunk, 0.017, 0.3), OPTIONS)?;
     let push = pressed.pressing_rad(6.0);
     let poses = pressed.arm.forward_kinematics(&pressed.posture_rad);
     let place = poses[pressed.forearm].transform_point(DVec3::new(0.0, 0.0, 0.10));
@@ -94,8 +84,7 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             .map(|((angle, joint), torque)| angle + share * torque / joint.stiffness_nm_per_rad)
             .collect();
         pressed.hold(&equilibrium, 0.01);
-        let touch = feel(&pressed.world, &skin.layout, &patches, &mut sensor);
-        observe(&pressed, &skin.layout, friction, &touch, &mut worst);
+        observe(&pressed, friction, &mut worst)?;
     }
     if worst.frames < 100 {
         return Err(CheckError::Case(format!("contact in {} frames only", worst.frames)));
@@ -128,36 +117,16 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// Gives every taxel place and direction of the next one.
-fn shift_by_one(patch: &mut SkinPatch) {
-    let places: Vec<_> = patch
-        .sub_points
-        .iter()
-        .map(|point| (point.position_link, point.normal_link))
-        .collect();
-    let each = places.len() / patch.centers_link.len();
-    let count = places.len();
-    for (index, point) in patch.sub_points.iter_mut().enumerate() {
-        (point.position_link, point.normal_link) = places[(index + each) % count];
-    }
-    patch.centers_link.rotate_left(1);
-    patch.normals_link.rotate_left(1);
-}
-
-/// Compares the recorded taxel forces of the forearm with the world's contacts.
-fn observe(pressed: &PressedArm, layout: &SkinLayout, friction: f64, touch: &Touch, worst: &mut Worst) {
-    let Some(patch) = layout.patch_index("forearm") else {
-        return;
-    };
-    let pose = pressed.world.link_pose(pressed.forearm);
+/// Compares the taxel forces of the forearm with the contacts.
+fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(), CheckError> {
+    let report = pressed.report();
+    let pose = &report.link_pose_world[pressed.forearm];
+    let readings = pressed.forearm_taxels()?;
     let (mut felt, mut felt_moment) = (DVec3::ZERO, DVec3::ZERO);
-    let readings = touch
-        .taxels
-        .iter()
-        .filter(|reading| usize::from(reading.patch) == patch);
     let mut slip: f64 = 0.0;
     for reading in readings.clone() {
-        let taxel = &layout.patches[patch].taxels[usize::from(reading.taxel)];
+        let patch = &pressed.arm.skin.layout.patches[usize::from(reading.patch)];
+        let taxel = &patch.taxels[usize::from(reading.taxel)];
         let [first, second] = reading.true_shear_force_n;
         let shear = taxel.tangent_link * first + taxel.normal_link.cross(taxel.tangent_link) * second;
         let force = shear - taxel.normal_link * reading.true_normal_force_n;
@@ -166,14 +135,14 @@ fn observe(pressed: &PressedArm, layout: &SkinLayout, friction: f64, touch: &Tou
         slip = slip.max(shear.length() / (friction * reading.true_normal_force_n));
     }
     let (mut solver, mut solver_moment) = (DVec3::ZERO, DVec3::ZERO);
-    for contact in pressed.world.contacts() {
+    for contact in &report.contacts {
         let force = pose.inverse_transform_vector(contact.force_world);
         solver += force;
         solver_moment += contact.position_link.cross(force);
     }
     // A graze on one or two taxels may lie outside the cones of both.
     if solver.length() < 0.5 {
-        return;
+        return Ok(());
     }
     worst.frames += 1;
     worst.force = worst.force.max(felt.distance(solver) / solver.length());
@@ -183,6 +152,7 @@ fn observe(pressed: &PressedArm, layout: &SkinLayout, friction: f64, touch: &Tou
     if readings.count() > 2 {
         worst.slip = worst.slip.max(slip);
     }
+    Ok(())
 }
 
 /// A ball meets a box off its centre, both free.
@@ -199,33 +169,39 @@ fn collision(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// Momentum that ball and box lose together, of what the ball gave away.
 fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
-    let mut physics = Physics::new(PhysicsOptions {
+    let mut rig = Rig::new(PhysicsOptions {
         gravity_m_per_s2,
         ..OPTIONS
     });
-    let mut body = |position: DVec3, velocity: DVec3, shape: ColliderBuilder| {
-        let builder = RigidBodyBuilder::dynamic().translation(position).linvel(velocity);
-        let body = physics.bodies.insert(builder.can_sleep(false));
-        let shape = shape.density(500.0).friction(0.4);
-        physics.colliders.insert_with_parent(shape, body, &mut physics.bodies);
-        body
+    let mut body = |position: DVec3, velocity_world: DVec3, mass_kg: f64, shape: BodyShape| {
+        rig.add_free(&FreeBody {
+            part: BodyPart {
+                shape,
+                pose_body: Pose::IDENTITY,
+            },
+            mass_kg,
+            friction: 0.4,
+            pose_world: Pose::from_position(position),
+            velocity_world,
+            may_rotate: [true; 3],
+        })
+    };
+    let ball = BodyShape::Sphere { radius_m: 0.05 };
+    let cuboid = BodyShape::Box {
+        size_m: DVec3::new(0.1, 0.12, 0.14),
     };
     let bodies = [
-        body(
-            DVec3::new(-0.15, 0.01, 0.0),
-            DVec3::new(0.5, 0.2, 0.1),
-            ColliderBuilder::ball(0.05),
-        ),
-        body(DVec3::ZERO, DVec3::ZERO, ColliderBuilder::cuboid(0.05, 0.06, 0.07)),
+        body(DVec3::new(-0.15, 0.01, 0.0), DVec3::new(0.5, 0.2, 0.1), 0.262, ball),
+        body(DVec3::ZERO, DVec3::ZERO, 0.84, cuboid),
     ];
-    let momentum = |physics: &Physics| bodies.map(|body| physics.bodies[body].linvel() * physics.bodies[body].mass());
-    // Masses are summed up in the first step; the ball is still on its way then.
-    physics.step();
-    let before = momentum(&physics);
+    let momentum = |rig: &Rig, body: Option<BodyId>| {
+        body.map_or(DVec3::NAN, |body| rig.velocity_world(body) * rig.mass_kg(body))
+    };
+    let before = bodies.map(|body| momentum(&rig, body));
     for _ in 0..200 {
-        physics.step();
+        rig.step();
     }
-    let after = momentum(&physics);
+    let after = bodies.map(|body| momentum(&rig, body));
     let given = before[0].distance(after[0]);
     (after[0] + after[1] - before[0] - before[1]).length() / given
 }

@@ -37,7 +37,7 @@ fn plan(name: &str, text: &str) -> ReachPlan {
 fn reaches(name: &str, text: &str) -> Vec<Recording> {
     let plan = plan(name, text);
     // Enough for two contacts of each category at least, whatever the physics makes of a single reach.
-    let run = |index| plan.run(index, &mut |_, _, _| {}).unwrap();
+    let run = |index| plan.run(index, &mut |_, _| {}).unwrap();
     (0..8_u64).into_par_iter().map(run).collect()
 }
 

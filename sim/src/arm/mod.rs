@@ -10,7 +10,6 @@ use glam::{DMat3, DVec3};
 use underbrush_recording::{BodyShape, InputError, Pose, SkinLayout};
 
 mod at_start;
-pub mod engine;
 mod file;
 pub mod kinematics;
 mod limits;
@@ -212,4 +211,4 @@ fn cody_file(path: &Path) -> Result<String, InputError> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

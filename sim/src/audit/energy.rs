@@ -19,10 +19,7 @@ use glam::DVec3;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use crate::arm::Arm;
-use crate::arm::engine::{ArmHandles, JointState};
-use crate::geometry::from_parry;
-use crate::physics::Physics;
-use crate::world::SolverContact;
+use crate::simulation::{JointState, Simulation, StepReport};
 
 /// A joint this near to a mechanical limit is held by it, rad: a tenth of a degree.
 const STOP_RAD: f64 = 2e-3;
@@ -34,7 +31,7 @@ struct LinkState {
     /// Velocity of its centre of mass, m/s, world frame.
     velocity_world: DVec3,
     /// Angular velocity, rad/s, world frame.
-    spin_world: DVec3,
+    angular_velocity_world: DVec3,
 }
 
 /// The arm at the end of a step.
@@ -48,24 +45,23 @@ struct ArmState {
 }
 
 impl ArmState {
-    fn read(&mut self, arm: &Arm, handles: &ArmHandles, physics: &Physics) {
+    fn read(&mut self, arm: &Arm, joints: &[JointState], link_pose_world: &[Pose]) {
         self.joints.clear();
-        handles.read_joints(physics, &mut self.joints);
+        self.joints.extend_from_slice(joints);
         self.links.clear();
-        let (mut spin, mut velocity, mut origin) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-        for (index, (link, body)) in arm.links.iter().zip(&handles.links).enumerate() {
-            let pose = from_parry(physics.bodies[*body].position());
-            velocity += spin.cross(pose.position - origin);
+        let (mut angular_velocity, mut velocity, mut origin) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for (index, (link, pose)) in arm.links.iter().zip(link_pose_world).enumerate() {
+            velocity += angular_velocity.cross(pose.position - origin);
             origin = pose.position;
             if index > 0 {
-                let rate = self.joints.get(index - 1).map_or(0.0, |joint| joint.rate_rad_per_s);
-                spin += pose.transform_vector(arm.joints[index - 1].axis_child) * rate;
+                let rate = joints.get(index - 1).map_or(0.0, |joint| joint.velocity_rad_per_s);
+                angular_velocity += pose.transform_vector(arm.joints[index - 1].axis_child) * rate;
             }
             let to_center = pose.transform_vector(link.center_of_mass_link);
             self.links.push(LinkState {
-                pose,
-                velocity_world: velocity + spin.cross(to_center),
-                spin_world: spin,
+                pose: *pose,
+                velocity_world: velocity + angular_velocity.cross(to_center),
+                angular_velocity_world: angular_velocity,
             });
         }
         self.energy_j = self.sum_energy_j(arm);
@@ -79,19 +75,19 @@ impl ArmState {
 
     fn sum_energy_j(&self, arm: &Arm) -> f64 {
         let joints = arm.joints.iter().zip(&self.joints).map(|(joint, state)| {
-            let stretch = state.rest_rad - state.angle_rad;
-            joint.stiffness_nm_per_rad * stretch * stretch + joint.armature_kg_m2 * state.rate_rad_per_s.powi(2)
+            let stretch = state.rest_angle_rad - state.angle_rad;
+            joint.stiffness_nm_per_rad * stretch * stretch + joint.armature_kg_m2 * state.velocity_rad_per_s.powi(2)
         });
-        0.5 * joints.sum::<f64>() + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.spin_world))
+        0.5 * joints.sum::<f64>() + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world))
     }
 
     /// Kinetic energy, J, of the links at the velocities (of the centre of mass, angular) that `velocities` gives.
     fn kinetic_energy_j(&self, arm: &Arm, velocities: impl Fn(usize, &LinkState) -> (DVec3, DVec3)) -> f64 {
         let of_link = |(index, state): (usize, &LinkState)| {
-            let (velocity, spin) = velocities(index, state);
-            let spin_link = state.pose.inverse_transform_vector(spin);
+            let (velocity, angular_velocity) = velocities(index, state);
+            let angular_velocity_link = state.pose.inverse_transform_vector(angular_velocity);
             let link = &arm.links[index];
-            0.5 * (link.mass_kg * velocity.length_squared() + spin_link.dot(link.inertia_link * spin_link))
+            0.5 * (link.mass_kg * velocity.length_squared() + angular_velocity_link.dot(link.inertia_link * angular_velocity_link))
         };
         self.links.iter().enumerate().map(of_link).sum()
     }
@@ -130,10 +126,13 @@ pub struct EnergyBalance {
 }
 
 impl EnergyBalance {
-    /// The balance of an arm as it stands.
-    pub fn new(arm: &Arm, handles: &ArmHandles, physics: &Physics) -> Self {
+    /// The balance of a simulation's arm from now on.
+    pub fn new(simulation: &Simulation) -> Self {
+        let report = simulation.report();
         let mut balance = EnergyBalance::default();
-        balance.now.read(arm, handles, physics);
+        balance
+            .now
+            .read(simulation.arm(), &report.joints, &report.link_pose_world);
         balance
     }
 
@@ -148,21 +147,22 @@ impl EnergyBalance {
     }
 
     /// Takes a step that has just been made, with its contacts.
-    pub fn observe_step(&mut self, arm: &Arm, handles: &ArmHandles, physics: &Physics, contacts: &[SolverContact]) {
+    pub fn observe_step(&mut self, step: &StepReport) {
+        let arm = step.arm;
         std::mem::swap(&mut self.last, &mut self.now);
-        self.now.read(arm, handles, physics);
+        self.now.read(arm, step.joints, step.link_pose_world);
         if self.last.stopped || self.now.stopped {
             return;
         }
-        let step_s = physics.options.step_s;
-        let substeps = physics.options.substeps as f64;
+        let step_s = step.physics.step_s;
+        let substeps = step.physics.substeps as f64;
         let sums = &mut self.sums;
         let mut work_j = 0.0;
         let states = self.last.joints.iter().zip(&self.now.joints);
         for (joint, (last, now)) in arm.joints.iter().zip(states) {
             let stretch = |rest: f64| (rest - last.angle_rad).powi(2);
-            work_j += 0.5 * joint.stiffness_nm_per_rad * (stretch(now.rest_rad) - stretch(last.rest_rad));
-            let (before, after) = (last.rate_rad_per_s, now.rate_rad_per_s);
+            work_j += 0.5 * joint.stiffness_nm_per_rad * (stretch(now.rest_angle_rad) - stretch(last.rest_angle_rad));
+            let (before, after) = (last.velocity_rad_per_s, now.velocity_rad_per_s);
             let mean_square = (before * before + before * after + after * after) / 3.0;
             sums.dampers_j += joint.damping_nm_s_per_rad * mean_square * step_s;
             let substep_s = step_s / substeps;
@@ -177,26 +177,13 @@ impl EnergyBalance {
             let before = &last.links[index];
             (
                 link.velocity_world - before.velocity_world,
-                link.spin_world - before.spin_world,
+                link.angular_velocity_world - before.angular_velocity_world,
             )
         }) / substeps;
-        for contact in contacts {
+        for contact in step.contacts {
             let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);
             let mean_force_world = contact.force_world * (FRAME_PERIOD_S / step_s);
             sums.contacts_j -= mean_force_world.dot(place(&self.now) - place(last));
-        }
-    }
-
-    /// Torques that contacts put on the joints, Σ Jᵀ f, Nm; `torque_nm` is overwritten.
-    pub fn contact_torques(&self, arm: &Arm, contacts: &[SolverContact], torque_nm: &mut [f64]) {
-        torque_nm.fill(0.0);
-        for contact in contacts {
-            let point = self.now.links[contact.link].pose.transform_point(contact.position_link);
-            for (joint, torque) in torque_nm.iter_mut().enumerate().take(contact.link) {
-                let pose = &self.now.links[joint + 1].pose;
-                let axis = pose.transform_vector(arm.joints[joint].axis_child);
-                *torque += axis.dot((point - pose.position).cross(contact.force_world));
-            }
         }
     }
 }

@@ -8,11 +8,8 @@ pub mod energy;
 mod tests;
 
 use crate::arm::Arm;
-use crate::arm::engine::ArmHandles;
 use crate::arm::skin::reach_m;
-use crate::physics::Physics;
-use crate::touch::Touch;
-use crate::world::SolverContact;
+use crate::simulation::{Contact, FrameReport, Simulation, StepReport};
 use energy::EnergyBalance;
 
 /// A figure of the audit with the bound that it should keep.
@@ -82,8 +79,7 @@ pub struct Auditor {
     /// Force on each link in the last and in this step, and in the last and in this frame, N, world frame.
     step_force: Jump,
     frame_force: Jump,
-    contact_torque_nm: Vec<f64>,
-    frame_rest_rad: Vec<f64>,
+    frame_rest_angle_rad: Vec<f64>,
     frames_at_rest: u32,
 }
 
@@ -103,7 +99,7 @@ impl Jump {
     }
 
     /// The largest change of a link's force from the moment before to this one.
-    fn observe(&mut self, contacts: &[SolverContact], scale: f64) -> f64 {
+    fn observe(&mut self, contacts: &[Contact], scale: f64) -> f64 {
         std::mem::swap(&mut self.last, &mut self.now);
         self.now.fill(DVec3::ZERO);
         for contact in contacts {
@@ -115,17 +111,16 @@ impl Jump {
 }
 
 impl Auditor {
-    /// An auditor of a world as it stands.
-    pub fn new(arm: &Arm, handles: &ArmHandles, physics: &Physics) -> Self {
-        let energy = EnergyBalance::new(arm, handles, physics);
-        let frame_rest_rad = energy.joints().iter().map(|joint| joint.rest_rad).collect();
+    /// An auditor of a simulation from now on.
+    pub fn new(simulation: &Simulation) -> Self {
+        let arm = simulation.arm();
+        let joints = simulation.report().joints.iter();
         Auditor {
             audit: Audit::default(),
-            energy,
+            energy: EnergyBalance::new(simulation),
             step_force: Jump::new(arm.links.len()),
             frame_force: Jump::new(arm.links.len()),
-            contact_torque_nm: vec![0.0; arm.joints.len()],
-            frame_rest_rad,
+            frame_rest_angle_rad: joints.map(|joint| joint.rest_angle_rad).collect(),
             frames_at_rest: 0,
         }
     }
@@ -153,47 +148,45 @@ impl Auditor {
         &self.energy
     }
 
-    /// Takes an engine step that has just been made, with its contacts.
-    pub fn observe_step(&mut self, arm: &Arm, handles: &ArmHandles, physics: &Physics, contacts: &[SolverContact]) {
-        self.energy.observe_step(arm, handles, physics, contacts);
+    /// Takes an engine step, with its contacts.
+    pub fn observe_step(&mut self, step: &StepReport) {
+        self.energy.observe_step(step);
         let audit = &mut self.audit;
-        for contact in contacts {
+        for contact in step.contacts {
             audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
         }
-        let jump = self
-            .step_force
-            .observe(contacts, FRAME_PERIOD_S / physics.options.step_s);
+        let jump = self.step_force.observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
         audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
     }
 
-    /// Takes a frame that is about to be recorded: all its contacts, and what the skin made of them.
-    pub fn observe_frame(&mut self, arm: &Arm, contacts: &[SolverContact], touch: &Touch) {
+    /// Takes a frame of `arm` that is about to be recorded.
+    pub fn observe_frame(&mut self, arm: &Arm, report: &FrameReport) {
         let audit = &mut self.audit;
-        audit.largest_force_residual = audit.largest_force_residual.max(touch.force_residual);
-        audit.largest_moment_residual_m = audit.largest_moment_residual_m.max(touch.moment_residual_m);
-        let jump = self.frame_force.observe(contacts, 1.0);
+        audit.largest_force_residual = audit.largest_force_residual.max(report.tactile.force_residual);
+        audit.largest_moment_residual_m = audit.largest_moment_residual_m.max(report.tactile.moment_residual_m);
+        let jump = self.frame_force.observe(&report.contacts, 1.0);
         audit.largest_frame_force_jump_n = audit.largest_frame_force_jump_n.max(jump);
-        self.observe_rest(arm, contacts);
+        self.observe_rest(arm, report);
     }
 
-    fn observe_rest(&mut self, arm: &Arm, contacts: &[SolverContact]) {
-        let joints = self.energy.joints();
-        let resting = joints.iter().zip(&self.frame_rest_rad).all(|(joint, rest)| {
-            joint.rate_rad_per_s.abs() < REST_RATE_RAD_PER_S && (joint.rest_rad - rest).abs() < REST_SHIFT_RAD
+    fn observe_rest(&mut self, arm: &Arm, report: &FrameReport) {
+        let joints = &report.joints;
+        let resting = joints.iter().zip(&self.frame_rest_angle_rad).all(|(joint, rest)| {
+            joint.velocity_rad_per_s.abs() < REST_RATE_RAD_PER_S && (joint.rest_angle_rad - rest).abs() < REST_SHIFT_RAD
         });
-        self.frame_rest_rad.clear();
-        self.frame_rest_rad.extend(joints.iter().map(|joint| joint.rest_rad));
+        self.frame_rest_angle_rad.clear();
+        self.frame_rest_angle_rad.extend(joints.iter().map(|joint| joint.rest_angle_rad));
         self.frames_at_rest = if resting { self.frames_at_rest + 1 } else { 0 };
-        if self.frames_at_rest < REST_FRAMES || contacts.is_empty() {
+        if self.frames_at_rest < REST_FRAMES || report.contacts.is_empty() {
             return;
         }
-        self.energy.contact_torques(arm, contacts, &mut self.contact_torque_nm);
+        let contact_torque_nm = report.contact_torque_nm(arm);
         let (mut torque, mut missing) = (0.0, 0.0);
-        for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&self.contact_torque_nm) {
+        for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&contact_torque_nm) {
             // At a stop, which gives way, the stop carries the rest.
             let [lower, upper] = joint.limits_rad;
             if lower + 1e-3 < state.angle_rad && state.angle_rad < upper - 1e-3 {
-                let spring_nm = joint.stiffness_nm_per_rad * (state.rest_rad - state.angle_rad);
+                let spring_nm = joint.stiffness_nm_per_rad * (state.rest_angle_rad - state.angle_rad);
                 torque += contact_nm * contact_nm;
                 missing += (spring_nm + contact_nm).powi(2);
             }

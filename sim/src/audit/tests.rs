@@ -1,26 +1,28 @@
 //! Tests of the audit against closed forms.
 
-use nalgebra::Vector3;
-
 use super::*;
-use crate::clutter::{Clutter, PlacedObject};
-use crate::object::trunk::Trunk;
+use crate::clutter::Clutter;
 use crate::physics::PhysicsOptions;
-use crate::world::World;
+use crate::sensor::{Sensor, SensorOptions};
+use crate::simulation::Setup;
 
-fn free_arm(step_s: f64, substeps: usize) -> (Arm, World, Clutter) {
+/// Cody's arm with nothing around it.
+fn free_arm(step_s: f64, substeps: usize) -> Simulation {
     let arm = Arm::cody().unwrap();
-    let clutter = Clutter {
-        objects: Vec::new(),
-        goals: Vec::new(),
-    };
-    let options = PhysicsOptions {
-        step_s,
-        substeps,
-        gravity_m_per_s2: 9.81,
-    };
-    let world = World::new(&arm, &arm.start_posture_rad(), &clutter, options, false);
-    (arm, world, clutter)
+    Simulation::new(Setup {
+        sensor: Sensor::new(&SensorOptions::off(), &arm.skin, 0, "test", 0),
+        arm,
+        clutter: Clutter {
+            objects: Vec::new(),
+            goals: Vec::new(),
+        },
+        physics: PhysicsOptions {
+            step_s,
+            substeps,
+            gravity_m_per_s2: 9.81,
+        },
+        dormancy: false,
+    })
 }
 
 /// Pins the balance on the free arm after its actuators made one step δ: they did the work Σ ½ K δ², and once the arm
@@ -30,13 +32,15 @@ fn free_arm(step_s: f64, substeps: usize) -> (Arm, World, Clutter) {
 fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     let mut found = Vec::new();
     for (step_s, substeps) in [(0.005, 4), (0.001, 1), (0.00025, 1)] {
-        let (arm, mut world, clutter) = free_arm(step_s, substeps);
+        let mut simulation = free_arm(step_s, substeps);
+        let arm = simulation.arm().clone();
+        let mut balance = EnergyBalance::new(&simulation);
         let shift = 0.05;
         let goal: Vec<f64> = arm.start_posture_rad().iter().map(|angle| angle + shift).collect();
         for _ in 0..800 {
-            world.advance_frame(&arm, &goal, &clutter);
+            simulation.step_observed(&goal, &mut |step| balance.observe_step(step));
         }
-        let sums = *world.auditor.energy().sums();
+        let sums = *balance.sums();
         let stiffness: f64 = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad).sum();
         let work = 0.5 * stiffness * shift * shift;
         assert!(
@@ -56,56 +60,6 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     assert!(
         fine.abs() < 0.5 * middle.abs() && fine_own < 0.5 * middle_own,
         "{found:?}"
-    );
-}
-
-/// Pins the balance of an arm that is pressed on a trunk and dragged along it with friction: 0.2 % of the actuators' work
-/// is unexplained at steps of 1 ms, and what friction, softness and trunk take is a third of it.
-#[test]
-fn dragging_along_a_trunk_keeps_the_balance() {
-    let arm = Arm::cody().unwrap();
-    let posture = arm.start_posture_rad();
-    let poses = arm.forward_kinematics(&posture);
-    let forearm = arm.link_index("forearm").unwrap();
-    let place = poses[forearm].transform_point(DVec3::new(0.0, 0.0, 0.10));
-    let trunk = Trunk {
-        diameter_m: 0.03,
-        height_m: 0.6,
-    };
-    let clutter = Clutter {
-        objects: vec![PlacedObject {
-            object: Box::new(trunk),
-            foot_world: (place + DVec3::Y * (0.04604 + 0.017)).with_z(place.z - 0.3),
-            yaw_rad: 0.0,
-        }],
-        goals: Vec::new(),
-    };
-    let options = PhysicsOptions {
-        step_s: 0.001,
-        substeps: 1,
-        gravity_m_per_s2: 9.81,
-    };
-    let mut world = World::new(&arm, &posture, &clutter, options, false);
-    let jacobian = arm.position_jacobian(&poses, forearm, place).transpose();
-    let (press, drag) = (
-        &jacobian * Vector3::new(0.0, 6.0, 0.0),
-        &jacobian * Vector3::new(8.0, 0.0, 0.0),
-    );
-    for frame in 0..600 {
-        let pressing = (f64::from(frame) / 100.0).min(1.0);
-        let dragging = (f64::from(frame - 200) * 0.02).max(0.0).sin();
-        let angle = |(joint, start): (usize, &f64)| {
-            start + (press[joint] * pressing + drag[joint] * dragging) / arm.joints[joint].stiffness_nm_per_rad
-        };
-        let equilibrium: Vec<f64> = posture.iter().enumerate().map(angle).collect();
-        world.advance_frame(&arm, &equilibrium, &clutter);
-    }
-    let sums = world.auditor.energy().sums();
-    assert!(sums.contacts_j > 0.2 * sums.actuators_j, "{sums:?}");
-    assert!(
-        sums.residual_j().abs() < 2e-3 * sums.exchanged_j,
-        "{sums:?}: {}",
-        sums.residual_j()
     );
 }
 
@@ -164,10 +118,10 @@ fn bounds_follow_the_arm_and_its_skin() {
 /// Pins the jump of a force: the largest change of the sum on one link, scaled.
 #[test]
 fn jumps_are_changes_of_a_links_force() {
-    let contact = |link: usize, force: f64| SolverContact {
+    let contact = |link: usize, force: f64| Contact {
         link,
         object: 0,
-        collider: rapier3d::prelude::ColliderHandle::invalid(),
+        body: 0,
         position_link: DVec3::ZERO,
         inward_world: DVec3::X,
         force_world: DVec3::X * force,

@@ -1,34 +1,31 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use underbrush_recording::body::{ORIENTATION_TOLERANCE_RAD, POSITION_TOLERANCE_M};
 use underbrush_recording::{Body, BodyOwner, BodyShape, Category, Pose, Recording};
 
-use crate::geometry::from_parry;
 use crate::reach::ReachPlan;
 use crate::scene::Scene;
 
-/// The engine's poses of the bodies in one frame, by object and number of the body in it.
-type EnginePoses = BTreeMap<(usize, usize), Pose>;
+/// The simulation's poses of the bodies of every object in one frame.
+type ObjectPoses = Vec<Vec<Pose>>;
 
-/// The first goal of a shipped scene, with the engine's pose of every body of every object in the engine, frame by frame.
-fn watched(scene: &str) -> (ReachPlan, Recording, Vec<EnginePoses>) {
+/// The first goal of a shipped scene, with the poses of the bodies that have shapes, frame by frame.
+fn watched(scene: &str) -> (ReachPlan, Recording, Vec<ObjectPoses>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(scene);
     let mut scene = Scene::load(path).unwrap();
     scene.file.goals.count = 1;
     let plan = ReachPlan::new(scene, None, 3).unwrap();
     let mut frames = Vec::new();
-    let recording = plan.run(0, &mut |world, clutter, _| {
-        let mut poses = BTreeMap::new();
-        for object in 0..clutter.objects.len() {
-            for (number, collider) in world.colliders_of(object).into_iter().flatten().enumerate() {
-                let body = world.physics.colliders[*collider].parent().unwrap();
-                poses.insert((object, number), from_parry(world.physics.bodies[body].position()));
-            }
-        }
-        frames.push(poses);
+    let recording = plan.run(0, &mut |simulation, _| {
+        let objects = simulation.report().objects.iter().enumerate();
+        let poses = objects.map(|(object, state)| {
+            let bodies = simulation.structure(object).bodies.iter().zip(&state.body_pose_world);
+            let with_shapes = bodies.filter(|(body, _)| !body.parts.is_empty());
+            with_shapes.map(|(_, pose)| *pose).collect()
+        });
+        frames.push(poses.collect());
     });
     (plan, recording.unwrap(), frames)
 }
@@ -69,7 +66,7 @@ fn stored_poses_are_the_engines() {
             for (number, body) in bodies_of(&recording, object).into_iter().enumerate() {
                 moved += usize::from(!body.track.is_empty());
                 for (frame, poses) in frames.iter().enumerate() {
-                    let truth = poses.get(&(object, number)).unwrap_or(&body.rest_pose_world);
+                    let truth = &poses[object][number];
                     let stored = body.pose_world(frame as u32);
                     assert_same(&stored, truth, (scene, object, number, frame));
                 }

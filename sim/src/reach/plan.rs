@@ -7,6 +7,8 @@ use crate::arm::{Arm, ArmAtStart};
 use crate::clutter::Clutter;
 use crate::controller::{self, Controller, ControllerKind, Preset};
 use crate::scene::Scene;
+use crate::sensor::Sensor;
+use crate::simulation::{Setup, Simulation};
 
 /// Everything that decides a reach but its index.
 #[derive(Clone, Debug)]
@@ -72,12 +74,26 @@ impl ReachPlan {
         Clutter::draw(&self.scene, &ArmAtStart::of(&self.arm), self.seed, reach_index)
     }
 
+    /// The simulation of reach number `reach_index` at its start.
+    ///
+    /// # Errors
+    /// When the scene is impossible for this draw.
+    pub fn simulation(&self, reach_index: u64) -> Result<Simulation, InputError> {
+        let file = &self.scene.file;
+        Ok(Simulation::new(Setup {
+            arm: self.arm.clone(),
+            clutter: self.draw(reach_index)?,
+            sensor: Sensor::new(&file.sensor, &self.arm.skin, self.seed, &self.scene.name, reach_index),
+            physics: file.physics.options(),
+            dormancy: file.physics.dormancy,
+        }))
+    }
+
     /// Runs reach number `reach_index`.
     ///
     /// # Errors
     /// When the scene is impossible for this draw; how the reach ends is data, never an error.
     pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, InputError> {
-        let clutter = self.draw(reach_index)?;
-        Ok(Reach::new(self, &clutter, reach_index).run(&clutter, observer))
+        Ok(Reach::new(self, self.simulation(reach_index)?, reach_index).run(observer))
     }
 }

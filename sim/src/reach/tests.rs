@@ -37,7 +37,7 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
     // a tenth, because the arm's lag behind its equilibrium angles takes the same time at each speed.
     let mean_speed = |scale: f64| {
         let recording = plan(&format!("hand_speed_scale = {scale:?}"))
-            .run(0, &mut |_, _, _| {})
+            .run(0, &mut |_, _| {})
             .unwrap();
         assert_eq!(recording.outcome(), Outcome::Reached);
         let place = |frame: &underbrush_recording::Frame| frame.tip_pose_world.position;
@@ -93,7 +93,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
     let plan = through_trunks("ijrr-foliage", 0);
     let mut aborted = 0;
     for reach_index in 0..6 {
-        let recording = plan.run(reach_index, &mut |_, _, _| {}).unwrap();
+        let recording = plan.run(reach_index, &mut |_, _| {}).unwrap();
         let last = recording.goals.last().unwrap();
         let peak = recording
             .contacts
@@ -131,8 +131,8 @@ fn a_stuck_arm_backs_off_and_tries_again() {
     let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
     let (mut retried, mut farthest) = (0, 0.0_f64);
     for reach_index in 0..4 {
-        let first = once.run(reach_index, &mut |_, _, _| {}).unwrap();
-        let second = twice.run(reach_index, &mut |_, _, _| {}).unwrap();
+        let first = once.run(reach_index, &mut |_, _| {}).unwrap();
+        let second = twice.run(reach_index, &mut |_, _| {}).unwrap();
         let until = first.frames.len();
         assert_eq!(first.frames, second.frames[..until]);
         if first.outcome() != Outcome::Stuck {

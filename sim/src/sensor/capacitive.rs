@@ -12,6 +12,7 @@ use super::spurious::SpuriousReadings;
 pub const CREEP_TIMES_S: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
 /// The capacitive taxels of one patch.
+#[derive(Clone)]
 pub struct Capacitive {
     /// Four neighbours of each taxel; the taxel itself stands for one that the grid does not have.
     neighbours: Vec<[usize; 4]>,

@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// White Gaussian noise of one standard deviation for all taxels.
+#[derive(Clone)]
 pub struct Noise {
     standard_deviation_n: f64,
 }
@@ -23,6 +24,7 @@ impl Noise {
 }
 
 /// Rounds readings to steps.
+#[derive(Clone)]
 pub struct Converter {
     steps_per_n: f64,
 }

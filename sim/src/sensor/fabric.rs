@@ -6,6 +6,7 @@ use super::converter::{Converter, Noise};
 use super::options::FabricOptions;
 
 /// The fabric taxels of one patch. They are separate pieces: no crosstalk.
+#[derive(Clone)]
 pub struct Fabric {
     full_scale_n: f64,
     /// Reading over force while the fabric opens: 1 / (1 − hysteresis share).

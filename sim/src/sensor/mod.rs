@@ -29,6 +29,7 @@ use fabric::Fabric;
 pub use options::{FabricOptions, Fault, SensorOptions};
 
 /// The electronics of one patch.
+#[derive(Clone)]
 enum Electronics {
     Perfect,
     Capacitive(Capacitive),
@@ -39,6 +40,7 @@ enum Electronics {
 ///
 /// Every taxel is sampled in every frame, in the same order, so that the noise of one does not depend on what touches
 /// another.
+#[derive(Clone)]
 pub struct Sensor {
     /// Electronics of each patch, in the layout's order, and where its taxels are below.
     patches: Vec<(Electronics, Range<usize>)>,

@@ -9,6 +9,7 @@ use super::options::SensorOptions;
 
 /// The spurious readings of one patch. Each taxel's offset is a telegraph process: it is zero for a while, then one constant
 /// force for a while.
+#[derive(Clone)]
 pub struct SpuriousReadings {
     /// Probability per frame that a taxel's spurious reading begins, and that it ends.
     begin: f64,

@@ -4,10 +4,10 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape};
 
-use crate::geometry::{engine_shape, parry_pose};
+use super::engine::{Engine, groups};
+use crate::geometry::{engine_shape, from_parry, parry_pose};
 use crate::object::FRICTION;
 use crate::object::structure::{self, Axis, CollisionGroup, Inertia, Spring, Structure};
-use crate::physics::{Physics, groups};
 
 #[derive(Clone, Debug)]
 struct Coordinate {
@@ -17,9 +17,9 @@ struct Coordinate {
     dashpot: f64,
 }
 
-/// One object's bodies and springs in a [`Physics`].
+/// One object's bodies and springs in a [`Engine`].
 #[derive(Clone, Debug, Default)]
-pub struct Mechanism {
+pub(super) struct Mechanism {
     bodies: Vec<RigidBodyHandle>,
     colliders: Vec<ColliderHandle>,
     coordinates: Vec<Coordinate>,
@@ -32,7 +32,7 @@ const REST_SPEED: f64 = 2e-2;
 
 impl Mechanism {
     /// Builds an object with its foot at `foot_world`, rotated by `yaw_rad` about the vertical.
-    pub fn build(structure: &Structure, physics: &mut Physics, foot_world: DVec3, yaw_rad: f64) -> Self {
+    pub(super) fn build(structure: &Structure, engine: &mut Engine, foot_world: DVec3, yaw_rad: f64) -> Self {
         let foot_pose_world = if structure.axisymmetric {
             Pose::from_translation(foot_world)
         } else {
@@ -40,32 +40,38 @@ impl Mechanism {
         };
         let mut mechanism = Mechanism::default();
         for body in &structure.bodies {
-            mechanism.insert_body(physics, body, foot_pose_world);
+            mechanism.insert_body(engine, body, foot_pose_world);
         }
-        mechanism.finish(physics);
+        mechanism.finish(engine);
         mechanism
     }
 
     /// Every collider with its place in the object, lowest first.
-    pub fn colliders(&self) -> &[ColliderHandle] {
+    pub(super) fn colliders(&self) -> &[ColliderHandle] {
         &self.colliders
     }
 
     /// The bodies, foot first.
-    pub fn bodies(&self) -> &[RigidBodyHandle] {
+    pub(super) fn bodies(&self) -> &[RigidBodyHandle] {
         &self.bodies
     }
 
+    /// Writes the poses of the bodies in the world frame into `poses`.
+    pub(super) fn read_body_poses(&self, engine: &Engine, poses: &mut Vec<underbrush_recording::Pose>) {
+        poses.clear();
+        poses.extend(self.bodies.iter().map(|body| from_parry(engine.bodies[*body].position())));
+    }
+
     /// Whether anything in it can move.
-    pub fn is_movable(&self) -> bool {
+    pub(super) fn is_movable(&self) -> bool {
         !self.coordinates.is_empty()
     }
 
     /// Adds a body, its joint and its shapes.
-    fn insert_body(&mut self, physics: &mut Physics, body: &structure::Body, foot_pose_world: Pose) {
+    fn insert_body(&mut self, engine: &mut Engine, body: &structure::Body, foot_pose_world: Pose) {
         let handle = match &body.joint {
-            None => physics.bodies.insert(RigidBodyBuilder::fixed().pose(foot_pose_world)),
-            Some(joint) => self.insert_jointed(physics, joint, &body.inertia),
+            None => engine.bodies.insert(RigidBodyBuilder::fixed().pose(foot_pose_world)),
+            Some(joint) => self.insert_jointed(engine, joint, &body.inertia),
         };
         self.bodies.push(handle);
         for part in &body.parts {
@@ -74,21 +80,21 @@ impl Mechanism {
                 .density(0.0)
                 .friction(FRICTION)
                 .collision_groups(engine_groups(body.collision_group));
-            let collider = physics.colliders.insert_with_parent(shape, handle, &mut physics.bodies);
+            let collider = engine.colliders.insert_with_parent(shape, handle, &mut engine.bodies);
             self.colliders.push(collider);
         }
     }
 
     fn insert_jointed(
         &mut self,
-        physics: &mut Physics,
+        engine: &mut Engine,
         joint: &structure::Joint,
         inertia: &Inertia,
     ) -> RigidBodyHandle {
         let parent = self.bodies[joint.parent];
-        let pose = *physics.bodies[parent].position() * Pose::from_translation(joint.origin_parent);
+        let pose = *engine.bodies[parent].position() * Pose::from_translation(joint.origin_parent);
         let mass = MassProperties::new(inertia.center_of_mass_body, inertia.mass_kg, inertia.principal_kg_m2);
-        let body = physics.bodies.insert(
+        let body = engine.bodies.insert(
             RigidBodyBuilder::dynamic()
                 .pose(pose)
                 .additional_mass_properties(mass)
@@ -101,10 +107,10 @@ impl Mechanism {
         let data = GenericJointBuilder::new(locked)
             .local_anchor1(joint.origin_parent)
             .build();
-        let Some(handle) = physics.joints.insert(parent, body, data, true) else {
+        let Some(handle) = engine.joints.insert(parent, body, data, true) else {
             return body;
         };
-        if let Some((multibody, link)) = physics.joints.get_mut(handle) {
+        if let Some((multibody, link)) = engine.joints.get_mut(handle) {
             multibody.set_self_contacts_enabled(false);
             if let Some(link) = multibody.link_mut(link) {
                 for (axis, spring) in &joint.free_axes {
@@ -124,15 +130,15 @@ impl Mechanism {
     }
 
     /// Sets damping and armature once all bodies are in.
-    fn finish(&mut self, physics: &mut Physics) {
+    fn finish(&mut self, engine: &mut Engine) {
         let Some(first) = self.coordinates.first() else { return };
-        if let Some((multibody, _)) = physics.joints.get_mut(first.joint) {
+        if let Some((multibody, _)) = engine.joints.get_mut(first.joint) {
             // Lets a fixed root drop its six degrees of freedom now; the damping vector is indexed after that.
-            multibody.forward_kinematics(&physics.bodies, true);
+            multibody.forward_kinematics(&engine.bodies, true);
             multibody.damping_mut().fill(0.0);
         }
         for coordinate in &self.coordinates {
-            if let Some((multibody, link)) = physics.joints.get_mut(coordinate.joint)
+            if let Some((multibody, link)) = engine.joints.get_mut(coordinate.joint)
                 && let Some(index) = degree_of_freedom(multibody, link, coordinate.axis)
             {
                 multibody.damping_mut()[index] = coordinate.spring.damping;
@@ -141,14 +147,14 @@ impl Mechanism {
         }
     }
 
-    /// Lets the slow branches of its springs relax over one step; call before [`Physics::step`].
-    pub fn relax(&mut self, physics: &mut Physics) {
-        let step_s = physics.options.step_s;
+    /// Lets the slow branches of its springs relax over one step; call before [`Engine::step`].
+    pub(super) fn relax(&mut self, engine: &mut Engine) {
+        let step_s = engine.options.step_s;
         for coordinate in &mut self.coordinates {
             let Some(maxwell) = coordinate.spring.maxwell else {
                 continue;
             };
-            let Some((multibody, link)) = physics.joints.get_mut(coordinate.joint) else {
+            let Some((multibody, link)) = engine.joints.get_mut(coordinate.joint) else {
                 continue;
             };
             let Some(link) = multibody.link_mut(link) else { continue };
@@ -163,9 +169,9 @@ impl Mechanism {
     }
 
     /// Whether it stands as it was built and does not move, so that taking it out changes nothing.
-    pub fn is_at_rest(&self, physics: &Physics) -> bool {
+    pub(super) fn is_at_rest(&self, engine: &Engine) -> bool {
         self.coordinates.iter().all(|coordinate| {
-            let Some((multibody, link)) = physics.joints.get(coordinate.joint) else {
+            let Some((multibody, link)) = engine.joints.get(coordinate.joint) else {
                 return false;
             };
             let Some(index) = degree_of_freedom(multibody, link, coordinate.axis) else {
@@ -181,9 +187,9 @@ impl Mechanism {
     }
 
     /// Takes all of it out of the engine.
-    pub fn remove(self, physics: &mut Physics) {
+    pub(super) fn remove(self, engine: &mut Engine) {
         for body in self.bodies.into_iter().rev() {
-            physics.remove_body(body);
+            engine.remove_body(body);
         }
     }
 }
@@ -197,7 +203,7 @@ fn degree_of_freedom(multibody: &Multibody, link: usize, axis: usize) -> Option<
 }
 
 /// Number of a degree of freedom in the engine's layout of six.
-fn engine_axis(axis: Axis) -> usize {
+pub(super) fn engine_axis(axis: Axis) -> usize {
     let axis = match axis {
         Axis::TranslationX => JointAxis::LinX,
         Axis::TranslationY => JointAxis::LinY,
@@ -218,7 +224,7 @@ fn engine_groups(group: CollisionGroup) -> InteractionGroups {
 }
 
 /// A collision shape in its place on its body; `None` for a hull without volume.
-fn collider(part: &BodyPart) -> Option<ColliderBuilder> {
+pub(super) fn collider(part: &BodyPart) -> Option<ColliderBuilder> {
     if let BodyShape::Capsule { radius_m, length_m } = part.shape {
         // Between its ends in the body's frame: an upright capsule then needs no rotation, whose rounding contacts would
         // inherit.

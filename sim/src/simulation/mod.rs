@@ -1,3 +1,174 @@
-//! The engine's side of a simulation.
+//! The sealed simulation of one arm in one clutter: equilibrium angles in, one report of the frame out.
+//!
+//! [`Simulation`] owns the arm, the clutter, the physics engine and the skin's sensor. A reach is a loop over
+//! [`Simulation::step`] (see `examples/own_controller.rs`). [`rig::Rig`] holds single bodies and objects without an arm, for
+//! tests against closed-form solutions. No type of the engine appears outside this module.
 
-pub mod mechanism;
+use std::sync::Arc;
+
+use underbrush_recording::Pose;
+
+use crate::arm::Arm;
+use crate::clutter::Clutter;
+use crate::object::structure::Structure;
+use crate::physics::PhysicsOptions;
+use crate::sensor::Sensor;
+use model::Model;
+use world::World;
+
+mod arm;
+mod contact;
+mod dormancy;
+mod engine;
+mod mechanism;
+mod model;
+mod report;
+pub mod rig;
+mod sense;
+mod tactile;
+mod world;
+
+pub use contact::{Contact, contact_torque_nm};
+pub use report::{FrameReport, JointState, ObjectState, StepObserver, StepReport};
+pub use tactile::{ContactPair, LinkForce, TactileFrame};
+
+/// What a simulation is made of.
+pub struct Setup {
+    /// The arm; it starts at rest in its start posture.
+    pub arm: Arm,
+    /// What stands around it, at rest.
+    pub clutter: Clutter,
+    /// The electronics of the arm's skin.
+    pub sensor: Sensor,
+    /// Step and solver options.
+    pub physics: PhysicsOptions,
+    /// Whether objects that rest with nothing moving near them are left out of the engine.
+    pub dormancy: bool,
+}
+
+/// One arm in one clutter. A copy continues exactly as the original does, bit for bit.
+#[derive(Clone)]
+pub struct Simulation {
+    model: Arc<Model>,
+    state: State,
+}
+
+/// Everything that changes while a simulation runs.
+#[derive(Clone)]
+struct State {
+    world: World,
+    sensor: Sensor,
+    report: FrameReport,
+}
+
+impl Simulation {
+    /// A simulation at its start, with the report of frame 0.
+    pub fn new(setup: Setup) -> Self {
+        let model = Model::new(setup.arm, setup.clutter, setup.physics, setup.dormancy);
+        let mut state = State {
+            world: World::new(&model),
+            sensor: setup.sensor,
+            report: FrameReport::default(),
+        };
+        state.write_report(&model);
+        Simulation {
+            model: Arc::new(model),
+            state,
+        }
+    }
+
+    /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_angle_rad`, one for each joint.
+    ///
+    /// # Panics
+    /// If the number of angles is not that of the joints.
+    pub fn step(&mut self, equilibrium_angle_rad: &[f64]) -> &FrameReport {
+        self.advance(equilibrium_angle_rad, None)
+    }
+
+    /// As [`Simulation::step`], and calls `observer` after each engine step of the frame.
+    ///
+    /// # Panics
+    /// If the number of angles is not that of the joints.
+    pub fn step_observed(&mut self, equilibrium_angle_rad: &[f64], observer: &mut StepObserver) -> &FrameReport {
+        self.advance(equilibrium_angle_rad, Some(observer))
+    }
+
+    fn advance(&mut self, equilibrium_angle_rad: &[f64], observer: Option<&mut StepObserver>) -> &FrameReport {
+        let (model, state) = (&self.model, &mut self.state);
+        let (angles, joints) = (equilibrium_angle_rad.len(), model.arm.joints.len());
+        assert_eq!(angles, joints, "{angles} equilibrium angles for {joints} joints");
+        state.world.advance_frame(model, equilibrium_angle_rad, observer);
+        state.report.frame += 1;
+        state.write_report(model);
+        &state.report
+    }
+
+    /// The report of the last frame.
+    pub fn report(&self) -> &FrameReport {
+        &self.state.report
+    }
+
+    /// The arm.
+    pub fn arm(&self) -> &Arm {
+        &self.model.arm
+    }
+
+    /// What stands around the arm.
+    pub fn clutter(&self) -> &Clutter {
+        &self.model.clutter
+    }
+
+    /// Bodies and joints of an object of the clutter.
+    pub fn structure(&self, object: usize) -> &Structure {
+        &self.model.structures[object]
+    }
+
+    /// Poses of the bodies of an object at rest, world frame.
+    pub fn rest_pose_world(&self, object: usize) -> &[Pose] {
+        &self.model.rest_pose_world[object]
+    }
+
+    /// Step and solver options.
+    pub fn physics(&self) -> PhysicsOptions {
+        self.model.physics
+    }
+
+    /// Sets the joint velocities q̇, rad/s, one for each joint.
+    ///
+    /// # Panics
+    /// If the number of velocities is not that of the joints.
+    pub fn set_joint_velocity(&mut self, velocity_rad_per_s: &[f64]) {
+        assert_eq!(
+            velocity_rad_per_s.len(),
+            self.model.arm.joints.len(),
+            "one velocity for each joint"
+        );
+        let State { world, report, .. } = &mut self.state;
+        world.arm.set_velocity(velocity_rad_per_s, &mut world.engine);
+        world.arm.read_joints(&world.engine, &mut report.joints);
+    }
+}
+
+impl State {
+    /// Reads the world and the skin as they are now.
+    fn write_report(&mut self, model: &Model) {
+        let State { world, sensor, report } = self;
+        world.arm.read_joints(&world.engine, &mut report.joints);
+        world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);
+        report.tip_pose_world = model.arm.tip_pose(&report.link_pose_world);
+        report.objects.resize_with(model.structures.len(), ObjectState::default);
+        let objects = world.mechanisms.iter().zip(&model.rest_pose_world);
+        for (object, (mechanism, rest)) in report.objects.iter_mut().zip(objects) {
+            let was_active = std::mem::replace(&mut object.active, mechanism.is_some());
+            match mechanism {
+                Some(mechanism) => mechanism.read_body_poses(&world.engine, &mut object.body_pose_world),
+                // What is left out of the engine stands as it was built.
+                None if was_active || report.frame == 0 => object.body_pose_world.clone_from(rest),
+                None => {}
+            }
+        }
+        report.contacts.clear();
+        report.contacts.extend_from_slice(world.contacts());
+        report.tactile = sense::sense(world, model, sensor);
+    }
+}

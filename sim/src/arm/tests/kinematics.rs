@@ -39,7 +39,7 @@ pub(super) fn modified_dh_frames(joint_angle_rad: &[f64]) -> Vec<Matrix4<f64>> {
         .collect()
 }
 
-pub(super) fn matrix(pose: &Pose) -> Matrix4<f64> {
+pub(crate) fn matrix(pose: &Pose) -> Matrix4<f64> {
     Matrix4::from_column_slice(&DMat4::from_rotation_translation(pose.orientation, pose.position).to_cols_array())
 }
 

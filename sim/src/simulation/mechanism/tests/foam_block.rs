@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::build;
 use crate::object::Object;
 use crate::object::foam_block::FoamBlock;
-use crate::physics::{Physics, PhysicsOptions};
+use crate::physics::PhysicsOptions;
+use crate::simulation::engine::Engine;
 
 /// Pins that a load on the top presses a wet block in by F H / (E A (1 − share)) in the end, and that the block then
 /// rises again and counts as at rest.
@@ -22,20 +23,20 @@ fn a_load_presses_the_top_in() {
         substeps: 1,
         gravity_m_per_s2: 0.0,
     };
-    let mut physics = Physics::new(options);
-    let mut mechanism = build(&block, &mut physics);
+    let mut engine = Engine::new(options);
+    let mut mechanism = build(&block, &mut engine);
     let top = mechanism.bodies()[1];
     let mut press = |seconds: f64, force_n: f64| {
         for _ in 0..(seconds / options.step_s).round() as usize {
-            let body = &mut physics.bodies[top];
+            let body = &mut engine.bodies[top];
             body.reset_forces(true);
             body.add_force(DVec3::Z * -force_n, true);
-            mechanism.relax(&mut physics);
-            physics.step();
+            mechanism.relax(&mut engine);
+            engine.step();
         }
         (
-            -physics.bodies[top].position().translation.z,
-            mechanism.is_at_rest(&physics),
+            -engine.bodies[top].position().translation.z,
+            mechanism.is_at_rest(&engine),
         )
     };
     let (depth_m, _) = press(40.0, 30.0);

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::build;
 use crate::object::foam_roll::FoamRoll;
-use crate::physics::{Physics, PhysicsOptions};
+use crate::physics::PhysicsOptions;
+use crate::simulation::engine::Engine;
 
 /// Pins that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation
 /// time τ/(1 − share)) and comes back slowly and whole.
@@ -23,23 +24,23 @@ fn a_push_creeps_and_recovers() {
         substeps: 1,
         gravity_m_per_s2: 0.0,
     };
-    let mut physics = Physics::new(options);
-    let mut mechanism = build(&roll, &mut physics);
+    let mut engine = Engine::new(options);
+    let mut mechanism = build(&roll, &mut engine);
     // The core takes the force, so that only the lean shows.
     let core = mechanism.bodies()[2];
     let force = 0.5;
     let lever = 0.4;
     let mut lean = |seconds: f64, force: f64| {
         for _ in 0..(seconds / options.step_s).round() as usize {
-            let body = &mut physics.bodies[core];
+            let body = &mut engine.bodies[core];
             body.reset_forces(true);
             body.reset_torques(true);
             let point = body.position().transform_point(DVec3::Z * lever);
             body.add_force_at_point(DVec3::X * force, point, true);
-            mechanism.relax(&mut physics);
-            physics.step();
+            mechanism.relax(&mut engine);
+            engine.step();
         }
-        physics.bodies[core].position().transform_vector(DVec3::Z).x
+        engine.bodies[core].position().transform_vector(DVec3::Z).x
     };
     let at_once = force * lever / roll.lean_stiffness_nm_per_rad();
     let retardation = roll.relaxation_time_s / (1.0 - roll.relaxing_share);
@@ -84,21 +85,21 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
         substeps: 2,
         gravity_m_per_s2: 9.81,
     };
-    let mut physics = Physics::new(options);
-    let mut mechanism = build(roll, &mut physics);
+    let mut engine = Engine::new(options);
+    let mut mechanism = build(roll, &mut engine);
     let core = mechanism.bodies()[2];
     for step in 0..(seconds / options.step_s) as usize {
-        let body = &mut physics.bodies[core];
+        let body = &mut engine.bodies[core];
         body.reset_forces(true);
         body.reset_torques(true);
         if step < 100 {
             let top = body.position().transform_point(DVec3::Z * roll.height_m);
             body.add_force_at_point(DVec3::X * 0.05, top, true);
         }
-        mechanism.relax(&mut physics);
-        physics.step();
+        mechanism.relax(&mut engine);
+        engine.step();
     }
-    let tip = physics.bodies[core]
+    let tip = engine.bodies[core]
         .position()
         .transform_point(DVec3::Z * roll.height_m);
     tip.truncate().length()

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::build;
 use crate::object::leaf::Leaf;
-use crate::physics::{Physics, PhysicsOptions};
+use crate::physics::PhysicsOptions;
+use crate::simulation::engine::Engine;
 
 /// Deflections along x at the tip, m, of a leaf under a constant force at its tip, and of a clamped one by theory.
 fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
@@ -13,19 +14,19 @@ fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
         substeps: 1,
         gravity_m_per_s2: 0.0,
     };
-    let mut physics = Physics::new(options);
-    let mechanism = build(leaf, &mut physics);
+    let mut engine = Engine::new(options);
+    let mechanism = build(leaf, &mut engine);
     let last = mechanism.bodies()[mechanism.bodies().len() - 1];
     let tip_local = DVec3::Z * (leaf.height_m - leaf.blade_hinges()[leaf.segments as usize - 1].0);
     for _ in 0..4000 {
-        let body = &mut physics.bodies[last];
+        let body = &mut engine.bodies[last];
         let tip = body.position().transform_point(tip_local);
         body.reset_forces(true);
         body.reset_torques(true);
         body.add_force_at_point(force, tip, true);
-        physics.step();
+        engine.step();
     }
-    physics.bodies[last].position().transform_point(tip_local) - DVec3::Z * leaf.height_m
+    engine.bodies[last].position().transform_point(tip_local) - DVec3::Z * leaf.height_m
 }
 
 fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {

@@ -8,9 +8,9 @@ use glam::DVec3;
 
 use super::Mechanism;
 use crate::object::Object;
-use crate::physics::Physics;
+use crate::simulation::engine::Engine;
 
 /// An object at the origin.
-fn build(object: &dyn Object, physics: &mut Physics) -> Mechanism {
-    Mechanism::build(&object.structure(), physics, DVec3::ZERO, 0.0)
+fn build(object: &dyn Object, engine: &mut Engine) -> Mechanism {
+    Mechanism::build(&object.structure(), engine, DVec3::ZERO, 0.0)
 }

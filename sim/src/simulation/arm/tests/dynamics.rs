@@ -1,44 +1,44 @@
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use glam::DVec3;
 use nalgebra::{DVector, Vector3};
 
-use super::super::engine::insert_arm;
-use super::super::{Arm, file};
-use crate::physics::{Physics, PhysicsOptions, groups};
+use super::joints;
+use crate::arm::{Arm, ArmSource};
+use crate::physics::PhysicsOptions;
+use crate::simulation::arm::ArmBodies;
+use crate::simulation::engine::Engine;
 
 /// A pendulum on one compliant joint: 1.5 kg at 0.3 m, 0.004 kg m² about the centre of mass.
 fn one_joint_arm() -> Arm {
-    let files = |path: &Path| {
-        Ok(match path.to_str() {
-            Some("one.urdf") => {
-                r#"<robot name="one"><link name="base"/><link name="bar"><inertial><origin xyz="0 0 -0.3"/>
-                <mass value="1.5"/><inertia ixx="0.004" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.004"/></inertial></link>
-                <joint name="hinge" type="revolute"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
-                <limit lower="-3" upper="3" effort="100" velocity="1"/></joint></robot>"#
-            }
-            Some("one.skin.toml") => "stiffness_n_per_m3 = 1e7",
-            _ => {
-                r#"name = "one"
-                urdf = "one.urdf"
-                skin = "one.skin.toml"
-                base_link = "base"
-                tip_link = "bar"
-                friction = 0.3
-                [[joint]]
-                name = "hinge"
-                stiffness_nm_per_rad = 20
-                damping_nm_s_per_rad = 0.2
-                armature_kg_m2 = 0.011
-                model_stiffness_nm_per_rad = 20
-                controller_limits_deg = [-90, 90]
-                start_deg = 0"#
-            }
-        }
-        .to_string())
+    let source = |name: &str, text: &str| ArmSource {
+        name: name.into(),
+        text: text.into(),
     };
-    file::assemble(Path::new("one.toml"), &files).unwrap()
+    let arm = r#"name = "one"
+        urdf = "one.urdf"
+        skin = "one.skin.toml"
+        base_link = "base"
+        tip_link = "bar"
+        friction = 0.3
+        [[joint]]
+        name = "hinge"
+        stiffness_nm_per_rad = 20
+        damping_nm_s_per_rad = 0.2
+        armature_kg_m2 = 0.011
+        model_stiffness_nm_per_rad = 20
+        controller_limits_deg = [-90, 90]
+        start_deg = 0"#;
+    let urdf = r#"<robot name="one"><link name="base"/><link name="bar"><inertial><origin xyz="0 0 -0.3"/>
+        <mass value="1.5"/><inertia ixx="0.004" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.004"/></inertial></link>
+        <joint name="hinge" type="revolute"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
+        <limit lower="-3" upper="3" effort="100" velocity="1"/></joint></robot>"#;
+    let files = [
+        source("one.toml", arm),
+        source("one.urdf", urdf),
+        source("one.skin.toml", "stiffness_n_per_m3 = 1e7"),
+    ];
+    Arm::from_files(&files).unwrap()
 }
 
 #[test]
@@ -52,16 +52,16 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
         substeps: 1,
         gravity_m_per_s2: 9.81,
     };
-    let mut physics = Physics::new(options);
-    let handles = insert_arm(&arm, &[0.0], &mut physics, groups::arm());
+    let mut engine = Engine::new(options);
+    let bodies = ArmBodies::insert(&arm, &[0.0], &mut engine);
     let target = 0.2;
-    handles.set_equilibrium(&arm, &[target], &mut physics);
+    bodies.set_equilibrium(&arm, &[target], &mut engine);
     let mut rising = Vec::new();
     let mut highest = 0.0_f64;
     let mut last = 0.0;
     for step in 0..25_000 {
-        physics.step();
-        let angle = handles.joint_angle_rad(&physics)[0];
+        engine.step();
+        let angle = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>()[0];
         if last < target && angle >= target {
             rising.push(step_s * (f64::from(step) + (target - last) / (angle - last)));
         }
@@ -96,17 +96,17 @@ fn tip_force_at_rest_is_held_by_the_springs() {
     };
     let posture = arm.start_posture_rad();
     for force in [DVec3::new(-4.0, 0.0, 0.0), DVec3::new(1.0, 3.0, -2.0)] {
-        let mut physics = Physics::new(options);
-        let handles = insert_arm(&arm, &posture, &mut physics, groups::arm());
+        let mut engine = Engine::new(options);
+        let bodies = ArmBodies::insert(&arm, &posture, &mut engine);
         for _ in 0..2400 {
-            let tip = arm.tip_pose(&arm.forward_kinematics(&handles.joint_angle_rad(&physics)));
-            let body = &mut physics.bodies[handles.links[arm.tip_link]];
+            let tip = arm.tip_pose(&arm.forward_kinematics(&joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>()));
+            let body = &mut engine.bodies[bodies.links[arm.tip_link]];
             body.reset_forces(true);
             body.reset_torques(true);
             body.add_force_at_point(force, tip.position, true);
-            physics.step();
+            engine.step();
         }
-        let angles = handles.joint_angle_rad(&physics);
+        let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();
         let links = arm.forward_kinematics(&angles);
         let jacobian = arm.position_jacobian(&links, arm.tip_link, arm.tip_pose(&links).position);
         let load = jacobian.transpose() * Vector3::new(force.x, force.y, force.z);
@@ -122,7 +122,7 @@ fn tip_force_at_rest_is_held_by_the_springs() {
             "the force must load the joints for the check to mean anything"
         );
         assert!((&spring + &load).amax() < 1e-3 * load.amax(), "{spring} against {load}");
-        let read = handles.joint_torque_nm(&physics);
+        let read = joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>();
         assert!(
             spring
                 .iter()

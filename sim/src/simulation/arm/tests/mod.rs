@@ -1,9 +1,15 @@
-use super::super::Arm;
-use super::super::engine::{ArmHandles, insert_arm};
-use super::kinematics::matrix;
-use super::random_postures;
+//! The arm in the engine against the arm as data.
+
+use super::ArmBodies;
+use crate::arm::Arm;
+use crate::arm::tests::kinematics::matrix;
+use crate::arm::tests::random_postures;
 use crate::geometry::from_parry;
-use crate::physics::{Physics, PhysicsOptions, groups};
+use crate::physics::PhysicsOptions;
+use crate::simulation::engine::Engine;
+use crate::simulation::report::JointState;
+
+mod dynamics;
 
 const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
@@ -11,10 +17,17 @@ const OPTIONS: PhysicsOptions = PhysicsOptions {
     gravity_m_per_s2: 9.81,
 };
 
-fn inserted(arm: &Arm, posture: &[f64]) -> (Physics, ArmHandles) {
-    let mut physics = Physics::new(OPTIONS);
-    let handles = insert_arm(arm, posture, &mut physics, groups::arm());
-    (physics, handles)
+/// The state of every joint.
+fn joints(bodies: &ArmBodies, engine: &Engine) -> Vec<JointState> {
+    let mut states = Vec::new();
+    bodies.read_joints(engine, &mut states);
+    states
+}
+
+fn inserted(arm: &Arm, posture: &[f64]) -> (Engine, ArmBodies) {
+    let mut engine = Engine::new(OPTIONS);
+    let bodies = ArmBodies::insert(arm, posture, &mut engine);
+    (engine, bodies)
 }
 
 #[test]
@@ -23,12 +36,12 @@ fn engine_has_the_same_poses_and_jacobians() {
     // centres of mass at random postures.
     let arm = Arm::cody().unwrap();
     for posture in random_postures(&arm, 1000) {
-        let (physics, handles) = inserted(&arm, &posture);
+        let (engine, bodies) = inserted(&arm, &posture);
         let poses = arm.forward_kinematics(&posture);
-        let (multibody, _) = physics.joints.get(handles.joints[0]).unwrap();
+        let (multibody, _) = engine.joints.get(bodies.joints[0]).unwrap();
         assert_eq!(multibody.ndofs(), 7);
-        for (index, (handle, pose)) in handles.links.iter().zip(&poses).enumerate() {
-            let body = &physics.bodies[*handle];
+        for (index, (handle, pose)) in bodies.links.iter().zip(&poses).enumerate() {
+            let body = &engine.bodies[*handle];
             assert!((matrix(&from_parry(body.position())) - matrix(pose)).amax() < 1e-12);
             let center = pose.transform_point(arm.links[index].center_of_mass_link);
             assert!(body.center_of_mass().distance(center) < 1e-12);
@@ -38,7 +51,7 @@ fn engine_has_the_same_poses_and_jacobians() {
             assert!((engine.fixed_rows::<3>(0) - position).amax() < 1e-12);
             assert!((engine.fixed_rows::<3>(3) - angular).amax() < 1e-12);
         }
-        for (read, set) in handles.joint_angle_rad(&physics).iter().zip(&posture) {
+        for (read, set) in joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>().iter().zip(&posture) {
             assert!((read - set).abs() < 1e-12);
         }
     }
@@ -48,9 +61,9 @@ fn engine_has_the_same_poses_and_jacobians() {
 fn engine_has_the_same_inertia() {
     // Pins mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes.
     let arm = Arm::cody().unwrap();
-    let (physics, handles) = inserted(&arm, &arm.start_posture_rad());
-    for (handle, link) in handles.links.iter().zip(&arm.links).skip(1) {
-        let properties = physics.bodies[*handle].mass_properties().local_mprops;
+    let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
+    for (handle, link) in bodies.links.iter().zip(&arm.links).skip(1) {
+        let properties = engine.bodies[*handle].mass_properties().local_mprops;
         assert!((properties.mass() - link.mass_kg).abs() < 1e-12);
         assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
         assert!(
@@ -69,18 +82,18 @@ fn arm_stays_where_it_is_put() {
     // springs sit on the right joints.
     let arm = Arm::cody().unwrap();
     let posture = arm.start_posture_rad();
-    let (mut physics, handles) = inserted(&arm, &posture);
+    let (mut engine, bodies) = inserted(&arm, &posture);
     for _ in 0..200 {
-        physics.step();
+        engine.step();
     }
-    for (read, set) in handles.joint_angle_rad(&physics).iter().zip(&posture) {
+    for (read, set) in joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>().iter().zip(&posture) {
         assert!((read - set).abs() < 1e-12);
     }
-    let (multibody, _) = physics.joints.get(handles.joints[0]).unwrap();
+    let (multibody, _) = engine.joints.get(bodies.joints[0]).unwrap();
     assert_eq!(multibody.damping().len(), 7);
-    for ((joint, handle), damping) in arm.joints.iter().zip(&handles.joints).zip(multibody.damping().iter()) {
+    for ((joint, handle), damping) in arm.joints.iter().zip(&bodies.joints).zip(multibody.damping().iter()) {
         assert_eq!(*damping, joint.damping_nm_s_per_rad);
-        let (multibody, link) = physics.joints.get(*handle).unwrap();
+        let (multibody, link) = engine.joints.get(*handle).unwrap();
         assert_eq!(
             multibody.link(link).unwrap().joint().spring(3).0,
             joint.stiffness_nm_per_rad
@@ -94,10 +107,10 @@ fn torque_stays_within_the_actuator_limit() {
     let arm = Arm::cody().unwrap();
     let posture = arm.start_posture_rad();
     for sign in [-1.0, 1.0] {
-        let (mut physics, handles) = inserted(&arm, &posture);
+        let (mut engine, bodies) = inserted(&arm, &posture);
         let far: Vec<f64> = posture.iter().map(|angle| angle + sign * 10.0).collect();
-        handles.set_equilibrium(&arm, &far, &mut physics);
-        for (torque, joint) in handles.joint_torque_nm(&physics).iter().zip(&arm.joints) {
+        bodies.set_equilibrium(&arm, &far, &mut engine);
+        for (torque, joint) in joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>().iter().zip(&arm.joints) {
             assert!(
                 (torque - sign * joint.torque_limit_nm).abs() < 1e-9,
                 "{}: {torque} Nm",
@@ -105,10 +118,10 @@ fn torque_stays_within_the_actuator_limit() {
             );
         }
         for _ in 0..400 {
-            handles.set_equilibrium(&arm, &far, &mut physics);
-            physics.step();
+            bodies.set_equilibrium(&arm, &far, &mut engine);
+            engine.step();
         }
-        let angles = handles.joint_angle_rad(&physics);
+        let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();
         for (angle, joint) in angles.iter().zip(&arm.joints) {
             // A stop gives way a little, as the engine's constraints do: 0.05 rad under the full torque is plenty.
             let [lower, upper] = joint.limits_rad;
@@ -127,15 +140,15 @@ fn shapes_sit_where_the_files_put_them() {
     // Pins the turn from the engine's y axis to the files' z axis: the forearm's cylinder spans its skin lengthwise,
     // and the flipper's hulls end at the tip.
     let arm = Arm::cody().unwrap();
-    let (physics, handles) = inserted(&arm, &[0.0; 7]);
+    let (engine, bodies) = inserted(&arm, &[0.0; 7]);
     let lowest_and_highest = |name: &str| {
         let link = arm.link_index(name).unwrap();
-        let boxes = handles.colliders.iter().filter(|(_, on)| *on == link);
+        let boxes = bodies.colliders.iter().filter(|(_, on)| *on == link);
         boxes
             .map(|(collider, _)| {
-                physics.colliders[*collider]
+                engine.colliders[*collider]
                     .shape()
-                    .compute_aabb(physics.colliders[*collider].position())
+                    .compute_aabb(engine.colliders[*collider].position())
             })
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), bounds| {
                 (low.min(bounds.mins.z), high.max(bounds.maxs.z))
@@ -159,12 +172,12 @@ fn shapes_sit_where_the_files_put_them() {
 #[test]
 fn an_engine_without_numbers_does_not_panic() {
     let arm = Arm::cody().unwrap();
-    let (mut physics, handles) = inserted(&arm, &arm.start_posture_rad());
+    let (mut engine, bodies) = inserted(&arm, &arm.start_posture_rad());
     let nothing = vec![f64::NAN; arm.joints.len()];
-    let multibody = physics.joints.get_mut(handles.joints[0]).unwrap().0;
+    let multibody = engine.joints.get_mut(bodies.joints[0]).unwrap().0;
     multibody.apply_displacements(&nothing);
-    assert!(handles.joint_angle_rad(&physics).iter().all(|angle| angle.is_nan()));
-    handles.set_equilibrium(&arm, &arm.start_posture_rad(), &mut physics);
-    handles.set_equilibrium(&arm, &nothing, &mut physics);
-    assert!(handles.joint_torque_nm(&physics).iter().all(|torque| torque.is_nan()));
+    assert!(joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>().iter().all(|angle| angle.is_nan()));
+    bodies.set_equilibrium(&arm, &arm.start_posture_rad(), &mut engine);
+    bodies.set_equilibrium(&arm, &nothing, &mut engine);
+    assert!(joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>().iter().all(|torque| torque.is_nan()));
 }

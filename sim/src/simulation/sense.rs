@@ -1,85 +1,24 @@
-//! What the skin feels in one frame: solver contacts → taxel forces → sensed values, with their ground truth.
+//! From solver contacts to what the skin feels: taxel forces, and the sensor's readings of them.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
-use underbrush_recording::{SkinLayout, TaxelReading};
+use underbrush_recording::TaxelReading;
 
+use super::model::Model;
+use super::tactile::{ContactPair, TactileFrame};
+use super::world::World;
 use crate::geometry::from_parry;
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SkinPatch};
-use crate::world::World;
 
-/// Two things that press on each other: a patch, or the part of a link without skin, and an object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Pair {
-    /// The patch, `None` for the part of the link without skin.
-    pub patch: Option<u16>,
-    /// The link, index in the arm.
-    pub link: u16,
-    /// The object, index in the clutter.
-    pub object: u16,
-}
-
-/// The force between one link, with or without skin, and one object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkForce {
-    /// The link, index in the arm.
-    pub link: u16,
-    /// The object, index in the clutter.
-    pub object: u16,
-    /// The patch that feels most of it, `None` where most of it falls on the part without skin.
-    pub patch: Option<u16>,
-    /// Its magnitude, N.
-    pub force_n: f64,
-}
-
-/// What arm and skin feel in one frame.
-#[derive(Clone, Debug, Default)]
-pub struct Touch {
-    /// Taxels that feel or report anything, sorted by patch, then taxel.
-    pub taxels: Vec<TaxelReading>,
-    /// Sum of the solver's contact forces on each patch, N, world frame.
-    pub contact_force_world: Vec<DVec3>,
-    /// Force between each pair in contact, N, world frame.
-    pub pairs: BTreeMap<Pair, DVec3>,
-    /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's.
-    pub force_residual: f64,
-    /// Largest difference, over the patches, between the moment of the taxel forces, each at its taxel's centre, and
-    /// that of the solver's contacts, over the sum of the contacts' magnitudes, m.
-    pub moment_residual_m: f64,
-}
-
-impl Touch {
-    /// The largest force between one link and one object, `None` where nothing touches the arm.
-    pub fn largest_force(&self) -> Option<LinkForce> {
-        // Between the same two bodies, forces on skin and beside it add up.
-        let mut bodies: BTreeMap<(u16, u16), (DVec3, Option<u16>, f64)> = BTreeMap::new();
-        for (pair, force) in &self.pairs {
-            let part_n = force.length();
-            let (sum, patch, largest_part_n) = bodies.entry((pair.link, pair.object)).or_default();
-            *sum += *force;
-            if part_n > *largest_part_n {
-                (*patch, *largest_part_n) = (pair.patch, part_n);
-            }
-        }
-        let forces = bodies.into_iter().map(|((link, object), (sum, patch, _))| LinkForce {
-            link,
-            object,
-            patch,
-            force_n: sum.length(),
-        });
-        forces.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
-    }
-}
-
-/// True force on one taxel, summed over the objects on it.
+/// True force on one taxel, summed over the objects that press on it.
 #[derive(Default)]
 struct Load {
     normal_n: f64,
     shear_link: DVec3,
-    /// Normal force by object, N; an object of several collision shapes, as a leaf is, has one sum.
+    /// Normal force by object, N. An object with several collision shapes, such as a leaf, has one sum.
     normal_n_by_object: BTreeMap<u16, f64>,
 }
 
@@ -90,7 +29,7 @@ impl Load {
         *self.normal_n_by_object.entry(object).or_default() += normal_n;
     }
 
-    /// The object that presses most; of equals the first of the clutter.
+    /// The object that presses most; the first in the clutter if several press equally.
     fn object(&self) -> Option<u16> {
         let objects = self.normal_n_by_object.iter().rev();
         objects.max_by(|a, b| a.1.total_cmp(b.1)).map(|(object, _)| *object)
@@ -99,40 +38,40 @@ impl Load {
 
 /// Contact points between one patch and one collision shape.
 struct Group {
-    object: u16,
+    object: usize,
     collider: ColliderHandle,
     points: Vec<ContactPoint>,
 }
 
-/// Reads the skin of the world as it stands.
-pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &mut Sensor) -> Touch {
-    let mut touch = Touch {
+/// Reads the skin of the world as it is, and samples the sensor once.
+pub(super) fn sense(world: &World, model: &Model, sensor: &mut Sensor) -> TactileFrame {
+    let patches = &model.patches;
+    let mut tactile = TactileFrame {
         contact_force_world: vec![DVec3::ZERO; patches.len()],
-        ..Touch::default()
+        ..TactileFrame::default()
     };
     let mut wrenches = vec![Wrench::default(); patches.len()];
     let mut groups: BTreeMap<(usize, (u32, u32)), Group> = BTreeMap::new();
-    for contact in world.contacts() {
-        let object = contact.object as u16;
+    for (contact, collider) in world.contacts_with_colliders() {
         let pose = world.link_pose(contact.link);
         let point = contact.in_link_frame(&pose);
         let patch = patches
             .iter()
             .position(|patch| patch.link == contact.link && patch.covers(&point));
-        let pair = Pair {
+        let pair = ContactPair {
             patch: patch.map(|patch| patch as u16),
             link: contact.link as u16,
-            object,
+            object: contact.object as u16,
         };
-        *touch.pairs.entry(pair).or_default() += contact.force_world;
+        *tactile.pairs.entry(pair).or_default() += contact.force_world;
         if let Some(patch) = patch {
-            touch.contact_force_world[patch] += contact.force_world;
+            tactile.contact_force_world[patch] += contact.force_world;
             wrenches[patch].add(point.position_link, point.force_link);
             let group = groups
-                .entry((patch, contact.collider.into_raw_parts()))
+                .entry((patch, collider.into_raw_parts()))
                 .or_insert_with(|| Group {
-                    object,
-                    collider: contact.collider,
+                    object: contact.object,
+                    collider,
                     points: Vec::new(),
                 });
             group.points.push(point);
@@ -141,21 +80,20 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
     let mut loads: BTreeMap<(usize, usize), Load> = BTreeMap::new();
     for ((patch, _), group) in &groups {
         let skin = &patches[*patch];
-        let shape = &world.physics.colliders[group.collider];
-        let compliance = world.surface_compliance_m3_per_n(usize::from(group.object));
+        let shape = &world.engine.colliders[group.collider];
+        let compliance = model.compliance_m3_per_n[group.object];
         let shape_pose = world.link_pose(skin.link).inverse() * from_parry(shape.position());
         for force in skin.spread_under(&group.points, shape.shape(), &shape_pose, compliance) {
             let load = loads.entry((*patch, force.taxel)).or_default();
-            load.add(group.object, force.normal_force_n, force.shear_link);
+            load.add(group.object as u16, force.normal_force_n, force.shear_link);
         }
     }
     for ((patch, taxel), load) in &loads {
         sensor.press(*patch, *taxel, load.normal_n);
     }
     sensor.sample();
-    let [force, moment] = residuals(patches, &loads, &wrenches);
-    (touch.force_residual, touch.moment_residual_m) = (force, moment);
-    for (patch, described) in layout.patches.iter().enumerate() {
+    [tactile.force_residual, tactile.moment_residual_m] = residuals(patches, &loads, &wrenches);
+    for (patch, described) in model.arm.skin.layout.patches.iter().enumerate() {
         for (taxel, place) in described.taxels.iter().enumerate() {
             let load = loads.get(&(patch, taxel));
             let true_normal_force_n = load.map_or(0.0, |load| load.normal_n);
@@ -164,7 +102,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
             if load.is_none() && sensed_force_n == 0.0 {
                 continue;
             }
-            touch.taxels.push(TaxelReading {
+            tactile.taxels.push(TaxelReading {
                 patch: patch as u16,
                 taxel: taxel as u16,
                 true_normal_force_n,
@@ -177,7 +115,7 @@ pub fn feel(world: &World, layout: &SkinLayout, patches: &[SkinPatch], sensor: &
             });
         }
     }
-    touch
+    tactile
 }
 
 /// A patch's forces, summed up in its link's frame.
@@ -196,7 +134,7 @@ impl Wrench {
     }
 }
 
-/// The largest differences between taxels and solver over the patches: of force, relative; of moment, m.
+/// The largest differences between taxels and solver over the patches: relative for the force, in m for the moment.
 fn residuals(patches: &[SkinPatch], loads: &BTreeMap<(usize, usize), Load>, solver: &[Wrench]) -> [f64; 2] {
     let mut felt = vec![Wrench::default(); patches.len()];
     for ((patch, taxel), load) in loads {
@@ -214,4 +152,23 @@ fn residuals(patches: &[SkinPatch], loads: &BTreeMap<(usize, usize), Load>, solv
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf outdo a trunk that presses harder
+    /// than either, and of equals the first is named.
+    #[test]
+    fn a_taxel_names_the_object_that_presses_most_in_sum() {
+        let mut load = Load::default();
+        assert_eq!(load.object(), None);
+        let (leaf, trunk) = (7, 2);
+        load.add(leaf, 0.3, DVec3::X);
+        load.add(trunk, 0.4, DVec3::ZERO);
+        assert_eq!(load.object(), Some(trunk));
+        load.add(leaf, 0.3, DVec3::Y);
+        assert_eq!(load.object(), Some(leaf));
+        assert!((load.normal_n - 1.0).abs() < 1e-15 && load.shear_link == DVec3::new(1.0, 1.0, 0.0));
+        load.add(trunk, 0.2, DVec3::ZERO);
+        assert_eq!(load.object(), Some(trunk));
+    }
+}

@@ -1,0 +1,182 @@
+//! The arm in the engine: a multibody of compliant joints, its equilibrium angles, and what its encoders read.
+
+use rapier3d::prelude::*;
+
+use super::engine::{Engine, groups};
+use super::report::JointState;
+use crate::arm::{Arm, Link};
+use crate::geometry::{engine_shape, from_parry, parry_pose};
+
+/// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
+const AXIS: usize = JointAxis::AngX as usize;
+
+/// Softness of the joints' end stops, critically damped; the engine scales it with the joint's inertia. At 60 Hz they give
+/// way by less than 3° under the full torque of any of Cody's joints, as rubber stops do. Rigid stops make and break
+/// contact in every substep, and an arm pressed between a stop and a trunk then rattles.
+const STOP: SpringCoefficients<f64> = SpringCoefficients {
+    natural_frequency: 60.0,
+    damping_ratio: 1.0,
+};
+
+/// One arm in an [`Engine`].
+#[derive(Clone, Debug)]
+pub(super) struct ArmBodies {
+    /// Bodies of the links, in the arm's order.
+    pub(super) links: Vec<RigidBodyHandle>,
+    /// Collision shapes, each with the link that carries it.
+    pub(super) colliders: Vec<(ColliderHandle, usize)>,
+    /// Joints, in the arm's order.
+    pub(super) joints: Vec<MultibodyJointHandle>,
+}
+
+impl ArmBodies {
+    /// Puts an arm into the engine at rest, in the posture `posture_rad` (one angle per joint), with its equilibrium angles
+    /// at that posture. Its base frame is the world frame.
+    ///
+    /// Gravity does not act on it, because the robot compensates gravity. Its links do not collide with each other.
+    pub(super) fn insert(arm: &Arm, posture_rad: &[f64], engine: &mut Engine) -> ArmBodies {
+        let mut bodies = ArmBodies {
+            links: Vec::new(),
+            colliders: Vec::new(),
+            joints: Vec::new(),
+        };
+        for (index, (link, pose)) in arm.links.iter().zip(arm.forward_kinematics(posture_rad)).enumerate() {
+            let builder = if index == 0 {
+                RigidBodyBuilder::fixed()
+            } else {
+                RigidBodyBuilder::dynamic()
+            };
+            let builder = builder.pose(parry_pose(&pose)).gravity_scale(0.0).can_sleep(false);
+            let body = engine
+                .bodies
+                .insert(builder.additional_mass_properties(mass_properties(link)));
+            for part in &link.colliders {
+                let Some((shape, shape_pose)) = engine_shape(&part.shape) else {
+                    continue;
+                };
+                let collider = ColliderBuilder::new(shape)
+                    .position(parry_pose(&(part.pose_link * shape_pose)))
+                    .density(0.0)
+                    .friction(arm.friction)
+                    .collision_groups(groups::arm());
+                let collider = engine.colliders.insert_with_parent(collider, body, &mut engine.bodies);
+                bodies.colliders.push((collider, index));
+            }
+            // The kinematics below need the centres of mass, which the engine would only set in its first step.
+            engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
+            bodies.links.push(body);
+        }
+        for (joint, ends) in arm.joints.iter().zip(bodies.links.windows(2)) {
+            let frame = Pose::from_rotation(GenericJoint::complete_ang_frame(joint.axis_child));
+            let mut data = GenericJoint::new(JointAxesMask::LOCKED_REVOLUTE_AXES);
+            data.set_local_frame1(parry_pose(&joint.origin_parent) * frame)
+                .set_local_frame2(frame);
+            if joint.limits_rad.iter().all(|limit| limit.is_finite()) {
+                data.set_limits(JointAxis::AngX, joint.limits_rad);
+                data.softness = STOP;
+            }
+            bodies.joints.extend(engine.joints.insert(ends[0], ends[1], data, true));
+        }
+        if let Some((_, multibody)) = bodies.multibody_mut(engine) {
+            multibody.set_self_contacts_enabled(false);
+        }
+        bodies.set_posture(arm, posture_rad, engine);
+        bodies
+    }
+
+    /// Puts the arm in a posture, at rest, with its equilibrium angles there.
+    fn set_posture(&self, arm: &Arm, posture_rad: &[f64], engine: &mut Engine) {
+        let Some((bodies, multibody)) = self.multibody_mut(engine) else {
+            return;
+        };
+        // Removes the six degrees of freedom of the fixed root; the vectors below are indexed by the remaining ones.
+        multibody.forward_kinematics(bodies, true);
+        let mut displacement = vec![0.0; multibody.ndofs()];
+        for (index, (joint, target)) in arm.joints.iter().zip(posture_rad).enumerate() {
+            let Some(link) = multibody.link_mut(index + 1) else {
+                continue;
+            };
+            let degree = link.assembly_id();
+            link.joint.set_spring(AXIS, joint.stiffness_nm_per_rad, *target);
+            displacement[degree] = target - link.joint.coords()[AXIS];
+            multibody.damping_mut()[degree] = joint.damping_nm_s_per_rad;
+            multibody.armature_mut()[degree] = joint.armature_kg_m2;
+        }
+        multibody.apply_displacements(&displacement);
+        multibody.forward_kinematics(bodies, true);
+        multibody.update_rigid_bodies(bodies, true);
+    }
+
+    /// Sets the equilibrium angles φ, rad, of the joints' springs.
+    ///
+    /// The engine's springs have no torque limit, so each rest angle is kept where |K (φ − q)| is within the limit at the
+    /// present angle q. Call it before every step, even if φ stays the same, so that the limit holds while q changes.
+    pub(super) fn set_equilibrium(&self, arm: &Arm, equilibrium_angle_rad: &[f64], engine: &mut Engine) {
+        let Some((_, multibody)) = self.multibody_mut(engine) else {
+            return;
+        };
+        for (index, (joint, target)) in arm.joints.iter().zip(equilibrium_angle_rad).enumerate() {
+            let Some(link) = multibody.link_mut(index + 1) else {
+                continue;
+            };
+            let angle = link.joint.coords()[AXIS];
+            let reach = joint.torque_limit_nm / joint.stiffness_nm_per_rad;
+            // `clamp` would panic if the engine has diverged and the angle is not a number; this passes NaN on.
+            let rest = if target.is_nan() {
+                *target
+            } else {
+                target.max(angle - reach).min(angle + reach)
+            };
+            link.joint.set_spring(AXIS, joint.stiffness_nm_per_rad, rest);
+        }
+    }
+
+    /// Sets the joint velocities q̇, rad/s.
+    pub(super) fn set_velocity(&self, velocity_rad_per_s: &[f64], engine: &mut Engine) {
+        let Some((_, multibody)) = self.multibody_mut(engine) else {
+            return;
+        };
+        for (index, velocity) in velocity_rad_per_s.iter().enumerate() {
+            if let Some(degree) = multibody.link(index + 1).map(|link| link.assembly_id()) {
+                multibody.generalized_velocity_mut()[degree] = *velocity;
+            }
+        }
+    }
+
+    /// Writes the state of every joint into `states`.
+    pub(super) fn read_joints(&self, engine: &Engine, states: &mut Vec<JointState>) {
+        states.clear();
+        let multibody = self.joints.first().and_then(|joint| engine.joints.get(*joint));
+        let Some((multibody, _)) = multibody else { return };
+        states.extend(multibody.links().skip(1).map(|link| {
+            let (stiffness, rest_angle_rad) = link.joint.spring(AXIS);
+            let damping = multibody.damping()[link.assembly_id()];
+            let angle_rad = link.joint.coords()[AXIS];
+            let velocity_rad_per_s = multibody.joint_velocity(link)[0];
+            JointState {
+                angle_rad,
+                velocity_rad_per_s,
+                rest_angle_rad,
+                torque_nm: stiffness * (rest_angle_rad - angle_rad) - damping * velocity_rad_per_s,
+            }
+        }));
+    }
+
+    /// Writes the pose of every link in the world frame into `poses`.
+    pub(super) fn read_link_poses(&self, engine: &Engine, poses: &mut Vec<underbrush_recording::Pose>) {
+        poses.clear();
+        poses.extend(self.links.iter().map(|link| from_parry(engine.bodies[*link].position())));
+    }
+
+    fn multibody_mut<'a>(&self, engine: &'a mut Engine) -> Option<(&'a mut RigidBodySet, &'a mut Multibody)> {
+        let (multibody, _) = engine.joints.get_mut(*self.joints.first()?)?;
+        Some((&mut engine.bodies, multibody))
+    }
+}
+
+fn mass_properties(link: &Link) -> MassProperties {
+    MassProperties::with_inertia_matrix(link.center_of_mass_link, link.mass_kg, link.inertia_link)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,53 @@
+//! Contacts between the arm and the clutter as the solver reports them.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Pose;
+
+use crate::arm::Arm;
+use crate::skin::ContactPoint;
+
+/// One contact point between the arm and an object, in one engine step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// The link, index in [`Arm::links`].
+    pub link: usize,
+    /// The object, index in [`crate::clutter::Clutter::objects`].
+    pub object: usize,
+    /// The object's body, index in [`crate::object::structure::Structure::bodies`].
+    pub body: usize,
+    /// Position on the link's surface, m, link frame.
+    pub position_link: DVec3,
+    /// Direction of the normal force on the link, unit, world frame.
+    pub inward_world: DVec3,
+    /// This contact's share of the mean force on the link over the frame, N, world frame: the impulse of normal force and
+    /// friction in this step, divided by the 10 ms of the frame.
+    pub force_world: DVec3,
+    /// How far the two shapes overlapped when the step began, m; negative if they were still apart.
+    pub penetration_m: f64,
+}
+
+impl Contact {
+    /// The contact as the link's skin takes it. `link_pose` is the link's pose in the world frame.
+    pub fn in_link_frame(&self, link_pose: &Pose) -> ContactPoint {
+        ContactPoint {
+            position_link: self.position_link,
+            inward_link: link_pose.inverse_transform_vector(self.inward_world),
+            force_link: link_pose.inverse_transform_vector(self.force_world),
+        }
+    }
+}
+
+/// Torques that contacts exert on the joints, Σ Jᵀ f, Nm. `torque_nm` has one entry for each joint and is overwritten.
+pub fn contact_torque_nm(arm: &Arm, link_pose_world: &[Pose], contacts: &[Contact], torque_nm: &mut [f64]) {
+    torque_nm.fill(0.0);
+    for contact in contacts {
+        let point = link_pose_world[contact.link].transform_point(contact.position_link);
+        // Joint j carries link j + 1, and moves no link nearer to the base.
+        for (joint, torque) in torque_nm.iter_mut().enumerate().take(contact.link) {
+            let pose = &link_pose_world[joint + 1];
+            let axis = pose.transform_vector(arm.joints[joint].axis_child);
+            *torque += axis.dot((point - pose.position).cross(contact.force_world));
+        }
+    }
+}

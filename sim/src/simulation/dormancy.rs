@@ -1,0 +1,97 @@
+//! Leaving out of the engine what rests untouched, so that objects far from the arm cost nothing.
+
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::query::distance;
+use rapier3d::prelude::ColliderHandle;
+
+use super::model::Model;
+use super::world::World;
+
+/// A dormant object is put into the engine when a link of the arm comes within this distance, m: the centimetre at which
+/// the engine makes contacts, and one frame at 1 m/s, twice the hand speed of the fastest preset.
+const WAKE_NEAR_ARM_M: f64 = 0.02;
+/// The same for moving parts of other objects, m.
+const WAKE_NEAR_OBJECTS_M: f64 = 0.01;
+/// An object at rest is taken out when everything that moves is farther away than these distances and this margin, m.
+const SLEEP_MARGIN_M: f64 = 0.01;
+
+/// A collision shape that may touch a dormant object.
+struct Mover {
+    collider: ColliderHandle,
+    /// The box within which it wakes objects.
+    bounds: Aabb,
+    /// The distance at which it wakes an object, m.
+    distance_m: f64,
+}
+
+impl World {
+    /// Takes out every object that rests with nothing moving near it, and puts in every dormant one that something moving
+    /// has come near to.
+    pub(super) fn rest_and_wake(&mut self, model: &Model) {
+        let movers: Vec<Mover> = self.movers().collect();
+        self.retire(model, &movers);
+        self.wake(model, &movers);
+    }
+
+    fn wake(&mut self, model: &Model, movers: &[Mover]) {
+        let mut near: Vec<usize> = Vec::new();
+        for mover in movers {
+            for index in model.outline_tree.intersect_aabb(&mover.bounds) {
+                let index = index as usize;
+                let dormant = self.mechanisms[index].is_none();
+                if dormant && !near.contains(&index) && self.is_near(model, mover, index, 0.0) {
+                    near.push(index);
+                }
+            }
+        }
+        // In the order of the clutter, whatever the order of the tree.
+        near.sort_unstable();
+        for index in near {
+            self.insert(model, index);
+        }
+    }
+
+    fn retire(&mut self, model: &Model, movers: &[Mover]) {
+        for index in 0..self.mechanisms.len() {
+            let resting = self.mechanisms[index]
+                .as_ref()
+                .is_some_and(|mechanism| mechanism.is_movable() && mechanism.is_at_rest(&self.engine));
+            if resting
+                && !movers
+                    .iter()
+                    .any(|mover| self.is_near(model, mover, index, SLEEP_MARGIN_M))
+                && let Some(mechanism) = self.mechanisms[index].take()
+            {
+                mechanism.remove(&mut self.engine);
+            }
+        }
+    }
+
+    /// The collision shapes of the arm and of every object that is not at rest.
+    fn movers(&self) -> impl Iterator<Item = Mover> {
+        let mover = |collider: ColliderHandle, distance_m: f64| Mover {
+            collider,
+            bounds: self.engine.colliders[collider].compute_aabb().loosened(distance_m),
+            distance_m,
+        };
+        let arm = self.arm.colliders.iter();
+        let objects = self
+            .mechanisms
+            .iter()
+            .flatten()
+            .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.engine))
+            .flat_map(|mechanism| mechanism.colliders());
+        arm.map(move |(collider, _)| mover(*collider, WAKE_NEAR_ARM_M))
+            .chain(objects.map(move |collider| mover(*collider, WAKE_NEAR_OBJECTS_M)))
+    }
+
+    /// Whether a mover is nearer to an object at rest than its waking distance and a margin.
+    fn is_near(&self, model: &Model, mover: &Mover, index: usize, margin_m: f64) -> bool {
+        let (outline, pose) = &model.outlines[index];
+        let collider = &self.engine.colliders[mover.collider];
+        mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
+            // A pair whose distance cannot be computed counts as near.
+            && distance(collider.position(), collider.shape(), pose, outline)
+                .map_or(true, |found| found.distance < mover.distance_m + margin_m)
+    }
+}

@@ -1,0 +1,77 @@
+//! What stays the same while a simulation runs: the arm, the clutter, and what follows from them.
+
+use glam::{DQuat, DVec3};
+use rapier3d::parry::bounding_volume::Aabb;
+use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
+use rapier3d::prelude::{Cuboid, Pose as EnginePose, Shape};
+use underbrush_recording::Pose;
+
+use crate::arm::Arm;
+use crate::clutter::{Clutter, PlacedObject};
+use crate::geometry::parry_pose;
+use crate::object::structure::Structure;
+use crate::physics::PhysicsOptions;
+use crate::skin::SkinPatch;
+
+/// The constant part of a simulation, shared between its copies.
+pub(super) struct Model {
+    pub(super) arm: Arm,
+    pub(super) clutter: Clutter,
+    pub(super) physics: PhysicsOptions,
+    pub(super) dormancy: bool,
+    /// Bodies and joints of each object.
+    pub(super) structures: Vec<Structure>,
+    /// Poses at rest of each object's bodies, world frame.
+    pub(super) rest_pose_world: Vec<Vec<Pose>>,
+    /// Each object at rest as a box.
+    pub(super) outlines: Vec<(Cuboid, EnginePose)>,
+    /// The bounding boxes of the outlines as a tree, to find what is near.
+    pub(super) outline_tree: Bvh,
+    /// How far each object's surface gives way under pressure, m³/N.
+    pub(super) compliance_m3_per_n: Vec<f64>,
+    pub(super) patches: Vec<SkinPatch>,
+}
+
+impl Model {
+    pub(super) fn new(arm: Arm, clutter: Clutter, physics: PhysicsOptions, dormancy: bool) -> Self {
+        let objects = || clutter.objects.iter();
+        let outlines: Vec<(Cuboid, EnginePose)> = objects()
+            .map(PlacedObject::outline)
+            .map(|(outline, pose)| (outline, parry_pose(&pose)))
+            .collect();
+        let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.compute_aabb(pose)).collect();
+        let structures: Vec<Structure> = objects().map(|placed| placed.object.structure()).collect();
+        let rest_pose_world = objects()
+            .zip(&structures)
+            .map(|(placed, structure)| rest_pose_world(placed, structure))
+            .collect();
+        Model {
+            physics,
+            dormancy,
+            rest_pose_world,
+            outline_tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            outlines,
+            compliance_m3_per_n: objects()
+                .map(|placed| placed.object.surface_compliance_m3_per_n())
+                .collect(),
+            structures,
+            patches: SkinPatch::of_arm(&arm),
+            arm,
+            clutter,
+        }
+    }
+}
+
+/// Poses of an object's bodies at rest, world frame.
+fn rest_pose_world(placed: &PlacedObject, structure: &Structure) -> Vec<Pose> {
+    let yaw_rad = if structure.axisymmetric { 0.0 } else { placed.yaw_rad };
+    let foot = Pose::new(placed.foot_world, DQuat::from_scaled_axis(DVec3::Z * yaw_rad));
+    let mut poses: Vec<Pose> = Vec::with_capacity(structure.bodies.len());
+    for body in &structure.bodies {
+        poses.push(match &body.joint {
+            None => foot,
+            Some(joint) => poses[joint.parent] * Pose::from_position(joint.origin_parent),
+        });
+    }
+    poses
+}

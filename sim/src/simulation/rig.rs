@@ -1,0 +1,214 @@
+//! Single bodies and objects in the engine, without an arm: a test rig on which they are pushed, driven and measured.
+
+use glam::DVec3;
+use rapier3d::prelude::*;
+use underbrush_recording::{BodyPart, Pose as WorldPose};
+
+use super::arm::ArmBodies;
+use super::engine::{Engine, pressed_points};
+use super::mechanism::{Mechanism, collider, engine_axis};
+use crate::arm::Arm;
+use crate::geometry::{from_parry, parry_pose};
+use crate::object::Object;
+use crate::object::structure::Axis;
+use crate::physics::PhysicsOptions;
+
+mod description;
+
+pub use description::{AxisDescription, ColliderDescription, Description, LinkDescription};
+
+/// A body on a [`Rig`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyId(usize);
+
+impl BodyId {
+    /// Its number on the rig, in the order in which bodies were added.
+    pub fn number(self) -> usize {
+        self.0
+    }
+}
+
+/// A rigid body that no joint holds.
+#[derive(Clone, Debug)]
+pub struct FreeBody {
+    /// Its shape, of uniform density.
+    pub part: BodyPart,
+    /// Its mass, kg.
+    pub mass_kg: f64,
+    /// Its coefficient of friction.
+    pub friction: f64,
+    /// Its pose at the start.
+    pub pose_world: WorldPose,
+    /// The velocity of its origin at the start, m/s.
+    pub velocity_world: DVec3,
+    /// About which axes of the world it may rotate.
+    pub may_rotate: [bool; 3],
+}
+
+/// Bodies and objects in an engine of their own.
+pub struct Rig {
+    engine: Engine,
+    bodies: Vec<RigidBodyHandle>,
+    mechanisms: Vec<Mechanism>,
+}
+
+impl Rig {
+    /// An empty rig.
+    pub fn new(options: PhysicsOptions) -> Self {
+        Rig {
+            engine: Engine::new(options),
+            bodies: Vec::new(),
+            mechanisms: Vec::new(),
+        }
+    }
+
+    /// Step and solver options.
+    pub fn physics(&self) -> PhysicsOptions {
+        self.engine.options
+    }
+
+    /// Adds an arm at rest in its start posture, and returns its links, base first.
+    pub fn add_arm(&mut self, arm: &Arm) -> Vec<BodyId> {
+        let bodies = ArmBodies::insert(arm, &arm.start_posture_rad(), &mut self.engine);
+        bodies.links.into_iter().map(|body| self.name(body)).collect()
+    }
+
+    /// Adds an object at rest with its foot at the origin, and returns its bodies in the order of its structure.
+    pub fn add_object(&mut self, object: &dyn Object) -> Vec<BodyId> {
+        self.add_object_at(object, DVec3::ZERO, 0.0)
+    }
+
+    /// Adds an object at rest with its foot at `foot_world` (m), rotated by `yaw_rad` about the vertical, and returns its
+    /// bodies in the order of its structure.
+    pub fn add_object_at(&mut self, object: &dyn Object, foot_world: DVec3, yaw_rad: f64) -> Vec<BodyId> {
+        let mechanism = Mechanism::build(&object.structure(), &mut self.engine, foot_world, yaw_rad);
+        let bodies = mechanism.bodies().to_vec();
+        self.mechanisms.push(mechanism);
+        bodies.into_iter().map(|body| self.name(body)).collect()
+    }
+
+    /// Adds a body that cannot move. `None` if its shape has no volume.
+    pub fn add_fixed(&mut self, part: &BodyPart, friction: f64, pose_world: &WorldPose) -> Option<BodyId> {
+        let body = RigidBodyBuilder::fixed().pose(parry_pose(pose_world));
+        self.add(body, collider(part)?.friction(friction))
+    }
+
+    /// Adds a free body. `None` if its shape has no volume.
+    pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
+        let [x, y, z] = free.may_rotate;
+        let body = RigidBodyBuilder::dynamic()
+            .pose(parry_pose(&free.pose_world))
+            .linvel(free.velocity_world)
+            .enabled_rotations(x, y, z)
+            .can_sleep(false);
+        self.add(
+            body,
+            collider(&free.part)?.mass(free.mass_kg).friction(free.friction),
+        )
+    }
+
+    fn add(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> Option<BodyId> {
+        let engine = &mut self.engine;
+        let body = engine.bodies.insert(body);
+        engine.colliders.insert_with_parent(shape, body, &mut engine.bodies);
+        // The engine would sum up the masses in its first step only.
+        engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
+        Some(self.name(body))
+    }
+
+    fn name(&mut self, body: RigidBodyHandle) -> BodyId {
+        self.bodies.push(body);
+        BodyId(self.bodies.len() - 1)
+    }
+
+    /// Everything that another engine needs to build the same joints and bodies, read back from the engine.
+    pub fn describe(&mut self) -> Description {
+        Description::read(&mut self.engine)
+    }
+
+    fn body(&self, body: BodyId) -> &RigidBody {
+        &self.engine.bodies[self.bodies[body.0]]
+    }
+
+    /// Makes one engine step.
+    pub fn step(&mut self) {
+        self.relax();
+        self.engine.step();
+    }
+
+    fn relax(&mut self) {
+        for mechanism in &mut self.mechanisms {
+            mechanism.relax(&mut self.engine);
+        }
+    }
+
+    /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls the joint
+    /// that carries `body` towards `goal` (m or rad). Returns the force of that spring at the end of the step, N or Nm; `None`
+    /// if the body hangs on no joint.
+    pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
+        self.relax();
+        let link = self.joint_mut(body)?;
+        let (own, rest) = link.joint.spring(engine_axis(axis));
+        let drive = own * ratio;
+        link.joint
+            .set_spring(engine_axis(axis), own + drive, (own * rest + drive * goal) / (own + drive));
+        self.engine.step();
+        let link = self.joint_mut(body)?;
+        link.joint.set_spring(engine_axis(axis), own, rest);
+        Some(drive * (goal - self.coordinate(body, axis)?))
+    }
+
+    fn joint_mut(&mut self, body: BodyId) -> Option<&mut MultibodyLink> {
+        let link = *self.engine.joints.rigid_body_link(self.bodies[body.0])?;
+        self.engine.joints.get_multibody_mut(link.multibody)?.link_mut(link.id)
+    }
+
+    /// Pose of a body in the world frame.
+    pub fn pose_world(&self, body: BodyId) -> WorldPose {
+        from_parry(self.body(body).position())
+    }
+
+    /// Velocity of a body's centre of mass, m/s, world frame.
+    pub fn velocity_world(&self, body: BodyId) -> DVec3 {
+        self.body(body).linvel()
+    }
+
+    /// A body's centre of mass, m, world frame.
+    pub fn center_of_mass_world(&self, body: BodyId) -> DVec3 {
+        self.body(body).center_of_mass()
+    }
+
+    /// A body's mass, kg.
+    pub fn mass_kg(&self, body: BodyId) -> f64 {
+        self.body(body).mass()
+    }
+
+    /// Sets the external force on a body, N, acting at a point (m, world frame), and the external moment, Nm. Both stay
+    /// until they are set again.
+    pub fn load(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
+        let body = &mut self.engine.bodies[self.bodies[body.0]];
+        body.reset_forces(true);
+        body.reset_torques(true);
+        body.add_force_at_point(force_world, point_world, true);
+        body.add_torque(moment_world, true);
+    }
+
+    /// Sum of the normal forces on a body in the last step, N.
+    pub fn pressing_force_n(&self, body: BodyId) -> f64 {
+        let colliders = self.body(body).colliders().iter();
+        let pairs = colliders.flat_map(|collider| self.engine.narrow_phase.contact_pairs_with(*collider));
+        let impulse: f64 = pairs
+            .flat_map(|pair| pair.manifolds())
+            .flat_map(pressed_points)
+            .map(|point| point.data.impulse)
+            .sum();
+        impulse / self.engine.options.step_s
+    }
+
+    /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if it hangs on no joint.
+    pub fn coordinate(&self, body: BodyId, axis: Axis) -> Option<f64> {
+        let link = self.engine.joints.rigid_body_link(self.bodies[body.0])?;
+        let multibody = self.engine.joints.get_multibody(link.multibody)?;
+        Some(multibody.link(link.id)?.joint.coords()[engine_axis(axis)])
+    }
+}

@@ -1,0 +1,178 @@
+//! What a rig holds, read back from the engine, so that another engine can build the same.
+
+use glam::{DMat3, DVec3};
+use rapier3d::prelude::*;
+use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
+
+use crate::geometry::from_parry;
+use crate::simulation::engine::Engine;
+
+/// The bodies and joints of a rig.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Natural frequency, Hz, and damping ratio of the contacts with bodies that can move.
+    pub contact_softness: [f64; 2],
+    /// The trees of joints, each from its root on.
+    pub trees: Vec<Vec<LinkDescription>>,
+}
+
+/// One body of a tree, and the joint that carries it.
+#[derive(Clone, Debug)]
+pub struct LinkDescription {
+    /// Number of the body on the rig.
+    pub body: usize,
+    /// Index of its parent in the tree; `None` for the root.
+    pub parent: Option<usize>,
+    /// Whether it cannot move.
+    pub fixed: bool,
+    /// Its pose.
+    pub pose_world: WorldPose,
+    /// The factor by which gravity acts on it.
+    pub gravity_scale: f64,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m, body frame.
+    pub center_of_mass_body: DVec3,
+    /// Inertia about the centre of mass, kg m², axes of the body frame.
+    pub inertia_body: DMat3,
+    /// Pose of the joint frame in the parent's frame, and in the body's own.
+    pub joint_frames: [WorldPose; 2],
+    /// The free axes of the joint.
+    pub axes: Vec<AxisDescription>,
+    /// The collision shapes.
+    pub colliders: Vec<ColliderDescription>,
+}
+
+/// One degree of freedom.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisDescription {
+    /// 0 to 2 for translation along x, y, z of the joint frame, 3 to 5 for rotation about them.
+    pub axis: usize,
+    /// Displacement, m or rad.
+    pub coordinate: f64,
+    /// Stiffness of its spring, N/m or Nm/rad.
+    pub stiffness: f64,
+    /// Rest position of its spring, m or rad.
+    pub rest: f64,
+    /// Damping, N s/m or Nm s/rad.
+    pub damping: f64,
+    /// Inertia on the axis itself, kg or kg m².
+    pub armature: f64,
+    /// Lower and upper limit, m or rad.
+    pub limits: Option<[f64; 2]>,
+}
+
+/// One collision shape.
+#[derive(Clone, Debug)]
+pub struct ColliderDescription {
+    /// Shape and pose in the body's frame.
+    pub part: BodyPart,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// The groups that it belongs to, and those that it collides with, as bits.
+    pub groups: [u32; 2],
+}
+
+impl Description {
+    pub(super) fn read(engine: &mut Engine) -> Self {
+        for (_, body) in engine.bodies.iter_mut() {
+            // The engine would sum up the masses in its first step only.
+            body.recompute_mass_properties_from_colliders(&engine.colliders);
+        }
+        let engine = &*engine;
+        let mut trees: Vec<Vec<LinkDescription>> =
+            engine.joints.multibodies().map(|tree| describe(tree, engine)).collect();
+        // The engine may list them in any order.
+        trees.sort_by_key(|tree| tree.first().map(|root| root.body));
+        let softness = &engine.parameters.contact_softness;
+        Description {
+            contact_softness: [softness.natural_frequency, softness.damping_ratio],
+            trees,
+        }
+    }
+}
+
+/// One multibody, link by link from the root.
+fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
+    tree.links()
+        .map(|link| {
+            let handle = link.rigid_body_handle();
+            let body = &engine.bodies[handle];
+            let mass = body.mass_properties().local_mprops;
+            let joint = &link.joint.data;
+            let locked = joint.locked_axes.bits();
+            let free = (0..6).filter(|axis| link.parent_id().is_some() && locked & (1 << axis) == 0);
+            let axes = free.enumerate().map(|(number, axis)| {
+                let degree = link.assembly_id() + number;
+                let (stiffness, rest) = link.joint.spring(axis);
+                let limited = joint.limit_axes.bits() & (1 << axis) != 0;
+                AxisDescription {
+                    axis,
+                    coordinate: link.joint.coords()[axis],
+                    stiffness,
+                    rest,
+                    damping: tree.damping()[degree],
+                    armature: tree.armature()[degree],
+                    limits: limited.then(|| [joint.limits[axis].min, joint.limits[axis].max]),
+                }
+            });
+            LinkDescription {
+                body: handle.into_raw_parts().0 as usize,
+                parent: link.parent_id(),
+                fixed: !body.is_dynamic(),
+                pose_world: from_parry(body.position()),
+                gravity_scale: body.gravity_scale(),
+                mass_kg: mass.mass(),
+                center_of_mass_body: mass.local_com,
+                inertia_body: mass.reconstruct_inertia_matrix(),
+                joint_frames: [from_parry(&joint.local_frame1), from_parry(&joint.local_frame2)],
+                axes: axes.collect(),
+                colliders: body
+                    .colliders()
+                    .iter()
+                    .filter_map(|handle| collider(&engine.colliders[*handle]))
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+/// A collision shape; `None` for one that no recording knows, which nothing here builds.
+fn collider(collider: &Collider) -> Option<ColliderDescription> {
+    let shape = collider.shape();
+    // The engine's cylinders lie along y, and its capsules between any two points.
+    let along = |axis: DVec3| WorldPose::from_orientation(glam::DQuat::from_rotation_arc(DVec3::Z, axis));
+    let (shape, shape_pose) = match shape.as_typed_shape() {
+        TypedShape::Ball(ball) => (BodyShape::Sphere { radius_m: ball.radius }, WorldPose::IDENTITY),
+        TypedShape::Cuboid(cuboid) => {
+            let size_m = 2.0 * cuboid.half_extents;
+            (BodyShape::Box { size_m }, WorldPose::IDENTITY)
+        }
+        TypedShape::Cylinder(cylinder) => {
+            let (radius_m, length_m) = (cylinder.radius, 2.0 * cylinder.half_height);
+            (BodyShape::Cylinder { radius_m, length_m }, along(DVec3::Y))
+        }
+        TypedShape::Capsule(capsule) => {
+            let (start, end) = (capsule.segment.a, capsule.segment.b);
+            let (radius_m, length_m) = (capsule.radius, start.distance(end));
+            let center = WorldPose::from_position((start + end) / 2.0);
+            let axis = (end - start).normalize_or(DVec3::Z);
+            (BodyShape::Capsule { radius_m, length_m }, center * along(axis))
+        }
+        TypedShape::ConvexPolyhedron(hull) => {
+            let points_m = hull.points().to_vec();
+            (BodyShape::Hull { points_m }, WorldPose::IDENTITY)
+        }
+        _ => return None,
+    };
+    let pose = collider.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry);
+    let groups = collider.collision_groups();
+    Some(ColliderDescription {
+        part: BodyPart {
+            shape,
+            pose_body: pose * shape_pose,
+        },
+        friction: collider.friction(),
+        groups: [groups.memberships.bits(), groups.filter.bits()],
+    })
+}

@@ -1,0 +1,179 @@
+//! The engine's side of a simulation: arm and objects as bodies, one frame of steps, and the contacts out of them.
+
+use glam::DVec3;
+use rapier3d::prelude::*;
+use underbrush_recording::{FRAME_PERIOD_S, Pose};
+
+use super::arm::ArmBodies;
+use super::contact::Contact;
+use super::engine::{Engine, pressed_points};
+use super::mechanism::Mechanism;
+use super::model::Model;
+use super::report::{StepObserver, StepReport};
+use crate::geometry::from_parry;
+
+/// The engine with one arm and one clutter.
+#[derive(Clone)]
+pub(super) struct World {
+    pub(super) engine: Engine,
+    pub(super) arm: ArmBodies,
+    /// The contacts of the last frame, and the collision shape of the object in each.
+    contacts: Vec<Contact>,
+    contact_colliders: Vec<ColliderHandle>,
+    /// The objects; `None` for a dormant one.
+    pub(super) mechanisms: Vec<Option<Mechanism>>,
+}
+
+impl World {
+    /// The arm in its start posture, its equilibrium angles there, and the clutter at rest.
+    pub(super) fn new(model: &Model) -> Self {
+        let mut engine = Engine::new(model.physics);
+        let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
+        let mut world = World {
+            engine,
+            arm,
+            contacts: Vec::new(),
+            contact_colliders: Vec::new(),
+            mechanisms: model.structures.iter().map(|_| None).collect(),
+        };
+        for index in 0..model.structures.len() {
+            world.insert(model, index);
+        }
+        if model.dormancy {
+            world.rest_and_wake(model);
+        }
+        world
+    }
+
+    /// Advances by one frame with the arm's equilibrium angles at `equilibrium_angle_rad`.
+    pub(super) fn advance_frame(
+        &mut self,
+        model: &Model,
+        equilibrium_angle_rad: &[f64],
+        mut observer: Option<&mut StepObserver>,
+    ) {
+        self.contacts.clear();
+        self.contact_colliders.clear();
+        let (mut joints, mut link_pose_world) = (Vec::new(), Vec::new());
+        let steps = (FRAME_PERIOD_S / model.physics.step_s).round() as usize;
+        for _ in 0..steps {
+            self.arm
+                .set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
+            for mechanism in self.mechanisms.iter_mut().flatten() {
+                mechanism.relax(&mut self.engine);
+            }
+            self.engine.step();
+            let earlier = self.contacts.len();
+            self.gather_contacts();
+            if let Some(observer) = observer.as_deref_mut() {
+                self.arm.read_joints(&self.engine, &mut joints);
+                self.arm.read_link_poses(&self.engine, &mut link_pose_world);
+                observer(&StepReport {
+                    arm: &model.arm,
+                    physics: model.physics,
+                    joints: &joints,
+                    link_pose_world: &link_pose_world,
+                    contacts: &self.contacts[earlier..],
+                });
+            }
+        }
+        if model.dormancy {
+            self.rest_and_wake(model);
+        }
+    }
+
+    /// The contacts of the last frame, step by step.
+    pub(super) fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// The contacts of the last frame, each with the object's collision shape.
+    pub(super) fn contacts_with_colliders(&self) -> impl Iterator<Item = (&Contact, ColliderHandle)> {
+        self.contacts.iter().zip(self.contact_colliders.iter().copied())
+    }
+
+    /// Pose of a link in the world frame.
+    pub(super) fn link_pose(&self, link: usize) -> Pose {
+        from_parry(self.engine.bodies[self.arm.links[link]].position())
+    }
+
+    /// Puts an object into the engine, at rest.
+    pub(super) fn insert(&mut self, model: &Model, index: usize) {
+        let placed = &model.clutter.objects[index];
+        let structure = &model.structures[index];
+        let mechanism = Mechanism::build(structure, &mut self.engine, placed.foot_world, placed.yaw_rad);
+        for (number, body) in mechanism.bodies().iter().enumerate() {
+            for collider in self.engine.bodies[*body].colliders() {
+                self.engine.colliders[*collider].user_data = mark(index, number);
+            }
+        }
+        self.mechanisms[index] = Some(mechanism);
+    }
+
+    fn gather_contacts(&mut self) {
+        for (collider, link) in &self.arm.colliders {
+            let mut pairs: Vec<&ContactPair> = self.engine.narrow_phase.contact_pairs_with(*collider).collect();
+            pairs.sort_by_key(|pair| (pair.collider1.into_raw_parts(), pair.collider2.into_raw_parts()));
+            for pair in pairs {
+                let arm_is_first = pair.collider1 == *collider;
+                let other = if arm_is_first { pair.collider2 } else { pair.collider1 };
+                let Some((object, body)) = object_and_body(&self.engine.colliders[other]) else {
+                    continue;
+                };
+                for manifold in pair.manifolds() {
+                    // The normal points from the first shape to the second; the first is pushed against it.
+                    let sign = if arm_is_first { -1.0 } else { 1.0 };
+                    for point in pressed_points(manifold) {
+                        let on_shape = if arm_is_first { point.local_p1 } else { point.local_p2 };
+                        let shape = &self.engine.colliders[*collider];
+                        let on_link = shape
+                            .position_wrt_parent()
+                            .map_or(on_shape, |pose| pose.transform_point(on_shape));
+                        let inward_world = manifold.data.normal * sign;
+                        let impulse = inward_world * point.data.impulse
+                            - friction_impulse_on_first(&point.data, -manifold.data.normal) * sign;
+                        self.contacts.push(Contact {
+                            link: *link,
+                            object,
+                            body,
+                            position_link: on_link,
+                            inward_world,
+                            force_world: impulse / FRAME_PERIOD_S,
+                            penetration_m: -point.dist,
+                        });
+                        self.contact_colliders.push(other);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The mark of an object's collision shape: the object's index plus one, and the body's above it. The arm's shapes have
+/// no mark.
+fn mark(object: usize, body: usize) -> u128 {
+    (body as u128) << 64 | (object as u128 + 1)
+}
+
+/// The object and the body that a collision shape belongs to; `None` for the arm's.
+fn object_and_body(collider: &Collider) -> Option<(usize, usize)> {
+    let object = (collider.user_data as u64).checked_sub(1)?;
+    Some((object as usize, (collider.user_data >> 64) as usize))
+}
+
+/// Friction impulse on the first body over a whole step, N s, world frame.
+///
+/// The engine reports it as two components along tangents t₁ and t₂ = d × t₁, which it does not report (d is the
+/// direction in which the contact pushes the first body). For the last substep it gives the impulse both as components
+/// (a, b) and as the vector w = a t₁ + b t₂, so t₁ = (a w − b d × w) / (a² + b²). If the last substep had no friction, the
+/// tangents are unknown and the friction of the earlier substeps, of a contact that is just breaking, is left out.
+fn friction_impulse_on_first(data: &ContactData, direction: DVec3) -> DVec3 {
+    let [a, b] = [data.warmstart_tangent_impulse.x, data.warmstart_tangent_impulse.y];
+    let squared = a * a + b * b;
+    if squared == 0.0 {
+        return DVec3::ZERO;
+    }
+    let vector = data.warmstart_tangent_world;
+    let first = (vector * a - direction.cross(vector) * b) / squared;
+    first * data.tangent_impulse.x + direction.cross(first) * data.tangent_impulse.y
+}

@@ -1,0 +1,173 @@
+//! The arm pressed on an object: what the springs, the skin and the audit say of it.
+#![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
+
+use underbrush_recording::Audit;
+use underbrush_sim::audit::Auditor;
+use underbrush_sim::audit::energy::EnergyBalance;
+use underbrush_sim::object::trunk::Trunk;
+use underbrush_sim::simulation::TactileFrame;
+
+use super::*;
+
+/// The arm with an object beside its forearm.
+fn beside(object: Box<dyn Object>, gap_m: f64, physics: PhysicsOptions) -> PressedArm {
+    let arm = Arm::cody().unwrap();
+    PressedArm::new(arm.clone(), arm, Beside::facing(object, gap_m, 0.3), physics).unwrap()
+}
+
+/// The arm pressed for `seconds` on one object by equilibrium angles that would press with `force_n` (N) if nothing moved,
+/// with those angles and the audit.
+fn press(object: Box<dyn Object>, gap_m: f64, force_n: f64, seconds: f64) -> (PressedArm, Vec<f64>, Audit) {
+    let mut pressed = beside(object, gap_m, OPTIONS);
+    let equilibrium = pressed.pressing_rad(force_n);
+    let mut auditor = Auditor::new(&pressed.simulation);
+    for _ in 0..(seconds / FRAME_PERIOD_S) as usize {
+        let simulation = &mut pressed.simulation;
+        simulation.step_observed(&equilibrium, &mut |step| auditor.observe_step(step));
+        auditor.observe_frame(simulation.arm(), simulation.report());
+    }
+    (pressed, equilibrium, auditor.audit())
+}
+
+fn largest_force_n(tactile: &TactileFrame) -> f64 {
+    tactile.largest_force().map_or(0.0, |force| force.force_n)
+}
+
+fn trunk() -> Box<dyn Object> {
+    Box::new(Trunk {
+        diameter_m: 0.03,
+        height_m: 0.6,
+    })
+}
+
+/// Pins that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and
+/// that taxels add up to them to 1e-9.
+#[test]
+fn springs_balance_contact_forces() {
+    for force in [2.0, 9.0] {
+        let (pressed, equilibrium, audit) = press(trunk(), 0.017, force, 8.0);
+        let (arm, report) = (&pressed.arm, pressed.report());
+        let angle = report.joint_angle_rad();
+        let spring: Vec<f64> = (0..angle.len())
+            .map(|joint| arm.joints[joint].stiffness_nm_per_rad * (equilibrium[joint] - angle[joint]))
+            .collect();
+        let spring = DVector::from_vec(spring);
+        let contact = DVector::from_vec(report.contact_torque_nm(arm));
+        assert!(contact.norm() > 0.1 * force, "no contact: {contact}");
+        let residual = (&spring + &contact).norm() / spring.norm();
+        assert!(
+            residual < 1e-3,
+            "relative residual {residual} at {force} N: {spring} {contact}"
+        );
+        // The weaker push turns the joints with 0.3 Nm: too little for the audit to count.
+        assert!(
+            (audit.rest_frames > 0) == (force > 5.0) && audit.largest_static_residual < 0.05,
+            "{audit:?}"
+        );
+        assert!(
+            report.tactile.force_residual < 1e-9,
+            "taxels miss the solver's force by {}",
+            report.tactile.force_residual
+        );
+    }
+}
+
+/// Pins that a trunk lights a patch of taxels of the size of a stored frame of the real skin (nine newtons on
+/// 4 × 2 taxels of 0.6–1.5 N), and that more force lights no fewer.
+#[test]
+fn a_broad_contact_lights_a_patch() {
+    let lit = |force: f64| {
+        let (pressed, ..) = press(trunk(), 0.017, force, 8.0);
+        let taxels = &pressed.report().tactile.taxels;
+        taxels
+            .iter()
+            .filter(|taxel| taxel.true_normal_force_n > 0.02)
+            .count()
+    };
+    let (few, many) = (lit(3.0), lit(12.0));
+    assert!(
+        (2..=12).contains(&few) && few <= many && many <= 24,
+        "{few} taxels at 3 N, {many} at 12 N"
+    );
+}
+
+/// Pins that an arm that starts 5 mm deep in a trunk is pushed out: the contact's 1e4 N/m give some 50 N at first, not
+/// a throw, and after two seconds the arm rests against the trunk on its springs.
+#[test]
+fn an_arm_that_starts_in_contact_is_pushed_out() {
+    // Too low for the upper arm, which cannot give way there.
+    let trunk = Trunk {
+        diameter_m: 0.03,
+        height_m: 0.34,
+    };
+    let (pressed, _, audit) = press(Box::new(trunk), 0.010, 0.0, 2.0);
+    assert!(audit.largest_frame_force_jump_n < 100.0, "{audit:?}");
+    let force = largest_force_n(&pressed.report().tactile);
+    // 5 mm against the arm's 0.1–0.5 kN/m.
+    assert!((0.1..10.0).contains(&force), "{force} N");
+}
+
+/// Pins that a leaf gives way where a trunk does not: the same push, a tenth of the force.
+#[test]
+fn a_leaf_pushes_back_less_than_a_trunk() {
+    let leaf = Leaf {
+        height_m: 0.4,
+        width_m: 0.03,
+        flexural_rigidity_n_m2: 0.02,
+        mass_per_area_kg_per_m2: 0.8,
+        loss_factor: 0.1,
+        root_stiffness_nm_per_rad: Some(2.0),
+        segments: 8,
+    };
+    let (soft, ..) = press(Box::new(leaf), 0.005, 6.0, 4.0);
+    let (hard, ..) = press(trunk(), 0.017, 6.0, 4.0);
+    let [soft, hard] = [soft, hard].map(|pressed| largest_force_n(&pressed.report().tactile));
+    assert!(soft > 0.01, "the leaf was not touched");
+    assert!(
+        soft < 0.3 * hard,
+        "{} N, {} N",
+        soft,
+        hard
+    );
+}
+
+/// Pins the balance of an arm that is pressed on a trunk and dragged along it with friction: 0.2 % of the actuators' work
+/// is unexplained at steps of 1 ms, and what friction, softness and trunk take is a third of it.
+#[test]
+fn dragging_along_a_trunk_keeps_the_balance() {
+    let options = PhysicsOptions {
+        step_s: 0.001,
+        substeps: 1,
+        gravity_m_per_s2: 9.81,
+    };
+    let mut pressed = beside(trunk(), 0.017, options);
+    let mut balance = EnergyBalance::new(&pressed.simulation);
+    let arm = pressed.arm.clone();
+    let (posture, across) = (pressed.posture_rad.clone(), pressed.across_world);
+    let poses = arm.forward_kinematics(&posture);
+    let place = poses[pressed.forearm].transform_point(PLACE_LINK);
+    let jacobian = pressed.jacobian(&poses, place).transpose();
+    let (press, drag) = (
+        &jacobian * Vector3::from((across * 6.0).to_array()),
+        &jacobian * Vector3::new(8.0, 0.0, 0.0),
+    );
+    for frame in 0..600 {
+        let pressing = (f64::from(frame) / 100.0).min(1.0);
+        let dragging = (f64::from(frame - 200) * 0.02).max(0.0).sin();
+        let angle = |(joint, start): (usize, &f64)| {
+            start + (press[joint] * pressing + drag[joint] * dragging) / arm.joints[joint].stiffness_nm_per_rad
+        };
+        let equilibrium: Vec<f64> = posture.iter().enumerate().map(angle).collect();
+        pressed
+            .simulation
+            .step_observed(&equilibrium, &mut |step| balance.observe_step(step));
+    }
+    let sums = balance.sums();
+    assert!(sums.contacts_j > 0.2 * sums.actuators_j, "{sums:?}");
+    assert!(
+        sums.residual_j().abs() < 2e-3 * sums.exchanged_j,
+        "{sums:?}: {}",
+        sums.residual_j()
+    );
+}
+
