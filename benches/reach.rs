@@ -47,10 +47,7 @@ fn reach(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [("leaf", LEAF), ("trunk", TRUNK)] {
         let plan = plan(name, text);
-        let run = |index| {
-            plan.run(index, &mut |_, _| {})
-                .expect("there is room for the clutter")
-        };
+        let run = |index| plan.run(index, &mut |_, _| {}).expect("there is room for the clutter");
         // The first reach that touches something: an empty one would say nothing, and which one it is may change.
         let (index, recording) = (0..20)
             .map(|index| (index, run(index)))

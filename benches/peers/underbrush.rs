@@ -98,7 +98,9 @@ fn statics() -> Value {
     let force = DVec3::new(-3.0, 4.0, 5.0);
     push(&mut rig, wrist, force, DVec3::ZERO, settle);
     let joints = links[1..].iter();
-    let angles: Vec<f64> = joints.map(|link| rig.coordinate(*link, Axis::RotationX).unwrap()).collect();
+    let angles: Vec<f64> = joints
+        .map(|link| rig.coordinate(*link, Axis::RotationX).unwrap())
+        .collect();
     json!({
         "step_s": options.step_s,
         "tip_body": tip.number(),

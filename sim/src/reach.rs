@@ -66,7 +66,12 @@ impl<'a> Reach<'a> {
             rate_hz: 1.0 / FRAME_PERIOD_S,
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: plan.arm.skin.layout.clone(),
-            objects: simulation.clutter().objects.iter().map(|placed| placed.record()).collect(),
+            objects: simulation
+                .clutter()
+                .objects
+                .iter()
+                .map(|placed| placed.record())
+                .collect(),
             bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),

@@ -128,11 +128,7 @@ fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
 /// point across the forearm. The first millimetre is air.
-fn push(
-    beside: Beside,
-    moves_m: [f64; 2],
-    simulated: Simulated,
-) -> Result<(PressedArm, [Pushed; 2]), CheckError> {
+fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(PressedArm, [Pushed; 2]), CheckError> {
     let options = PhysicsOptions {
         gravity_m_per_s2: 0.0,
         ..OPTIONS

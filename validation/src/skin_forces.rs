@@ -194,9 +194,8 @@ fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
         body(DVec3::new(-0.15, 0.01, 0.0), DVec3::new(0.5, 0.2, 0.1), 0.262, ball),
         body(DVec3::ZERO, DVec3::ZERO, 0.84, cuboid),
     ];
-    let momentum = |rig: &Rig, body: Option<BodyId>| {
-        body.map_or(DVec3::NAN, |body| rig.velocity_world(body) * rig.mass_kg(body))
-    };
+    let momentum =
+        |rig: &Rig, body: Option<BodyId>| body.map_or(DVec3::NAN, |body| rig.velocity_world(body) * rig.mass_kg(body));
     let before = bodies.map(|body| momentum(&rig, body));
     for _ in 0..200 {
         rig.step();

@@ -78,7 +78,8 @@ impl ArmState {
             let stretch = state.rest_angle_rad - state.angle_rad;
             joint.stiffness_nm_per_rad * stretch * stretch + joint.armature_kg_m2 * state.velocity_rad_per_s.powi(2)
         });
-        0.5 * joints.sum::<f64>() + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world))
+        0.5 * joints.sum::<f64>()
+            + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world))
     }
 
     /// Kinetic energy, J, of the links at the velocities (of the centre of mass, angular) that `velocities` gives.
@@ -87,7 +88,8 @@ impl ArmState {
             let (velocity, angular_velocity) = velocities(index, state);
             let angular_velocity_link = state.pose.inverse_transform_vector(angular_velocity);
             let link = &arm.links[index];
-            0.5 * (link.mass_kg * velocity.length_squared() + angular_velocity_link.dot(link.inertia_link * angular_velocity_link))
+            0.5 * (link.mass_kg * velocity.length_squared()
+                + angular_velocity_link.dot(link.inertia_link * angular_velocity_link))
         };
         self.links.iter().enumerate().map(of_link).sum()
     }

@@ -155,7 +155,9 @@ impl Auditor {
         for contact in step.contacts {
             audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
         }
-        let jump = self.step_force.observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
+        let jump = self
+            .step_force
+            .observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
         audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
     }
 
@@ -175,7 +177,8 @@ impl Auditor {
             joint.velocity_rad_per_s.abs() < REST_RATE_RAD_PER_S && (joint.rest_angle_rad - rest).abs() < REST_SHIFT_RAD
         });
         self.frame_rest_angle_rad.clear();
-        self.frame_rest_angle_rad.extend(joints.iter().map(|joint| joint.rest_angle_rad));
+        self.frame_rest_angle_rad
+            .extend(joints.iter().map(|joint| joint.rest_angle_rad));
         self.frames_at_rest = if resting { self.frames_at_rest + 1 } else { 0 };
         if self.frames_at_rest < REST_FRAMES || report.contacts.is_empty() {
             return;

@@ -165,7 +165,11 @@ impl ArmBodies {
     /// Writes the pose of every link in the world frame into `poses`.
     pub(super) fn read_link_poses(&self, engine: &Engine, poses: &mut Vec<underbrush_recording::Pose>) {
         poses.clear();
-        poses.extend(self.links.iter().map(|link| from_parry(engine.bodies[*link].position())));
+        poses.extend(
+            self.links
+                .iter()
+                .map(|link| from_parry(engine.bodies[*link].position())),
+        );
     }
 
     fn multibody_mut<'a>(&self, engine: &'a mut Engine) -> Option<(&'a mut RigidBodySet, &'a mut Multibody)> {

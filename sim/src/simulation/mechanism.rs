@@ -59,7 +59,11 @@ impl Mechanism {
     /// Writes the poses of the bodies in the world frame into `poses`.
     pub(super) fn read_body_poses(&self, engine: &Engine, poses: &mut Vec<underbrush_recording::Pose>) {
         poses.clear();
-        poses.extend(self.bodies.iter().map(|body| from_parry(engine.bodies[*body].position())));
+        poses.extend(
+            self.bodies
+                .iter()
+                .map(|body| from_parry(engine.bodies[*body].position())),
+        );
     }
 
     /// Whether anything in it can move.
@@ -85,12 +89,7 @@ impl Mechanism {
         }
     }
 
-    fn insert_jointed(
-        &mut self,
-        engine: &mut Engine,
-        joint: &structure::Joint,
-        inertia: &Inertia,
-    ) -> RigidBodyHandle {
+    fn insert_jointed(&mut self, engine: &mut Engine, joint: &structure::Joint, inertia: &Inertia) -> RigidBodyHandle {
         let parent = self.bodies[joint.parent];
         let pose = *engine.bodies[parent].position() * Pose::from_translation(joint.origin_parent);
         let mass = MassProperties::new(inertia.center_of_mass_body, inertia.mass_kg, inertia.principal_kg_m2);

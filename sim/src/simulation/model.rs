@@ -39,7 +39,10 @@ impl Model {
             .map(PlacedObject::outline)
             .map(|(outline, pose)| (outline, parry_pose(&pose)))
             .collect();
-        let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.compute_aabb(pose)).collect();
+        let boxes: Vec<Aabb> = outlines
+            .iter()
+            .map(|(outline, pose)| outline.compute_aabb(pose))
+            .collect();
         let structures: Vec<Structure> = objects().map(|placed| placed.object.structure()).collect();
         let rest_pose_world = objects()
             .zip(&structures)

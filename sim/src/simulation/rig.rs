@@ -101,10 +101,7 @@ impl Rig {
             .linvel(free.velocity_world)
             .enabled_rotations(x, y, z)
             .can_sleep(false);
-        self.add(
-            body,
-            collider(&free.part)?.mass(free.mass_kg).friction(free.friction),
-        )
+        self.add(body, collider(&free.part)?.mass(free.mass_kg).friction(free.friction))
     }
 
     fn add(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> Option<BodyId> {
@@ -150,8 +147,11 @@ impl Rig {
         let link = self.joint_mut(body)?;
         let (own, rest) = link.joint.spring(engine_axis(axis));
         let drive = own * ratio;
-        link.joint
-            .set_spring(engine_axis(axis), own + drive, (own * rest + drive * goal) / (own + drive));
+        link.joint.set_spring(
+            engine_axis(axis),
+            own + drive,
+            (own * rest + drive * goal) / (own + drive),
+        );
         self.engine.step();
         let link = self.joint_mut(body)?;
         link.joint.set_spring(engine_axis(axis), own, rest);

@@ -79,10 +79,7 @@ fn a_broad_contact_lights_a_patch() {
     let lit = |force: f64| {
         let (pressed, ..) = press(trunk(), 0.017, force, 8.0);
         let taxels = &pressed.report().tactile.taxels;
-        taxels
-            .iter()
-            .filter(|taxel| taxel.true_normal_force_n > 0.02)
-            .count()
+        taxels.iter().filter(|taxel| taxel.true_normal_force_n > 0.02).count()
     };
     let (few, many) = (lit(3.0), lit(12.0));
     assert!(
@@ -123,12 +120,7 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
     let (hard, ..) = press(trunk(), 0.017, 6.0, 4.0);
     let [soft, hard] = [soft, hard].map(|pressed| largest_force_n(&pressed.report().tactile));
     assert!(soft > 0.01, "the leaf was not touched");
-    assert!(
-        soft < 0.3 * hard,
-        "{} N, {} N",
-        soft,
-        hard
-    );
+    assert!(soft < 0.3 * hard, "{} N, {} N", soft, hard);
 }
 
 /// Pins the balance of an arm that is pressed on a trunk and dragged along it with friction: 0.2 % of the actuators' work
@@ -170,4 +162,3 @@ fn dragging_along_a_trunk_keeps_the_balance() {
         sums.residual_j()
     );
 }
-

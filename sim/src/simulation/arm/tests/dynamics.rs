@@ -61,7 +61,10 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
     let mut last = 0.0;
     for step in 0..25_000 {
         engine.step();
-        let angle = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>()[0];
+        let angle = joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.angle_rad)
+            .collect::<Vec<f64>>()[0];
         if last < target && angle >= target {
             rising.push(step_s * (f64::from(step) + (target - last) / (angle - last)));
         }
@@ -99,14 +102,24 @@ fn tip_force_at_rest_is_held_by_the_springs() {
         let mut engine = Engine::new(options);
         let bodies = ArmBodies::insert(&arm, &posture, &mut engine);
         for _ in 0..2400 {
-            let tip = arm.tip_pose(&arm.forward_kinematics(&joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>()));
+            let tip = arm.tip_pose(
+                &arm.forward_kinematics(
+                    &joints(&bodies, &engine)
+                        .iter()
+                        .map(|joint| joint.angle_rad)
+                        .collect::<Vec<f64>>(),
+                ),
+            );
             let body = &mut engine.bodies[bodies.links[arm.tip_link]];
             body.reset_forces(true);
             body.reset_torques(true);
             body.add_force_at_point(force, tip.position, true);
             engine.step();
         }
-        let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();
+        let angles = joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.angle_rad)
+            .collect::<Vec<f64>>();
         let links = arm.forward_kinematics(&angles);
         let jacobian = arm.position_jacobian(&links, arm.tip_link, arm.tip_pose(&links).position);
         let load = jacobian.transpose() * Vector3::new(force.x, force.y, force.z);
@@ -122,7 +135,10 @@ fn tip_force_at_rest_is_held_by_the_springs() {
             "the force must load the joints for the check to mean anything"
         );
         assert!((&spring + &load).amax() < 1e-3 * load.amax(), "{spring} against {load}");
-        let read = joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>();
+        let read = joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.torque_nm)
+            .collect::<Vec<f64>>();
         assert!(
             spring
                 .iter()

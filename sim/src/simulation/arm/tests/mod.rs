@@ -51,7 +51,13 @@ fn engine_has_the_same_poses_and_jacobians() {
             assert!((engine.fixed_rows::<3>(0) - position).amax() < 1e-12);
             assert!((engine.fixed_rows::<3>(3) - angular).amax() < 1e-12);
         }
-        for (read, set) in joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>().iter().zip(&posture) {
+        for (read, set) in joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.angle_rad)
+            .collect::<Vec<f64>>()
+            .iter()
+            .zip(&posture)
+        {
             assert!((read - set).abs() < 1e-12);
         }
     }
@@ -86,7 +92,13 @@ fn arm_stays_where_it_is_put() {
     for _ in 0..200 {
         engine.step();
     }
-    for (read, set) in joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>().iter().zip(&posture) {
+    for (read, set) in joints(&bodies, &engine)
+        .iter()
+        .map(|joint| joint.angle_rad)
+        .collect::<Vec<f64>>()
+        .iter()
+        .zip(&posture)
+    {
         assert!((read - set).abs() < 1e-12);
     }
     let (multibody, _) = engine.joints.get(bodies.joints[0]).unwrap();
@@ -110,7 +122,13 @@ fn torque_stays_within_the_actuator_limit() {
         let (mut engine, bodies) = inserted(&arm, &posture);
         let far: Vec<f64> = posture.iter().map(|angle| angle + sign * 10.0).collect();
         bodies.set_equilibrium(&arm, &far, &mut engine);
-        for (torque, joint) in joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>().iter().zip(&arm.joints) {
+        for (torque, joint) in joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.torque_nm)
+            .collect::<Vec<f64>>()
+            .iter()
+            .zip(&arm.joints)
+        {
             assert!(
                 (torque - sign * joint.torque_limit_nm).abs() < 1e-9,
                 "{}: {torque} Nm",
@@ -121,7 +139,10 @@ fn torque_stays_within_the_actuator_limit() {
             bodies.set_equilibrium(&arm, &far, &mut engine);
             engine.step();
         }
-        let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();
+        let angles = joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.angle_rad)
+            .collect::<Vec<f64>>();
         for (angle, joint) in angles.iter().zip(&arm.joints) {
             // A stop gives way a little, as the engine's constraints do: 0.05 rad under the full torque is plenty.
             let [lower, upper] = joint.limits_rad;
@@ -176,8 +197,22 @@ fn an_engine_without_numbers_does_not_panic() {
     let nothing = vec![f64::NAN; arm.joints.len()];
     let multibody = engine.joints.get_mut(bodies.joints[0]).unwrap().0;
     multibody.apply_displacements(&nothing);
-    assert!(joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>().iter().all(|angle| angle.is_nan()));
+    assert!(
+        joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.angle_rad)
+            .collect::<Vec<f64>>()
+            .iter()
+            .all(|angle| angle.is_nan())
+    );
     bodies.set_equilibrium(&arm, &arm.start_posture_rad(), &mut engine);
     bodies.set_equilibrium(&arm, &nothing, &mut engine);
-    assert!(joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>().iter().all(|torque| torque.is_nan()));
+    assert!(
+        joints(&bodies, &engine)
+            .iter()
+            .map(|joint| joint.torque_nm)
+            .collect::<Vec<f64>>()
+            .iter()
+            .all(|torque| torque.is_nan())
+    );
 }

@@ -99,9 +99,7 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
         mechanism.relax(&mut engine);
         engine.step();
     }
-    let tip = engine.bodies[core]
-        .position()
-        .transform_point(DVec3::Z * roll.height_m);
+    let tip = engine.bodies[core].position().transform_point(DVec3::Z * roll.height_m);
     tip.truncate().length()
 }
 
