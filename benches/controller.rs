@@ -12,9 +12,7 @@ use nalgebra::{DMatrix, Matrix3xX};
 use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::quadratic_program::{Outcome, QuadraticProgram};
-use underbrush_sim::controller::{
-    ControlStatus, Controller, ControllerInput, Goal, ModelPredictive, Preset, TaxelContact,
-};
+use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ModelPredictive, Preset, TaxelContact};
 
 /// Cody in its start posture, ten taxels of the forearm in touch, on its way forward.
 struct Situation {
@@ -22,7 +20,7 @@ struct Situation {
     angle_rad: Vec<f64>,
     tip: Pose,
     tip_position_jacobian: Matrix3xX<f64>,
-    tip_angular_jacobian: Matrix3xX<f64>,
+    joint_velocity_rad_per_s: Vec<f64>,
     contacts: Vec<TaxelContact>,
 }
 
@@ -52,7 +50,7 @@ impl Situation {
         Situation {
             tip,
             tip_position_jacobian: arm.position_jacobian(&poses, arm.tip_link, tip.position),
-            tip_angular_jacobian: arm.angular_jacobian(&poses, arm.tip_link),
+            joint_velocity_rad_per_s: vec![0.0; angle_rad.len()],
             contacts,
             angle_rad,
             arm,
@@ -62,14 +60,11 @@ impl Situation {
     fn input(&self) -> ControllerInput<'_> {
         ControllerInput {
             joint_angle_rad: &self.angle_rad,
+            joint_velocity_rad_per_s: &self.joint_velocity_rad_per_s,
             equilibrium_angle_rad: &self.angle_rad,
             tip_pose_world: self.tip,
             tip_position_jacobian: &self.tip_position_jacobian,
-            tip_angular_jacobian: &self.tip_angular_jacobian,
-            goal: Goal {
-                position_world: self.tip.position + DVec3::X * 0.3,
-                orientation_world: None,
-            },
+            goal_position_world: self.tip.position + DVec3::X * 0.3,
             contacts: &self.contacts,
         }
     }
@@ -125,7 +120,7 @@ fn step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("controller");
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
         let name = preset.name;
-        let controller = ModelPredictive::new(preset, &situation.arm);
+        let mut controller = ModelPredictive::new(preset, &situation.arm);
         assert_eq!(controller.control(&situation.input()).status, ControlStatus::Solved);
         group.bench_function(format!("step/{name}"), |bencher| {
             bencher.iter(|| controller.control(black_box(&situation.input())));

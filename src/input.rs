@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
 use underbrush_recording::{Category, InputError, Recording, Trial};
+use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
 use crate::progress;
@@ -69,4 +71,9 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
 /// Categories of a recording's objects, by index.
 pub fn object_categories(recording: &Recording) -> Vec<Category> {
     recording.objects.iter().map(|object| object.category).collect()
+}
+
+/// Reads the name of a controller.
+pub fn controller() -> impl TypedValueParser<Value = ControllerKind> {
+    PossibleValuesParser::new(ControllerKind::names()).try_map(|name| ControllerKind::from_name(&name))
 }

@@ -69,7 +69,7 @@ pub fn changed_campaign(
         scenes: scenes.collect::<Result<_, ExperimentError>>()?,
         arms: BTreeMap::new(),
         seed,
-        controller: data::CONTROLLER.map(str::to_owned),
+        controller: data::CONTROLLER,
         shard: None,
     })
 }

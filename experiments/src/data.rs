@@ -3,6 +3,7 @@
 use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::Category;
+use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::{RobotSection, SceneFile};
 
 /// A scene as shipped in `scenes/`: its path for messages, and its text.
@@ -83,7 +84,7 @@ pub const OUTLIER_REACHES: [usize; 2] = [4, 2];
 pub const OUTLIER_DRAWS: u64 = 16;
 
 /// The controller of all reaches; each scene's own if none.
-pub const CONTROLLER: Option<&str> = None;
+pub const CONTROLLER: Option<ControllerKind> = None;
 
 /// How trials are cut.
 pub fn trial_options() -> TrialOptions {

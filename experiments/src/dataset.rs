@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use rayon::prelude::*;
+use serde::Serialize;
 use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
@@ -11,7 +12,8 @@ use underbrush_recording::disk::{
 use underbrush_recording::{InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, CampaignError, Job};
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::controller::{ControllerKind, Preset};
+use underbrush_sim::reach::{ReachPlan, ReachRules};
 use underbrush_sim::scene::Scene;
 
 use crate::error::ExperimentError;
@@ -33,9 +35,27 @@ pub struct Campaign {
     /// The seed.
     pub seed: u64,
     /// The controller; each scene's own if not given.
-    pub controller: Option<String>,
+    pub controller: Option<ControllerKind>,
     /// The part of the reaches to run; all if not given.
     pub shard: Option<Shard>,
+}
+
+/// What a data set stores of a scene's controller and of what ends its reaches.
+#[derive(Serialize)]
+struct ControllerParameters<'a> {
+    #[serde(flatten)]
+    preset: Option<&'a Preset>,
+    #[serde(flatten)]
+    rules: &'a ReachRules,
+}
+
+impl<'a> ControllerParameters<'a> {
+    fn of(plan: &'a ReachPlan) -> Self {
+        ControllerParameters {
+            preset: plan.controller.preset(),
+            rules: &plan.rules,
+        }
+    }
 }
 
 /// A data set that was asked for.
@@ -70,11 +90,15 @@ impl Campaign {
             let allowed = "a program whose data sets hold scenes: underbrush";
             return Err(fault("program", provenance.program.clone(), allowed));
         }
+        let controller = ControllerKind::from_name(&provenance.controller).map_err(|_| {
+            let allowed = format!("one of {}", ControllerKind::names().join(", "));
+            fault("controller", provenance.controller.clone(), &allowed)
+        })?;
         let mut campaign = Campaign {
             scenes: Vec::new(),
             arms: BTreeMap::new(),
             seed: provenance.seed,
-            controller: Some(provenance.controller.clone()),
+            controller: Some(controller),
             shard: provenance.shard,
         };
         for (index, stored) in provenance.scenes.iter().enumerate() {
@@ -152,7 +176,7 @@ impl Campaign {
     }
 
     fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
-        let controller = self.controller.as_deref();
+        let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| match self.arms.get(&scene.name) {
             Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed),
             None => ReachPlan::new(scene.clone(), controller, self.seed),
@@ -192,18 +216,21 @@ impl Campaign {
                 first.scene.name, other.scene.name
             )));
         }
-        if let Some(other) = plans.iter().find(|plan| plan.controller != first.controller) {
+        if let Some(other) = plans
+            .iter()
+            .find(|plan| plan.controller_name() != first.controller_name())
+        {
             return Err(ExperimentError::Request(format!(
                 "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
                  data set for each",
                 first.scene.name,
                 other.scene.name,
-                first.controller.name(),
-                other.controller.name()
+                first.controller_name(),
+                other.controller_name()
             )));
         }
         Ok(DatasetPlan {
-            provenance: self.provenance(plans, first.controller.name()),
+            provenance: self.provenance(plans, &first.controller_name()),
             robot: first.arm.name.clone(),
             rate_hz: 1.0 / underbrush_recording::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
@@ -226,7 +253,7 @@ impl Campaign {
             let file = &scene.file;
             let own = json!({ "physics": file.physics, "sensor": file.sensor });
             options.insert(scene.name.clone(), own);
-            controller_parameters.insert(scene.name.clone(), json!(plan.preset()));
+            controller_parameters.insert(scene.name.clone(), json!(ControllerParameters::of(plan)));
             let files = plan.arm.files.iter();
             let arm = ArmText {
                 name: plan.arm.name.clone(),

@@ -19,7 +19,6 @@ mod cone;
 mod contact_log;
 pub mod controller;
 pub mod geometry;
-mod monitor;
 pub mod object;
 pub mod physics;
 mod quadrature;

@@ -5,19 +5,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 use underbrush_experiments::audit::{self, Worst};
 use underbrush_experiments::dataset::{Campaign, PROGRAM_VERSION, Written};
 use underbrush_experiments::ends::Ends;
 use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_report::text;
-use underbrush_sim::controller;
+use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::Scene;
 
 use crate::failure::Failure;
 use crate::progress::Shown;
-use crate::{interrupt, output};
+use crate::{input, interrupt, output};
 
 /// Options of `underbrush generate`.
 #[derive(Args)]
@@ -39,8 +38,8 @@ pub struct Options {
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard"])]
     from: Option<PathBuf>,
     /// Controller, instead of each scene's own
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(controller::NAMES))]
-    controller: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = input::controller())]
+    controller: Option<ControllerKind>,
     /// Go on with an interrupted data set
     #[arg(long)]
     resume: bool,
@@ -126,7 +125,7 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
         scenes: scenes.collect::<Result<Vec<_>, Failure>>()?,
         arms: BTreeMap::new(),
         seed: options.seed,
-        controller: options.controller.clone(),
+        controller: options.controller,
         shard: options.shard,
     };
     let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();

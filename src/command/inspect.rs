@@ -81,7 +81,7 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Failure> {
         "summary": file.summary,
         "arm": plan.arm.name,
         "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
-        "controller": plan.controller.name(),
+        "controller": plan.controller_name(),
         "objects": objects,
         "goals": clutter.goals.len(),
         "physics": file.physics,

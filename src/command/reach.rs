@@ -11,7 +11,7 @@ use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_report::picture;
-use underbrush_sim::controller;
+use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::snapshot::Snapshot;
@@ -33,8 +33,8 @@ pub struct Options {
     #[arg(long, default_value_t = 0, value_name = "N")]
     index: u64,
     /// Controller, instead of the scene's own
-    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(controller::NAMES))]
-    controller: Option<String>,
+    #[arg(long, value_parser = input::controller(), value_name = "NAME")]
+    controller: Option<ControllerKind>,
     /// Recording to write (Parquet)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -62,7 +62,7 @@ pub struct Report {
     simulated_s: f64,
     wall_s: f64,
     simulated_over_wall: f64,
-    f_max_n: f64,
+    f_max_n: Option<f64>,
     contacts: usize,
     peak_contact_force_n: f64,
     mean_contact_force_n: f64,
@@ -83,11 +83,7 @@ struct Goal {
 
 /// Runs the reach.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let plan = ReachPlan::new(
-        Scene::load(&options.scene)?,
-        options.controller.as_deref(),
-        options.seed,
-    )?;
+    let plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
     let options_of_trials = TrialOptions {
         patch: options.patch.clone(),
         ..TrialOptions::default()
@@ -130,12 +126,13 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         output::write_file(path, svg.as_bytes())?;
     }
     output::remarks(audit::reach_warnings(&recording));
-    let report = Report::of(&recording, &options_of_trials, plan.preset().force_limit_n, wall_s)?;
+    let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
+    let report = Report::of(&recording, &options_of_trials, f_max_n, wall_s)?;
     output::result(json, &report, || report.text())
 }
 
 impl Report {
-    fn of(recording: &Recording, options: &TrialOptions, f_max_n: f64, wall_s: f64) -> Result<Self, Failure> {
+    fn of(recording: &Recording, options: &TrialOptions, f_max_n: Option<f64>, wall_s: f64) -> Result<Self, Failure> {
         let layout = &recording.layout;
         let patch = layout
             .chosen_patch(options.patch.as_deref())
@@ -207,6 +204,9 @@ impl Report {
             .aborted_by
             .as_ref()
             .map_or(String::new(), |stop| format!(", then aborted: {stop}"));
+        let limit = self.f_max_n.map_or(String::new(), |f_max_n| {
+            format!("; the controller's f_max is {f_max_n} N a taxel")
+        });
         let patches = self.touched_frames.iter();
         let touched: Vec<String> = patches
             .map(|(patch, frames)| format!("{patch} in {frames} frames"))
@@ -215,7 +215,7 @@ impl Report {
             + &format!(
                 "\n{} (seed {}, reach {}, {}): {} of {} goals reached{}\n\
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
-                 {} contacts; peak force {:.2} N, mean {:.2} N; the controller's f_max is {} N a taxel\n\
+                 {} contacts; peak force {:.2} N, mean {:.2} N{}\n\
                  true contact: {}\n\
                  {}\n\
                  largest relative difference between taxel and contact forces: {:.1e}",
@@ -232,7 +232,7 @@ impl Report {
                 self.contacts,
                 self.peak_contact_force_n,
                 self.mean_contact_force_n,
-                self.f_max_n,
+                limit,
                 touched.join(", "),
                 self.trials(),
                 self.audit.largest_force_residual

@@ -231,9 +231,9 @@ fn unknown_controller() {
         &text,
         Some(3),
         &[
-            "controller: found `clever`",
+            "controller: found unknown controller `clever`",
             "one of cody-2013, ijrr-foliage, blind",
-            "change",
+            "mend the line",
         ],
     );
 }

@@ -6,4 +6,5 @@ mod engine;
 mod imports;
 mod own_controller;
 mod ranges;
+mod reach_controller;
 mod scenes;

@@ -1,14 +1,14 @@
-//! The baseline: the same controller without its skin.
+//! The baseline: the same controller without tactile feedback.
 
 use super::{Controller, ControllerInput, ControllerOutput, ModelPredictive, Preset};
 use crate::arm::Arm;
 
-/// The model-predictive controller as it would move if it felt nothing.
+/// The model-predictive controller with all contacts withheld.
 #[derive(Clone, Debug)]
 pub struct Blind(ModelPredictive);
 
 impl Blind {
-    /// The baseline of a preset.
+    /// The baseline for a set of parameters.
     pub fn new(preset: Preset, arm: &Arm) -> Self {
         Blind(ModelPredictive::new(preset, arm))
     }
@@ -19,11 +19,11 @@ impl Controller for Blind {
         "blind"
     }
 
-    fn preset(&self) -> &Preset {
-        self.0.preset()
+    fn rate_hz(&self) -> f64 {
+        self.0.rate_hz()
     }
 
-    fn control(&self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         self.0.control(&ControllerInput {
             contacts: &[],
             ..input.clone()

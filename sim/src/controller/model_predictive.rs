@@ -1,17 +1,18 @@
 //! The quasi-static one-step model-predictive controller of A. Jain, M. D. Killpack, A. Edsinger, C. C. Kemp,
 //! "Reaching in clutter with whole-arm tactile sensing", IJRR 32(4), 2013, section 5.
 //!
-//! The model: the arm rests on its springs K_j (as the controller believes them) and on linear springs of stiffness k
+//! The model: the arm is at rest on its springs K_j (the model stiffness, which may differ from the joints') and on linear springs of stiffness k
 //! along the normals n_i of its contacts. A change Δφ of the equilibrium angles then moves the joints by
 //!
 //! Δq = P K_j Δφ,  P = (K_j + Σ k J_iᵀ n_i n_iᵀ J_i)⁻¹,
 //!
 //! the tip by J_h Δq, and changes contact force i by k n_iᵀ J_i Δq with the outward normal n_i. Δφ minimizes
 //!
-//! w_p ‖Δx − J_h Δq‖² + w_o ‖Δθ − J_ω Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
+//! w_p ‖Δx − J_h Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
 //!
 //! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The
-//! publication has a weight for a wanted posture too; the parameter sets give it no value, so it is left out.
+//! publication also has weights for a wanted orientation and a wanted posture. The goals here are positions and the
+//! parameter sets give the posture's weight no value, so both are left out.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, RowDVector, Vector3};
@@ -20,16 +21,16 @@ use super::quadratic_program::{Outcome, QuadraticProgram};
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Preset, TaxelContact};
 use crate::arm::Arm;
 
-/// The controller with one parameter set, for one arm.
+/// The controller with one set of parameters, for one arm.
 #[derive(Clone, Debug)]
 pub struct ModelPredictive {
     preset: Preset,
-    joints: Vec<JointBelief>,
+    joints: Vec<JointModel>,
 }
 
-/// What the controller knows of a joint.
+/// A joint in the controller's model.
 #[derive(Clone, Copy, Debug)]
-struct JointBelief {
+struct JointModel {
     stiffness: f64,
     limits: [f64; 2],
     /// Largest change of φ in one step, rad.
@@ -39,21 +40,21 @@ struct JointBelief {
 impl ModelPredictive {
     /// The controller of an arm.
     pub fn new(preset: Preset, arm: &Arm) -> Self {
-        let most = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
+        let max_step = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
         let joints = arm
             .joints
             .iter()
-            .map(|joint| JointBelief {
+            .map(|joint| JointModel {
                 stiffness: joint.model_stiffness_nm_per_rad,
                 limits: joint.controller_limits_rad,
-                step: (joint.slew_limit_rad_per_s / preset.rate_hz).min(most),
+                step: (joint.slew_limit_rad_per_s / preset.rate_hz).min(max_step),
             })
             .collect();
         ModelPredictive { preset, joints }
     }
 
-    /// The equilibrium angles from which the step starts: those given, but a joint's is set back to its angle where
-    /// the two are too far apart. The authors reset; that it is per joint, and to the angle itself, is a choice.
+    /// The equilibrium angles from which the step starts: those given, except that a joint's is reset to its angle when the
+    /// two are too far apart. The authors' controller resets; doing so per joint, and to the angle itself, is a choice.
     fn start(&self, input: &ControllerInput<'_>) -> Vec<f64> {
         let reset = self.preset.equilibrium_reset_rad.unwrap_or(f64::INFINITY);
         let pairs = input.equilibrium_angle_rad.iter().zip(input.joint_angle_rad);
@@ -68,29 +69,13 @@ impl ModelPredictive {
             .collect()
     }
 
-    /// The move of the tip that the cost asks for in this step, m.
-    fn wanted_move(&self, input: &ControllerInput<'_>) -> DVec3 {
-        let error = input.goal.position_world - input.tip_pose_world.position;
+    /// The displacement of the end effector that the cost asks for in this step, m.
+    fn wanted_displacement(&self, input: &ControllerInput<'_>) -> DVec3 {
+        let error = input.goal_position_world - input.tip_pose_world.position;
         wanted(error, self.preset.tip_step_m, self.preset.slow_distance_m)
     }
 
-    /// The turn of the tip that the cost asks for in this step, rad, world frame; `None` without such a goal.
-    fn wanted_turn(&self, input: &ControllerInput<'_>) -> Option<DVec3> {
-        let goal = input
-            .goal
-            .orientation_world
-            .filter(|_| self.preset.orientation_weight > 0.0)?;
-        let difference = goal * input.tip_pose_world.orientation.inverse();
-        // The shorter way round.
-        let difference = if difference.w < 0.0 { -difference } else { difference };
-        Some(wanted(
-            difference.to_scaled_axis(),
-            self.preset.tip_turn_rad,
-            Some(self.preset.slow_angle_rad),
-        ))
-    }
-
-    /// The quadratic program in Δφ that one step solves; `None` where the model's stiffness has no factor.
+    /// The quadratic program in Δφ that one step solves; `None` if the model's stiffness matrix has no Cholesky factor.
     pub fn step_program(&self, input: &ControllerInput<'_>) -> Option<QuadraticProgram> {
         self.program(input, &self.start(input))
     }
@@ -126,15 +111,8 @@ impl ModelPredictive {
         cost.add(
             preset.position_weight,
             &(dynamic(input.tip_position_jacobian) * &response),
-            &vector(self.wanted_move(input)),
+            &vector(self.wanted_displacement(input)),
         );
-        if let Some(turn) = self.wanted_turn(input) {
-            cost.add(
-                preset.orientation_weight,
-                &(dynamic(input.tip_angular_jacobian) * &response),
-                &vector(turn),
-            );
-        }
         cost.add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
         let over: Vec<usize> = (0..contacts.len())
             .filter(|index| contacts[*index].force_n > preset.force_limit_n)
@@ -150,14 +128,14 @@ impl ModelPredictive {
 
         let mut bounds = Bounds::new(joints);
         for (contact, row) in contacts.iter().zip(forces.row_iter()) {
-            // Below the limit a force may rise to the limit, but no faster than the preset allows.
-            let most = if contact.force_n > preset.force_limit_n {
+            // A force below the limit may rise up to the limit, but no faster than the parameters allow.
+            let max_change = if contact.force_n > preset.force_limit_n {
                 preset.over_limit_force_change_n
             } else {
                 preset.force_rise_n.min(preset.force_limit_n - contact.force_n)
             };
-            // The publication bounds the fall of a force over its limit; here the same holds for all.
-            bounds.keep(row.into_owned(), -preset.force_fall_n, most);
+            // The publication bounds the fall of forces over the limit; here the same bound holds for all.
+            bounds.keep(row.into_owned(), -preset.force_fall_n, max_change);
         }
         for (index, (joint, row)) in self.joints.iter().zip(response.row_iter()).enumerate() {
             let angle = input.joint_angle_rad[index];
@@ -170,11 +148,11 @@ impl ModelPredictive {
         let offset_limit = preset.equilibrium_offset_rad.unwrap_or(f64::INFINITY);
         for (index, joint) in self.joints.iter().enumerate() {
             let offset = start[index] - input.joint_angle_rad[index];
-            let least = (-joint.step).max((-offset_limit - offset).min(0.0));
-            let most = joint.step.min((offset_limit - offset).max(0.0));
+            let min_step = (-joint.step).max((-offset_limit - offset).min(0.0));
+            let max_step = joint.step.min((offset_limit - offset).max(0.0));
             let mut row = RowDVector::zeros(joints);
             row[index] = 1.0;
-            bounds.keep(row, least, most);
+            bounds.keep(row, min_step, max_step);
         }
         Some(bounds.program(cost))
     }
@@ -185,11 +163,11 @@ impl Controller for ModelPredictive {
         self.preset.name
     }
 
-    fn preset(&self) -> &Preset {
-        &self.preset
+    fn rate_hz(&self) -> f64 {
+        self.preset.rate_hz
     }
 
-    fn control(&self, input: &ControllerInput<'_>) -> ControllerOutput {
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         let mut equilibrium_angle_rad = self.start(input);
         let status = match self
             .program(input, &equilibrium_angle_rad)
@@ -211,7 +189,7 @@ impl Controller for ModelPredictive {
     }
 }
 
-/// `error` cut to the length of one step; inside `slow` the step shrinks linearly with the error.
+/// `error` shortened to one step; within `slow` the step shrinks linearly with the error.
 fn wanted(error: DVec3, step: f64, slow: Option<f64>) -> DVec3 {
     let slow = slow.unwrap_or(step);
     let length = error.length();
@@ -222,7 +200,7 @@ fn wanted(error: DVec3, step: f64, slow: Option<f64>) -> DVec3 {
     }
 }
 
-/// ½ xᵀ G x + aᵀ x, gathered from weighted squares.
+/// ½ xᵀ G x + aᵀ x, summed from weighted squares.
 struct Cost {
     hessian: DMatrix<f64>,
     gradient: DVector<f64>,
@@ -243,7 +221,7 @@ impl Cost {
     }
 }
 
-/// least ≤ row x ≤ most, gathered as C x ≥ b.
+/// min ≤ row x ≤ max, collected as C x ≥ b.
 struct Bounds {
     variables: usize,
     rows: Vec<RowDVector<f64>>,
@@ -259,11 +237,11 @@ impl Bounds {
         }
     }
 
-    fn keep(&mut self, row: RowDVector<f64>, least: f64, most: f64) {
+    fn keep(&mut self, row: RowDVector<f64>, min: f64, max: f64) {
         self.rows.push(-&row);
-        self.bounds.push(-most);
+        self.bounds.push(-max);
         self.rows.push(row);
-        self.bounds.push(least);
+        self.bounds.push(min);
     }
 
     fn program(self, cost: Cost) -> QuadraticProgram {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use nalgebra::Matrix3xX;
 use underbrush_recording::Pose;
 
-use super::{Controller, ControllerInput, ControllerOutput, Goal, TaxelContact};
+use super::{Controller, ControllerInput, ControllerOutput, TaxelContact};
 use crate::arm::Arm;
 
 mod closed_loop;
@@ -18,7 +18,7 @@ struct Situation<'a> {
     angle: Vec<f64>,
     equilibrium: Vec<f64>,
     contacts: Vec<TaxelContact>,
-    goal: Goal,
+    goal_position_world: DVec3,
     links: Vec<Pose>,
 }
 
@@ -26,16 +26,13 @@ impl<'a> Situation<'a> {
     /// At rest on its equilibrium angles, without contact, its goal where its tip is.
     fn at(arm: &'a Arm, angle: &[f64]) -> Self {
         let links = arm.forward_kinematics(angle);
-        let goal = Goal {
-            position_world: arm.tip_pose(&links).position,
-            orientation_world: None,
-        };
+        let goal_position_world = arm.tip_pose(&links).position;
         Situation {
             arm,
             angle: angle.to_vec(),
             equilibrium: angle.to_vec(),
             contacts: Vec::new(),
-            goal,
+            goal_position_world,
             links,
         }
     }
@@ -65,20 +62,20 @@ impl<'a> Situation<'a> {
         });
     }
 
-    fn step(&self, controller: &dyn Controller) -> ControllerOutput {
+    fn step(&self, controller: &mut dyn Controller) -> ControllerOutput {
         controller.control(&ControllerInput {
             joint_angle_rad: &self.angle,
+            joint_velocity_rad_per_s: &vec![0.0; self.angle.len()],
             equilibrium_angle_rad: &self.equilibrium,
             tip_pose_world: self.tip(),
             tip_position_jacobian: &self.tip_jacobian(),
-            tip_angular_jacobian: &self.arm.angular_jacobian(&self.links, self.arm.tip_link),
-            goal: self.goal,
+            goal_position_world: self.goal_position_world,
             contacts: &self.contacts,
         })
     }
 
     fn distance(&self) -> f64 {
-        self.goal.position_world.distance(self.tip().position)
+        self.goal_position_world.distance(self.tip().position)
     }
 }
 

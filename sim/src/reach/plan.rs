@@ -1,16 +1,20 @@
-//! Everything that decides a reach: scene, arm, controller, seed.
+//! Everything that decides a reach: scene, arm, controller, rules, seed.
+
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
 
 use underbrush_recording::{InputError, Recording};
 
-use super::{Observer, Reach};
+use super::{Observer, Reach, ReachRules};
 use crate::arm::{Arm, ArmAtStart};
 use crate::clutter::Clutter;
-use crate::controller::{self, Controller, ControllerKind, Preset};
+use crate::controller::{Controller, ControllerKind, Preset};
 use crate::scene::Scene;
 use crate::sensor::Sensor;
 use crate::simulation::{Setup, Simulation};
 
-/// Everything that decides a reach but its index.
+/// Everything that decides a reach except its index.
 #[derive(Clone, Debug)]
 pub struct ReachPlan {
     /// The scene.
@@ -18,52 +22,99 @@ pub struct ReachPlan {
     /// The arm.
     pub arm: Arm,
     /// The controller.
-    pub controller: ControllerKind,
+    pub controller: PlannedController,
+    /// What ends an attempt at a goal.
+    pub rules: ReachRules,
     /// The campaign's seed.
     pub seed: u64,
 }
 
+/// Makes a controller for an arm.
+pub type MakeController = Arc<dyn Fn(&Arm) -> Box<dyn Controller> + Send + Sync>;
+
+/// The controller of a plan.
+#[derive(Clone)]
+pub enum PlannedController {
+    /// One that ships, with its parameters.
+    Shipped(ControllerKind, Preset),
+    /// A user's own. It is made afresh for every reach, because reaches run in parallel and a controller may keep state.
+    Own(MakeController),
+}
+
+impl fmt::Debug for PlannedController {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            PlannedController::Shipped(kind, preset) => f.debug_tuple("Shipped").field(kind).field(preset).finish(),
+            PlannedController::Own(_) => f.write_str("Own"),
+        }
+    }
+}
+
+impl PlannedController {
+    /// The parameters of a controller that ships.
+    pub fn preset(&self) -> Option<&Preset> {
+        match self {
+            PlannedController::Shipped(_, preset) => Some(preset),
+            PlannedController::Own(_) => None,
+        }
+    }
+
+    /// A controller for one reach of this arm.
+    pub fn make(&self, arm: &Arm) -> Box<dyn Controller> {
+        match self {
+            PlannedController::Shipped(kind, preset) => kind.controller(preset.clone(), arm),
+            PlannedController::Own(make) => make(arm),
+        }
+    }
+}
+
 impl ReachPlan {
-    /// A plan with the scene's own arm, as stiff as the scene says, and, unless another is named, its own controller.
+    /// A plan with the scene's own arm, at the stiffness that the scene asks for, and, unless `controller` names another,
+    /// the scene's own controller. The rules are those that the controller was published with.
     ///
     /// # Errors
-    /// When the arm's files are bad or no controller has that name.
-    pub fn new(scene: Scene, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
+    /// When the arm's files are bad.
+    pub fn new(scene: Scene, controller: Option<ControllerKind>, seed: u64) -> Result<ReachPlan, InputError> {
         let arm = match scene.file.arm.as_str() {
             "cody" => Arm::cody()?,
-            path => Arm::load(scene.path.parent().unwrap_or(std::path::Path::new(".")).join(path))?,
+            path => Arm::load(scene.path.parent().unwrap_or(Path::new(".")).join(path))?,
         };
         ReachPlan::with_arm(scene, arm, controller, seed)
     }
 
-    /// As [`ReachPlan::new`], with an arm that has already been read instead of the one that the scene names.
+    /// As [`ReachPlan::new`], with an arm that was already read instead of the one that the scene names.
     ///
     /// # Errors
-    /// When no controller has that name or the scene's sensor does not fit the arm's skin.
-    pub fn with_arm(scene: Scene, mut arm: Arm, controller: Option<&str>, seed: u64) -> Result<ReachPlan, InputError> {
+    /// When the scene's sensor options do not fit the arm's skin.
+    pub fn with_arm(
+        scene: Scene,
+        mut arm: Arm,
+        controller: Option<ControllerKind>,
+        seed: u64,
+    ) -> Result<ReachPlan, InputError> {
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
-        let name = controller.unwrap_or(&scene.file.controller);
-        let Some(controller) = ControllerKind::from_name(name) else {
-            let allowed = format!("one of {}", controller::NAMES.join(", "));
-            return Err(scene.fault("controller", format!("`{name}`"), allowed));
-        };
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
+        let kind = controller.unwrap_or(scene.file.controller);
+        let preset = kind.preset().at_hand_speed(scene.file.robot.hand_speed_scale);
         Ok(ReachPlan {
             scene,
             arm,
-            controller,
+            controller: PlannedController::Shipped(kind, preset),
+            rules: ReachRules::published_with(kind),
             seed,
         })
     }
 
-    /// The controller's parameters.
-    pub fn preset(&self) -> Preset {
-        self.make_controller().preset().clone()
+    /// The same plan with a user's own controller, which `make` makes for the plan's arm at the start of every reach.
+    /// Scale factors on the hand's speed do not apply to it.
+    pub fn with_controller(mut self, make: impl Fn(&Arm) -> Box<dyn Controller> + Send + Sync + 'static) -> ReachPlan {
+        self.controller = PlannedController::Own(Arc::new(make));
+        self
     }
 
-    pub(super) fn make_controller(&self) -> Box<dyn Controller> {
-        let hand_speed_scale = self.scene.file.robot.hand_speed_scale;
-        self.controller.controller(&self.arm, hand_speed_scale)
+    /// The controller's name, as recordings have it.
+    pub fn controller_name(&self) -> String {
+        self.controller.make(&self.arm).name().to_string()
     }
 
     /// Draws the clutter of reach number `reach_index`.

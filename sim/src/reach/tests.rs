@@ -104,7 +104,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
             Some(stop) => {
                 aborted += 1;
                 assert_eq!(last.outcome, Outcome::Aborted);
-                assert!(stop.force_n > plan.preset().stop_force_n);
+                assert!(stop.force_n > plan.rules.stop_force_n);
                 // A contact is of one patch or of the bare link; the force that stops the arm is that of the whole link.
                 let last_frame = recording.frames.len() as u32 - 1;
                 let pressing = recording.contacts.iter().filter(|contact| {
@@ -116,7 +116,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
             None => {
                 assert_ne!(last.outcome, Outcome::Aborted);
                 // Skin and bare part of one link press on the same side, so either alone stays under the stop force.
-                assert!(peak <= plan.preset().stop_force_n, "{peak} N");
+                assert!(peak <= plan.rules.stop_force_n, "{peak} N");
             }
         }
     }
@@ -146,12 +146,12 @@ fn a_stuck_arm_backs_off_and_tries_again() {
             .iter()
             .map(|frame| (stuck_at - frame.tip_pose_world.position).dot(to_goal))
             .fold(0.0, f64::max);
-        assert!(back > 10.0 * once.preset().stuck_distance_m, "drawn back by {back} m");
+        assert!(back > 10.0 * once.rules.stuck_distance_m, "drawn back by {back} m");
         farthest = farthest.max(back);
     }
     assert!(retried > 0, "no reach got stuck");
     // The controller takes a point as reached within its dead zone, and a stuck arm may still have crept a little before
     // it turned back.
-    let whole_way = 0.05 - once.preset().reached_distance_m - once.preset().stuck_distance_m;
+    let whole_way = 0.05 - once.rules.reached_distance_m - once.rules.stuck_distance_m;
     assert!(farthest >= whole_way, "{farthest} m, {whole_way} m");
 }

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::limits;
+use crate::controller::ControllerKind;
 use crate::object::{Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
 use crate::range::{PLACE_M, Quantity, Within};
@@ -20,7 +21,7 @@ pub struct SceneFile {
     pub arm: String,
     /// Controller of the arm: see `underbrush reach --help`.
     #[serde(default = "default_controller")]
-    pub controller: String,
+    pub controller: ControllerKind,
     /// What is changed about the arm.
     #[serde(default)]
     pub robot: RobotSection,
@@ -46,8 +47,8 @@ fn default_arm() -> String {
 }
 
 /// The flipper-era values of the authors' robot.
-fn default_controller() -> String {
-    "cody-2013".into()
+fn default_controller() -> ControllerKind {
+    ControllerKind::Cody2013
 }
 
 /// What is changed about the arm and its controller, for other arms of the same build and other speeds.

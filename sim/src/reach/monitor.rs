@@ -1,23 +1,23 @@
-//! Watches a reach: reached, stuck, timed out, aborted.
+//! Decides when an attempt at a goal ends: reached, stuck, timed out or aborted.
 
 use std::collections::VecDeque;
 
 use glam::DVec3;
 use underbrush_recording::{FRAME_PERIOD_S, Outcome};
 
-use crate::controller::Preset;
+use super::ReachRules;
 
-/// Watches the way to one goal.
+/// Watches one attempt at a goal.
 pub struct Monitor {
-    rules: Preset,
+    rules: ReachRules,
     goal: DVec3,
     tips: VecDeque<DVec3>,
     frames: usize,
 }
 
 impl Monitor {
-    /// Watches the way to `goal` (m, world frame) by a controller's rules.
-    pub fn new(rules: Preset, goal: DVec3) -> Self {
+    /// Watches an attempt at `goal` (m, world frame) under the given rules.
+    pub fn new(rules: ReachRules, goal: DVec3) -> Self {
         Monitor {
             rules,
             goal,
@@ -26,8 +26,8 @@ impl Monitor {
         }
     }
 
-    /// Takes the tip's position (m, world frame) and the largest force between one link and one object (N) of one frame;
-    /// says how the way ended, where it has.
+    /// Takes the end effector's position (m, world frame) and the largest force between one link and one object (N) of one
+    /// frame, and returns how the attempt ended, once it has.
     pub fn observe(&mut self, tip_world: DVec3, largest_force_n: f64) -> Option<Outcome> {
         self.frames += 1;
         let window = (self.rules.stuck_window_s / FRAME_PERIOD_S).round() as usize;
@@ -48,7 +48,7 @@ impl Monitor {
         }
     }
 
-    /// How far the mean position of the window's second half is from that of its first.
+    /// Distance between the mean positions of the window's two halves.
     fn mean_motion_m(&self) -> f64 {
         let half = self.tips.len() / 2;
         let mean = |tips: &mut dyn Iterator<Item = &DVec3>, count: usize| tips.sum::<DVec3>() / count.max(1) as f64;

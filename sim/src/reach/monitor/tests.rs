@@ -3,14 +3,13 @@
 use super::*;
 
 /// Rules with numbers that are sums of few powers of two, so that borders are met exactly: stuck under 2⁻¹⁰ m in 8 frames.
-fn rules() -> Preset {
-    Preset {
+fn rules() -> ReachRules {
+    ReachRules {
         stop_force_n: 16.0,
         reached_distance_m: 0.0625,
         stuck_distance_m: 1.0 / 1024.0,
         stuck_window_s: 0.08,
         time_out_s: 0.25,
-        ..Preset::cody_2013()
     }
 }
 
@@ -19,7 +18,7 @@ fn far() -> DVec3 {
 }
 
 /// The frame, counted from 1, in which a tip that moves so ends its way to a goal far off, and how.
-fn end(rules: Preset, tip_m: impl Fn(usize) -> f64) -> Option<(usize, Outcome)> {
+fn end(rules: ReachRules, tip_m: impl Fn(usize) -> f64) -> Option<(usize, Outcome)> {
     let mut monitor = Monitor::new(rules, far());
     (1..=200).find_map(|frame| {
         let outcome = monitor.observe(DVec3::X * tip_m(frame), 0.0)?;
@@ -59,7 +58,7 @@ fn a_tip_without_headway_is_stuck() {
         Some((8, Outcome::Stuck))
     );
     // 4 and 5 frames of a window of 9: the means are 4.5 v apart.
-    let odd = || Preset {
+    let odd = || ReachRules {
         stuck_window_s: 0.09,
         ..rules()
     };
@@ -91,10 +90,10 @@ fn shaking_is_no_headway() {
 fn time_runs_out() {
     let moving = |frame: usize| frame as f64;
     assert_eq!(end(rules(), moving), Some((25, Outcome::TimedOut)));
-    let short = Preset {
+    let short = ReachRules {
         time_out_s: 0.08,
         ..rules()
     };
-    assert_eq!(end(short.clone(), moving), Some((8, Outcome::TimedOut)));
+    assert_eq!(end(short, moving), Some((8, Outcome::TimedOut)));
     assert_eq!(end(short, |_| 0.0), Some((8, Outcome::Stuck)));
 }

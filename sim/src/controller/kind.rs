@@ -1,0 +1,91 @@
+//! The controllers that ship, by name.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+
+use super::{Blind, Controller, ModelPredictive, Preset};
+use crate::arm::Arm;
+
+/// A controller that ships.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub enum ControllerKind {
+    /// The model-predictive controller with the parameters of [`Preset::cody_2013`].
+    Cody2013,
+    /// The same with the parameters of [`Preset::ijrr_foliage`].
+    IjrrFoliage,
+    /// `Cody2013` without its skin: it moves as if it felt nothing.
+    Blind,
+}
+
+/// The one list of names.
+const NAMED: [(&str, ControllerKind); 3] = [
+    ("cody-2013", ControllerKind::Cody2013),
+    ("ijrr-foliage", ControllerKind::IjrrFoliage),
+    ("blind", ControllerKind::Blind),
+];
+
+/// A name that no controller has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown controller `{0}`, expected one of {list}", list = ControllerKind::names().join(", "))]
+pub struct UnknownController(String);
+
+impl ControllerKind {
+    /// Names of all controllers in scene files and recordings.
+    pub fn names() -> [&'static str; NAMED.len()] {
+        NAMED.map(|(name, _)| name)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        let named = NAMED.iter().find(|(_, kind)| *kind == self);
+        named.map_or("", |(name, _)| name)
+    }
+
+    /// The controller with this name.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn from_name(name: &str) -> Result<ControllerKind, UnknownController> {
+        let named = NAMED.iter().find(|(other, _)| *other == name);
+        named
+            .map(|(_, kind)| *kind)
+            .ok_or_else(|| UnknownController(name.to_string()))
+    }
+
+    /// Its published parameters.
+    pub fn preset(self) -> Preset {
+        match self {
+            ControllerKind::Cody2013 | ControllerKind::Blind => Preset::cody_2013(),
+            ControllerKind::IjrrFoliage => Preset::ijrr_foliage(),
+        }
+    }
+
+    /// The controller of an arm, with these parameters.
+    pub fn controller(self, preset: Preset, arm: &Arm) -> Box<dyn Controller> {
+        match self {
+            ControllerKind::Cody2013 | ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(preset, arm)),
+            ControllerKind::Blind => Box::new(Blind::new(preset, arm)),
+        }
+    }
+}
+
+impl TryFrom<String> for ControllerKind {
+    type Error = UnknownController;
+
+    fn try_from(name: String) -> Result<Self, UnknownController> {
+        ControllerKind::from_name(&name)
+    }
+}
+
+impl JsonSchema for ControllerKind {
+    fn schema_name() -> Cow<'static, str> {
+        "ControllerKind".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "enum": ControllerKind::names() })
+    }
+}

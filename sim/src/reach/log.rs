@@ -1,0 +1,95 @@
+//! What a reach leaves behind: its recording, frame by frame.
+
+use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Recording};
+
+use super::Goal;
+use super::plan::ReachPlan;
+use super::steering::ControlCounts;
+use crate::arm::Arm;
+use crate::audit::Auditor;
+use crate::body_log::BodyLog;
+use crate::contact_log::ContactLog;
+use crate::simulation::{Simulation, StepReport};
+
+/// The recording of a reach under way.
+pub(super) struct ReachLog {
+    recording: Recording,
+    contacts: ContactLog,
+    bodies: BodyLog,
+    auditor: Auditor,
+}
+
+impl ReachLog {
+    /// An empty log, for a simulation at its start.
+    pub(super) fn new(plan: &ReachPlan, controller: &str, reach_index: u64, simulation: &Simulation) -> Self {
+        let objects = simulation.clutter().objects.iter();
+        let recording = Recording {
+            scene: plan.scene.name.clone(),
+            controller: controller.into(),
+            seed: plan.seed,
+            reach_index,
+            rate_hz: 1.0 / FRAME_PERIOD_S,
+            joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
+            layout: plan.arm.skin.layout.clone(),
+            objects: objects.map(|placed| placed.record()).collect(),
+            bodies: Vec::new(),
+            goals: Vec::new(),
+            contacts: Vec::new(),
+            frames: Vec::new(),
+            audit: Audit::default(),
+        };
+        ReachLog {
+            recording,
+            contacts: ContactLog::default(),
+            bodies: BodyLog::new(simulation),
+            auditor: Auditor::new(simulation),
+        }
+    }
+
+    /// Records the present frame, with the equilibrium angles that the arm is given now.
+    pub(super) fn record(&mut self, simulation: &Simulation, equilibrium_rad: &[f64], goal: Goal) -> &Frame {
+        let (arm, report) = (simulation.arm(), simulation.report());
+        self.contacts.observe(report.frame, &report.tactile.pairs);
+        self.bodies.observe(report);
+        self.auditor.observe_frame(arm, report);
+        let surfaces = arm.skin.surfaces.iter();
+        let frames = &mut self.recording.frames;
+        frames.push(Frame {
+            time_s: report.time_s(),
+            joint_angle_rad: report.joint_angle_rad(),
+            joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
+            equilibrium_angle_rad: equilibrium_rad.to_vec(),
+            joint_torque_nm: report.joint_torque_nm(),
+            tip_pose_world: report.tip_pose_world,
+            goal_position_world: goal.position_world,
+            goal_index: goal.index as u16,
+            patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),
+            contact_force_world: report.tactile.contact_force_world.clone(),
+            taxels: report.tactile.taxels.clone(),
+        });
+        &frames[frames.len() - 1]
+    }
+
+    /// Audits one engine step.
+    pub(super) fn observe_step(&mut self, step: &StepReport) {
+        self.auditor.observe_step(step);
+    }
+
+    /// Takes down how the pursuit of a goal ended.
+    pub(super) fn goal_ended(&mut self, goal: GoalRecord) {
+        self.recording.goals.push(goal);
+    }
+
+    /// The finished recording.
+    pub(super) fn finish(mut self, arm: &Arm, control: ControlCounts) -> Recording {
+        self.recording.bodies = self.bodies.finish();
+        self.recording.contacts = self.contacts.finish(|link| arm.links[usize::from(link)].name.clone());
+        self.recording.audit = Audit {
+            controller_steps: control.steps,
+            infeasible_controller_steps: control.infeasible,
+            failed_controller_steps: control.failed,
+            ..self.auditor.audit()
+        };
+        self.recording
+    }
+}

@@ -1,0 +1,111 @@
+//! The controller within a reach: when it is called, what it is told, and what it answered.
+
+use glam::DVec3;
+use underbrush_recording::FRAME_PERIOD_S;
+
+use crate::arm::Arm;
+use crate::controller::{ControlStatus, Controller, ControllerInput, TaxelContact};
+use crate::simulation::FrameReport;
+
+/// A controller and the equilibrium angles that it has set.
+pub(super) struct Steering {
+    controller: Box<dyn Controller>,
+    equilibrium_rad: Vec<f64>,
+    counts: ControlCounts,
+}
+
+/// How often the controller was called, and with what result.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ControlCounts {
+    pub(super) steps: u32,
+    pub(super) infeasible: u32,
+    pub(super) failed: u32,
+}
+
+impl Steering {
+    /// At the start of a reach, with the equilibrium angles in the arm's start posture.
+    pub(super) fn new(controller: Box<dyn Controller>, arm: &Arm) -> Self {
+        Steering {
+            controller,
+            equilibrium_rad: arm.start_posture_rad(),
+            counts: ControlCounts::default(),
+        }
+    }
+
+    pub(super) fn controller_name(&self) -> &str {
+        self.controller.name()
+    }
+
+    /// Equilibrium angles φ, rad.
+    pub(super) fn equilibrium_rad(&self) -> &[f64] {
+        &self.equilibrium_rad
+    }
+
+    pub(super) fn counts(&self) -> ControlCounts {
+        self.counts
+    }
+
+    /// Lets the controller move the equilibrium angles, in the frames in which it is due.
+    pub(super) fn control(&mut self, arm: &Arm, report: &FrameReport, goal_position_world: DVec3) {
+        if !is_due(report.frame, self.controller.rate_hz()) {
+            return;
+        }
+        let joint_angle_rad = report.joint_angle_rad();
+        // A robot knows its pose from its encoders, so the controller gets the poses that follow from the joint angles.
+        let link_poses = arm.forward_kinematics(&joint_angle_rad);
+        let tip_pose_world = arm.tip_pose(&link_poses);
+        let sensed = report.tactile.taxels.iter().filter(|taxel| taxel.sensed_force_n > 0.0);
+        let contacts: Vec<TaxelContact> = sensed
+            .map(|reading| {
+                let patch = usize::from(reading.patch);
+                let taxel = &arm.skin.layout.patches[patch].taxels[usize::from(reading.taxel)];
+                let link = arm.skin.surfaces[patch].link;
+                let position_world = link_poses[link].transform_point(taxel.position_link);
+                TaxelContact {
+                    position_jacobian: arm.position_jacobian(&link_poses, link, position_world),
+                    inward_normal_world: -link_poses[link].transform_vector(taxel.normal_link),
+                    force_n: reading.sensed_force_n,
+                }
+            })
+            .collect();
+        let output = self.controller.control(&ControllerInput {
+            joint_angle_rad: &joint_angle_rad,
+            joint_velocity_rad_per_s: &report.joint_velocity_rad_per_s(),
+            equilibrium_angle_rad: &self.equilibrium_rad,
+            tip_pose_world,
+            tip_position_jacobian: &arm.position_jacobian(&link_poses, arm.tip_link, tip_pose_world.position),
+            goal_position_world,
+            contacts: &contacts,
+        });
+        self.counts.steps += 1;
+        match output.status {
+            ControlStatus::Solved => {}
+            ControlStatus::Infeasible => self.counts.infeasible += 1,
+            ControlStatus::Failed => self.counts.failed += 1,
+        }
+        self.equilibrium_rad = output.equilibrium_angle_rad;
+    }
+}
+
+/// Whether a controller of this rate is due in a frame: in the first one, and whenever a new control period has begun since
+/// the frame before.
+fn is_due(frame: u32, rate_hz: f64) -> bool {
+    let periods = |frame: u32| (f64::from(frame) * rate_hz * FRAME_PERIOD_S).floor();
+    frame == 0 || periods(frame) > periods(frame - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_due;
+
+    /// Pins in which frames controllers of several rates are called: also where a period is no whole number of frames, and
+    /// at most once per frame.
+    #[test]
+    fn controllers_are_called_at_their_rate() {
+        let due = |rate_hz: f64| -> Vec<u32> { (0..12).filter(|frame| is_due(*frame, rate_hz)).collect() };
+        assert_eq!(due(25.0), [0, 4, 8]);
+        assert_eq!(due(40.0), [0, 3, 5, 8, 10]);
+        assert_eq!(due(100.0), (0..12).collect::<Vec<_>>());
+        assert_eq!(due(1000.0), (0..12).collect::<Vec<_>>());
+    }
+}

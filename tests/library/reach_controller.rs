@@ -1,0 +1,81 @@
+//! A controller that a user of the library writes.
+
+use underbrush_recording::Outcome;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerOutput};
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+/// Moves the equilibrium angles along the gradient of the distance to the goal, and remembers what it was told.
+struct Gradient {
+    calls: u32,
+    last_angle_rad: Option<Vec<f64>>,
+}
+
+const RATE_HZ: f64 = 20.0;
+
+impl Controller for Gradient {
+    fn name(&self) -> &str {
+        "gradient"
+    }
+
+    fn rate_hz(&self) -> f64 {
+        RATE_HZ
+    }
+
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        // Over a control period of 50 ms the mean velocity lies near the one at its end: of the same sign where the joint
+        // moves at all.
+        if let Some(last) = &self.last_angle_rad {
+            for (joint, last) in last.iter().enumerate() {
+                let mean_rad_per_s = (input.joint_angle_rad[joint] - last) * RATE_HZ;
+                let velocity_rad_per_s = input.joint_velocity_rad_per_s[joint];
+                let bound = 0.1 + mean_rad_per_s.abs();
+                assert!(
+                    (velocity_rad_per_s - mean_rad_per_s).abs() < bound,
+                    "joint {joint}: {velocity_rad_per_s} rad/s at the end, {mean_rad_per_s} rad/s on average"
+                );
+            }
+        }
+        self.last_angle_rad = Some(input.joint_angle_rad.to_vec());
+        self.calls += 1;
+        let error = input.goal_position_world - input.tip_pose_world.position;
+        let error = nalgebra::Vector3::new(error.x, error.y, error.z);
+        let step = input.tip_position_jacobian.tr_mul(&error);
+        let angles = input.equilibrium_angle_rad.iter().zip(step.iter());
+        ControllerOutput {
+            // The first call of a reach holds still: a controller that remembers an earlier reach would move at once.
+            equilibrium_angle_rad: angles
+                .map(|(angle, step)| angle + if self.calls == 1 { 0.0 } else { 0.3 * step })
+                .collect(),
+            status: ControlStatus::Solved,
+        }
+    }
+}
+
+/// Pins that a controller from outside the crate runs a reach: it is called at its own rate, is told the joints' angles and
+/// velocities, reaches a goal in free space, names the recording, and starts afresh in every reach.
+#[test]
+fn a_users_controller_runs_a_reach() {
+    let text = "summary = \"Free space\"\ngoals = { count = 1, retries = 0, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n";
+    let scene = Scene::parse("free.toml", text.into()).unwrap();
+    let make = |_: &Arm| -> Box<dyn Controller> {
+        Box::new(Gradient {
+            calls: 0,
+            last_angle_rad: None,
+        })
+    };
+    let plan = ReachPlan::new(scene, None, 0).unwrap().with_controller(make);
+    let recording = plan.run(0, &mut |_, _| {}).unwrap();
+    assert_eq!(
+        (recording.controller.as_str(), recording.outcome()),
+        ("gradient", Outcome::Reached)
+    );
+    // Frames 0, 5, 10, …: a period of 50 ms is five frames.
+    let frames = recording.frames.len() as u32;
+    assert_eq!(recording.audit.controller_steps, frames.div_ceil(5));
+    let start = &recording.frames[0].equilibrium_angle_rad;
+    let held = |frame: usize| recording.frames[frame].equilibrium_angle_rad == *start;
+    assert!(held(4) && !held(5));
+    assert_eq!(plan.run(0, &mut |_, _| {}).unwrap(), recording);
+}
