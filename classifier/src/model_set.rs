@@ -94,9 +94,9 @@ pub struct TrainingReport {
 /// Choice: trials that one thread scores together, enough to find fours of like length.
 const TOGETHER: usize = 64;
 
-/// Whether models are made of a category: of any but [`Category::Block`] and [`Category::Outlier`].
+/// Whether models are made of a category: of any but [`Category::BLOCK`] and [`Category::OUTLIER`].
 pub fn is_trained(category: &str) -> bool {
-    !matches!(Category::from_name(category), Some(Category::Block | Category::Outlier))
+    !matches!(Category::from_name(category), Some(Category::BLOCK | Category::OUTLIER))
 }
 
 /// The categories to train that occur in trials, each with its trials in the order of the table.

@@ -31,14 +31,14 @@ pub struct Training {
 pub const TRAINING: [Training; 2] = [
     Training {
         scene: scene!("scenes/leaf.toml"),
-        category: Category::Leaf,
+        category: Category::LEAF,
         reaches: 10,
         quick_reaches: 4,
         paper_trials_per_reach: [(TableOneUnit::Component, 28.8), (TableOneUnit::Taxel, 49.6)],
     },
     Training {
         scene: scene!("scenes/trunk.toml"),
-        category: Category::Trunk,
+        category: Category::TRUNK,
         reaches: 25,
         quick_reaches: 8,
         paper_trials_per_reach: [(TableOneUnit::Component, 12.96), (TableOneUnit::Taxel, 23.28)],
@@ -57,16 +57,16 @@ pub fn paper_majority_percent(unit: TableOneUnit) -> f64 {
 
 /// The ten engineered reaches (section V-B): one of each scene, in which the forearm touches this category alone.
 pub const ENGINEERED: [(SceneSource, Category); 10] = [
-    (scene!("scenes/engineered/leaf-clump.toml"), Category::Leaf),
-    (scene!("scenes/engineered/leaf-right.toml"), Category::Leaf),
-    (scene!("scenes/engineered/leaf-row.toml"), Category::Leaf),
-    (scene!("scenes/engineered/leaf-stiff.toml"), Category::Leaf),
-    (scene!("scenes/engineered/leaf-tall.toml"), Category::Leaf),
-    (scene!("scenes/engineered/trunk-gate.toml"), Category::Trunk),
-    (scene!("scenes/engineered/trunk-post.toml"), Category::Trunk),
-    (scene!("scenes/engineered/trunk-right.toml"), Category::Trunk),
-    (scene!("scenes/engineered/trunk-row.toml"), Category::Trunk),
-    (scene!("scenes/engineered/trunk-thick.toml"), Category::Trunk),
+    (scene!("scenes/engineered/leaf-clump.toml"), Category::LEAF),
+    (scene!("scenes/engineered/leaf-right.toml"), Category::LEAF),
+    (scene!("scenes/engineered/leaf-row.toml"), Category::LEAF),
+    (scene!("scenes/engineered/leaf-stiff.toml"), Category::LEAF),
+    (scene!("scenes/engineered/leaf-tall.toml"), Category::LEAF),
+    (scene!("scenes/engineered/trunk-gate.toml"), Category::TRUNK),
+    (scene!("scenes/engineered/trunk-post.toml"), Category::TRUNK),
+    (scene!("scenes/engineered/trunk-right.toml"), Category::TRUNK),
+    (scene!("scenes/engineered/trunk-row.toml"), Category::TRUNK),
+    (scene!("scenes/engineered/trunk-thick.toml"), Category::TRUNK),
 ];
 /// Reaches drawn of an engineered scene until one touches what it should; a choice: a handful is enough by far.
 pub const ENGINEERED_DRAWS: u64 = 8;

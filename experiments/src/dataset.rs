@@ -235,6 +235,7 @@ impl Campaign {
             rate_hz: 1.0 / underbrush_recording::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: first.arm.skin.layout.clone(),
+            categories: further_categories(plans),
             episodes: jobs
                 .iter()
                 .map(|job| PlannedEpisode {

@@ -28,7 +28,7 @@ pub struct Typical {
     pub motion_m: f64,
 }
 
-const CATEGORIES: [Category; 2] = [Category::Leaf, Category::Trunk];
+const CATEGORIES: [Category; 2] = [Category::LEAF, Category::TRUNK];
 
 fn peak_force_n(trial: &Trial) -> f64 {
     trial.samples.iter().map(|sample| sample.force_n).fold(0.0, f64::max)

@@ -209,5 +209,5 @@ fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
             outlier_percent,
         })
     };
-    Category::ALL.into_iter().filter_map(of).collect()
+    Category::BUILT_IN.into_iter().filter_map(of).collect()
 }

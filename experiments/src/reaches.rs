@@ -73,10 +73,10 @@ impl Wanted {
                 let only = !touched.is_empty() && touched.iter().all(|other| *other == category);
                 only && !taxel_trials(recording, &options)?.is_empty()
             }
-            Wanted::LeafAndTrunk => touched.contains(&Category::Leaf) && touched.contains(&Category::Trunk),
+            Wanted::LeafAndTrunk => touched.contains(&Category::LEAF) && touched.contains(&Category::TRUNK),
             Wanted::OutlierFirst => {
-                let known = |category: &Category| matches!(category, Category::Leaf | Category::Trunk);
-                let outlier = touched.iter().position(|category| *category == Category::Outlier);
+                let known = |category: &Category| matches!(category, Category::LEAF | Category::TRUNK);
+                let outlier = touched.iter().position(|category| *category == Category::OUTLIER);
                 let first_known = touched.iter().position(known);
                 outlier.zip(first_known).is_some_and(|(outlier, known)| outlier < known)
             }

@@ -129,8 +129,8 @@ fn recording(reach: u64) -> Recording {
         joint_names: (0..7).map(|joint| format!("joint_{joint}")).collect(),
         layout: layout(),
         objects: vec![
-            object("leaf", Category::Leaf, 0.4),
-            object("trunk", Category::Trunk, 0.5),
+            object("leaf", Category::LEAF, 0.4),
+            object("trunk", Category::TRUNK, 0.5),
         ],
         bodies: vec![forearm(&frames)],
         goals: vec![GoalRecord {
@@ -175,6 +175,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         rate_hz: RATE_HZ,
         joint_names: recording(0).joint_names,
         layout: layout(),
+        categories: Vec::new(),
         episodes: (0..reaches)
             .map(|reach_index| PlannedEpisode {
                 scene: "bumps".into(),

@@ -1,6 +1,6 @@
 //! One whole reach: its frames, its objects, its contacts and how it ended.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -87,6 +87,13 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// The categories of the objects that are not built in, each once, by code.
+    pub fn further_categories(&self) -> Vec<Category> {
+        let categories = self.objects.iter().map(|object| object.category);
+        let further: BTreeSet<Category> = categories.filter(|category| !category.is_built_in()).collect();
+        further.into_iter().collect()
+    }
+
     /// How the reach as a whole ended: the worst of its goals' outcomes.
     pub fn outcome(&self) -> Outcome {
         self.goals

@@ -154,6 +154,15 @@ impl LaidFootprint {
         }
     }
 
+    /// Whether a point lies inside and farther than a margin (m) from the edge.
+    pub fn contains(&self, point: DVec2, margin_m: f64) -> bool {
+        let local = DVec2::from_angle(-self.yaw_rad).rotate(point - self.center).abs();
+        match self.footprint {
+            Footprint::Disc(radius) => local.length() < radius - margin_m,
+            Footprint::Rectangle(x, y) => local.x < x - margin_m && local.y < y - margin_m,
+        }
+    }
+
     /// A point of the footprint's own frame in the world frame.
     pub fn to_world(&self, local: DVec2) -> DVec2 {
         self.center + DVec2::from_angle(self.yaw_rad).rotate(local)

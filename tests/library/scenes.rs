@@ -159,7 +159,7 @@ fn goals_are_clear_of_trunks_and_rolls() {
 /// A trunk's or roll's foot, m, and its radius and height, m.
 fn cylinder(placed: &PlacedObject) -> Option<[[f64; 3]; 2]> {
     match (placed.object.category(), placed.object.footprint()) {
-        (Category::Trunk | Category::Outlier, Footprint::Disc(radius)) => {
+        (Category::TRUNK | Category::OUTLIER, Footprint::Disc(radius)) => {
             Some([placed.foot_world.to_array(), [radius, placed.object.height_m(), 0.0]])
         }
         _ => None,
@@ -175,7 +175,7 @@ fn distance_to_cylinder([x, y, z]: [f64; 3], foot: [f64; 3], [radius, height, _]
 
 #[test]
 fn engineered_scenes_touch_their_own_category() {
-    for (prefix, own) in [("leaf-", Category::Leaf), ("trunk-", Category::Trunk)] {
+    for (prefix, own) in [("leaf-", Category::LEAF), ("trunk-", Category::TRUNK)] {
         let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
         let engineered: Vec<PathBuf> = scenes()
             .into_iter()
@@ -184,7 +184,7 @@ fn engineered_scenes_touch_their_own_category() {
         let touched: Vec<Category> = engineered.par_iter().flat_map_iter(|path| touched(path)).collect();
         let strange: Vec<_> = touched
             .iter()
-            .filter(|found| ![own, Category::Block].contains(found))
+            .filter(|found| ![own, Category::BLOCK].contains(found))
             .collect();
         assert_eq!(strange, Vec::<&Category>::new(), "in {engineered:?}");
         assert!(touched.contains(&own), "{own:?} is not touched in {engineered:?}");

@@ -130,7 +130,7 @@ impl ConfusionMatrix {
         let fraction = |count: usize| count as f64 / trials as f64;
         let majority = figures
             .iter()
-            .filter(|own| own.category != Category::Block.name())
+            .filter(|own| own.category != Category::BLOCK.name())
             .map(|own| own.trials)
             .max();
         let known = &self.verdict[..self.verdict.len() - 2];

@@ -110,7 +110,7 @@ pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64)
             })
             .collect()
     };
-    let outliers = scores(&|category| category == Category::Outlier.name());
+    let outliers = scores(&|category| category == Category::OUTLIER.name());
     let mut curve = RocCurve::of(&outliers, &scores(&is_trained))?;
     for point in &mut curve.points {
         // From the score back to the margin, without a negative zero.

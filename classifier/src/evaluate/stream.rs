@@ -64,7 +64,7 @@ pub struct StreamFrame {
     pub tally: Tally,
     /// The same by verdict, in the order of [`Stream::verdicts`].
     pub by_verdict: Vec<usize>,
-    /// Whether an object of each of [`Category::ALL`] truly presses on the patch.
+    /// Whether an object of each of [`Category::BUILT_IN`] truly presses on the patch.
     pub touched: [bool; 4],
     /// Mean over the taxels in contact of the samples used (Fig. 9): how many samples of its contact had come when a
     /// taxel's present verdict was made, and 0 where it is uncertain. 0 without contact.
@@ -80,7 +80,7 @@ pub struct Stream {
     pub verdicts: Vec<String>,
     /// The frames.
     pub frames: Vec<StreamFrame>,
-    /// Taxels in contact, summed over all frames, by truth ([`Category::ALL`], then without truth) and verdict.
+    /// Taxels in contact, summed over all frames, by truth ([`Category::BUILT_IN`], then without truth) and verdict.
     pub taxel_frames: [Vec<usize>; 5],
     /// Wall time of the classifier for each frame, s: the only part that depends on the machine.
     pub seconds: Vec<f64>,

@@ -180,7 +180,7 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
 /// The one category of a recording's objects, foam blocks aside; `None` where there are several or none.
 fn environment(recording: &Recording) -> Option<Category> {
     let categories = recording.objects.iter().map(|object| object.category);
-    let mut categories = categories.filter(|category| *category != Category::Block);
+    let mut categories = categories.filter(|category| *category != Category::BLOCK);
     let first = categories.next()?;
     categories.all(|category| category == first).then_some(first)
 }

@@ -3,6 +3,9 @@
 //! One list serves three readers: the metadata of the Parquet files, the data set's card and `docs/data.md`.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use arrow_schema::{Field, FieldRef, Schema, SchemaRef};
 
 use crate::Category;
 
@@ -422,12 +425,40 @@ pub(super) const TABLES: [&Table; 9] = [
     &TAXELS,
 ];
 
-/// The codes of `category_code` with their names.
-pub(super) fn category_codes() -> BTreeMap<i8, &'static str> {
-    let codes = Category::ALL
-        .into_iter()
-        .map(|category| (category.code(), category.name()));
-    codes.chain([(-1, "none")]).collect()
+/// Key of the metadata that hold the names of a column's codes.
+const CODES: &str = "codes";
+
+/// The codes of the built-in categories and of `further` ones with their names; −1 is none.
+pub(super) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
+    let categories = Category::BUILT_IN.iter().chain(further);
+    let codes = categories.map(|category| (category.code(), category.name().to_owned()));
+    codes.chain([(-1, "none".to_owned())]).collect()
+}
+
+/// The names of a column's codes as a JSON object.
+fn codes_json(further: &[Category]) -> String {
+    let codes = category_codes(further);
+    let codes: Vec<_> = codes
+        .iter()
+        .map(|(code, name)| format!("\"{code}\": \"{name}\""))
+        .collect();
+    format!("{{{}}}", codes.join(", "))
+}
+
+/// A schema whose columns of category codes name `further` categories too.
+pub(super) fn with_further_categories(schema: SchemaRef, further: &[Category]) -> SchemaRef {
+    if further.is_empty() {
+        return schema;
+    }
+    let field = |field: &FieldRef| {
+        let mut metadata = field.metadata().clone();
+        if let Some(codes) = metadata.get_mut(CODES) {
+            *codes = codes_json(further);
+        }
+        field.as_ref().clone().with_metadata(metadata)
+    };
+    let fields: Vec<Field> = schema.fields().iter().map(field).collect();
+    Arc::new(Schema::new_with_metadata(fields, schema.metadata().clone()))
 }
 
 /// A table with its columns in Markdown.
@@ -472,12 +503,7 @@ impl Table {
             metadata.insert("unit".to_string(), column.unit.to_string());
         }
         if column.what.contains("category") && column.kind.starts_with("int8") {
-            let codes = category_codes();
-            let codes: Vec<_> = codes
-                .iter()
-                .map(|(code, name)| format!("\"{code}\": \"{name}\""))
-                .collect();
-            metadata.insert("codes".to_string(), format!("{{{}}}", codes.join(", ")));
+            metadata.insert(CODES.to_string(), codes_json(&[]));
         }
         Some(metadata)
     }

@@ -9,6 +9,7 @@ use parquet::arrow::arrow_reader::ArrowReaderOptions;
 use parquet::errors::ParquetError;
 
 use super::check::{check_layout, check_recording};
+use super::dictionary::with_further_categories;
 use super::features::{features, fields, truth_features};
 use super::frames::{Numbering, append_frames, frame_columns};
 use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open};
@@ -60,7 +61,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     let mut columns = fields(&features(&recording.joint_names, &recording.layout));
     columns.extend(fields(&truth_features(&recording.layout)));
     columns.extend(moved_fields());
-    let schema = Arc::new(Schema::new(columns));
+    let schema = with_further_categories(Arc::new(Schema::new(columns)), &recording.further_categories());
     let mut file = ParquetFile::create(
         path,
         Arc::clone(&schema),

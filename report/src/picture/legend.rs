@@ -29,7 +29,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
             text: text.into(),
         });
     };
-    for category in Category::ALL {
+    for category in Category::BUILT_IN {
         if snapshot.objects.iter().any(|(there, _)| *there == category) {
             let (fill, name) = colour(category);
             add(square(fill), name);
@@ -54,7 +54,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
     };
     if felt().any(|reading| reading.object.is_some()) {
         add(
-            taxel_mark(DVec2::ZERO, 1.0, colour(Category::Leaf).0),
+            taxel_mark(DVec2::ZERO, 1.0, colour(Category::LEAF).0),
             "taxel that reports a force, filled as what it touches",
         );
     }

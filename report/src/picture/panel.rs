@@ -65,10 +65,10 @@ impl View {
 /// Fill and name of each category, told apart by lightness too.
 pub fn colour(category: Category) -> (&'static str, &'static str) {
     match category {
-        Category::Leaf => ("#3a9d4f", "leaf"),
-        Category::Trunk => ("#6b4423", "trunk"),
-        Category::Block => ("#c9b97f", "foam block"),
-        Category::Outlier => ("#d1495b", "foam roll (outlier)"),
+        Category::LEAF => ("#3a9d4f", "leaf"),
+        Category::TRUNK => ("#6b4423", "trunk"),
+        Category::BLOCK => ("#c9b97f", "foam block"),
+        Category::OUTLIER => ("#d1495b", "foam roll (outlier)"),
     }
 }
 
@@ -157,10 +157,10 @@ impl Panel {
         let depth = |capsule: &Capsule| self.depth(capsule.start + capsule.end) / 2.0;
         for (category, capsules) in &snapshot.objects {
             for capsule in capsules {
-                let block = *category == Category::Block;
+                let block = *category == Category::BLOCK;
                 // Foam lies under everything.
                 let depth = if block { f64::NEG_INFINITY } else { depth(capsule) };
-                let least = if *category == Category::Leaf { 2.5 } else { 0.0 };
+                let least = if *category == Category::LEAF { 2.5 } else { 0.0 };
                 let opacity = if block { 0.45 } else { 0.9 };
                 shapes.push((depth, self.line(view, capsule, colour(*category).0, least, opacity)));
             }

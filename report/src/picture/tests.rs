@@ -59,8 +59,8 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
     let snapshot = Snapshot {
         arm: vec![capsule([0.0; 3], hand)],
         objects: vec![
-            (Category::Trunk, vec![capsule([0.5, 0.1, -0.58], [0.5, 0.1, 0.0])]),
-            (Category::Leaf, vec![capsule([0.4, -0.2, -0.5], [0.4, -0.2, 0.1])]),
+            (Category::TRUNK, vec![capsule([0.5, 0.1, -0.58], [0.5, 0.1, 0.0])]),
+            (Category::LEAF, vec![capsule([0.4, -0.2, -0.5], [0.4, -0.2, 0.1])]),
         ],
         frame,
     };
@@ -69,7 +69,7 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
 
 fn drawn(hand: [f64; 3], goal: [f64; 3], caption: &str) -> String {
     let (snapshot, layout) = moment(hand, goal);
-    draw(&snapshot, &layout, &[Category::Trunk], &Workspace::default(), caption)
+    draw(&snapshot, &layout, &[Category::TRUNK], &Workspace::default(), caption)
 }
 
 /// All text of an SVG; panics where it is no XML.

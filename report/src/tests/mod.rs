@@ -68,8 +68,8 @@ fn data() -> Data {
         contacts: contacts.taxel,
         tested: TestReaches {
             engineered: vec![
-                (Category::Leaf, found("leaves", &leaves[..1])),
-                (Category::Trunk, found("none", &[])),
+                (Category::LEAF, found("leaves", &leaves[..1])),
+                (Category::TRUNK, found("none", &[])),
             ],
             mixed: found("trunks", &trunks[..1]),
             outlier: found("trunks-again", &trunks[1..]),

@@ -102,7 +102,7 @@ fn bodies_have_the_shapes_of_their_objects() {
         let parameter = |name: &str| object.parameters[name];
         seen.insert(object.category);
         match object.category {
-            Category::Leaf => {
+            Category::LEAF => {
                 // The root's piece and one above each bending hinge, together as high as the leaf.
                 assert_eq!(bodies.len() as f64, parameter("segments") + 1.0);
                 let heights = bodies.iter().map(|body| match &body.parts[0].shape {
@@ -111,7 +111,7 @@ fn bodies_have_the_shapes_of_their_objects() {
                 });
                 assert!((heights.sum::<f64>() - parameter("height_m")).abs() < 1e-9);
             }
-            Category::Trunk => {
+            Category::TRUNK => {
                 let [body] = bodies[..] else { panic!("{bodies:?}") };
                 let BodyShape::Capsule { radius_m, length_m } = body.parts[0].shape else {
                     panic!("{body:?}")
@@ -125,7 +125,7 @@ fn bodies_have_the_shapes_of_their_objects() {
                 assert!((top.z + radius_m - parameter("height_m")).abs() < 1e-12);
                 assert!(body.track.is_empty());
             }
-            Category::Block => {
+            Category::BLOCK => {
                 let [body] = bodies[..] else { panic!("{bodies:?}") };
                 let BodyShape::Box { size_m } = body.parts[0].shape else {
                     panic!("{body:?}")
@@ -133,11 +133,11 @@ fn bodies_have_the_shapes_of_their_objects() {
                 let expected = ["length_m", "width_m", "height_m"].map(parameter);
                 assert!((size_m - glam::DVec3::from_array(expected)).length() < 1e-12);
             }
-            Category::Outlier => panic!("no outlier stands in this scene"),
+            Category::OUTLIER => panic!("no outlier stands in this scene"),
         }
     }
     assert!(
-        seen.contains(&Category::Leaf) && seen.contains(&Category::Trunk),
+        seen.contains(&Category::LEAF) && seen.contains(&Category::TRUNK),
         "{seen:?}"
     );
 }

@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::InputError;
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, segment_distance};
 use crate::range::Quantity;
+use crate::object::Object;
 use crate::scene::Scene;
 
 /// Goals tried before the scene is refused.
@@ -33,16 +34,12 @@ pub(super) fn draw_goals(
     random: &mut ChaCha8Rng,
 ) -> Result<Vec<DVec3>, InputError> {
     let settings = &scene.file.goals;
-    let plants: Vec<Capsule> = objects
-        .iter()
-        .filter(|object| object.object.category() != Category::Block)
-        .map(PlacedObject::bounding_capsule)
-        .collect();
-    let rigid: Vec<Capsule> = objects
-        .iter()
-        .filter(|object| matches!(object.object.category(), Category::Trunk | Category::Outlier))
-        .map(PlacedObject::bounding_capsule)
-        .collect();
+    let capsules = |wanted: fn(&dyn Object) -> bool| -> Vec<Capsule> {
+        let wanted = objects.iter().filter(|placed| wanted(placed.object.as_ref()));
+        wanted.map(PlacedObject::bounding_capsule).collect()
+    };
+    let plants = capsules(|object| object.foam_top().is_none());
+    let obstacles = capsules(Object::is_obstacle);
     let anywhere = (-5.0, 5.0);
     let mut from = arm.tip_world;
     let mut goals = Vec::new();
@@ -64,7 +61,7 @@ pub(super) fn draw_goals(
                 end: goal,
                 radius_m: goal_clearance_m(arm),
             };
-            let clear = rigid.iter().all(|object| object.distance(&tip) > 0.0);
+            let clear = obstacles.iter().all(|object| object.distance(&tip) > 0.0);
             let wanted = plants.is_empty() || passes_through(arm, &plants, from, goal);
             (clear && wanted).then_some(goal)
         });

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::InputError;
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
@@ -72,7 +72,7 @@ impl Rejections {
         let laid = placed.laid();
         let blocked = objects
             .iter()
-            .any(|other| !may_share_ground(placed, other) && laid.overlaps(&other.laid()));
+            .any(|other| !may_overlap(placed, other) && laid.overlaps(&other.laid()));
         if blocked {
             self.overlap += 1;
             return false;
@@ -97,10 +97,12 @@ impl std::fmt::Display for Rejections {
     }
 }
 
-/// Leaves stand in blocks, and trunks go through them to the table.
-fn may_share_ground(a: &PlacedObject, b: &PlacedObject) -> bool {
-    let pair = [a.object.category(), b.object.category()];
-    pair.contains(&Category::Block) && (pair.contains(&Category::Leaf) || pair.contains(&Category::Trunk))
+/// Whether one of two objects is foam and the other may stand in it.
+fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
+    let in_foam = |foam: &PlacedObject, other: &PlacedObject| {
+        foam.object.foam_top().is_some() && other.object.may_stand_in_foam()
+    };
+    in_foam(a, b) || in_foam(b, a)
 }
 
 /// A place, a turn and what is underfoot; `None` where a leaf finds no foam.
@@ -131,13 +133,7 @@ fn propose(
         }
         StandsOn::Foam => objects.iter().find_map(|block| {
             let (modulus, height) = block.object.foam_top()?;
-            let Footprint::Rectangle(half_x, half_y) = block.object.footprint() else {
-                return None;
-            };
-            let local = DVec2::from_angle(-block.yaw_rad)
-                .rotate(center - block.foot_world.truncate())
-                .abs();
-            let inside = local.x < half_x - BLOCK_MARGIN_M && local.y < half_y - BLOCK_MARGIN_M;
+            let inside = block.laid().contains(center, BLOCK_MARGIN_M);
             let footing = Footing {
                 height_m: block.foot_world.z + height,
                 foam_modulus_pa: Some(modulus),

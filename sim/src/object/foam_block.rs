@@ -14,6 +14,8 @@ use super::{Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
+const CATEGORY: Category = Category::BLOCK;
+
 /// Length and width of a block, m (paper, section IV-A).
 const LENGTH_M: f64 = 0.25;
 const WIDTH_M: f64 = 0.10;
@@ -119,6 +121,10 @@ impl Specification for FoamBlockSpecification {
         }))
     }
 
+    fn category(&self) -> Category {
+        CATEGORY
+    }
+
     fn stands_on(&self) -> StandsOn {
         StandsOn::Table
     }
@@ -192,7 +198,16 @@ impl Object for FoamBlock {
     }
 
     fn category(&self) -> Category {
-        Category::Block
+        CATEGORY
+    }
+
+    /// Goals lie above it.
+    fn is_obstacle(&self) -> bool {
+        false
+    }
+
+    fn may_stand_in_foam(&self) -> bool {
+        false
     }
 
     fn footprint(&self) -> Footprint {

@@ -14,6 +14,8 @@ use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
+const CATEGORY: Category = Category::OUTLIER;
+
 /// Slices into which a roll is cut along its height: each about half as high as the arm is thick.
 const SLICES: usize = 10;
 
@@ -150,6 +152,10 @@ impl Specification for FoamRollSpecification {
         })
     }
 
+    fn category(&self) -> Category {
+        CATEGORY
+    }
+
     fn stands_on(&self) -> StandsOn {
         StandsOn::Table
     }
@@ -248,7 +254,16 @@ impl Object for FoamRoll {
     }
 
     fn category(&self) -> Category {
-        Category::Outlier
+        CATEGORY
+    }
+
+    /// The arm presses its surface in, but cannot pass it.
+    fn is_obstacle(&self) -> bool {
+        true
+    }
+
+    fn may_stand_in_foam(&self) -> bool {
+        false
     }
 
     fn footprint(&self) -> Footprint {

@@ -14,6 +14,8 @@ use crate::quadrature::gauss_legendre;
 
 pub use specification::{LeafSpecification, SEGMENT_LIMITS};
 
+const CATEGORY: Category = Category::LEAF;
+
 /// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad: a rigid peg on an elastic
 /// foundation of modulus E per unit length, turning about the surface, resists with ∫ E x² dx = E d³ / 3.
 pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
@@ -156,7 +158,15 @@ impl Object for Leaf {
     }
 
     fn category(&self) -> Category {
-        Category::Leaf
+        CATEGORY
+    }
+
+    fn is_obstacle(&self) -> bool {
+        false
+    }
+
+    fn may_stand_in_foam(&self) -> bool {
+        true
     }
 
     fn footprint(&self) -> Footprint {

@@ -59,8 +59,11 @@ pub trait Specification {
         None
     }
 
-    /// What the object must stand on.
+    /// What the objects must stand on.
     fn stands_on(&self) -> StandsOn;
+
+    /// Their ground-truth category.
+    fn category(&self) -> Category;
 }
 
 /// What an object needs under its foot.
@@ -87,6 +90,10 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn kind(&self) -> &'static str;
     /// Its ground-truth category.
     fn category(&self) -> Category;
+    /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
+    fn is_obstacle(&self) -> bool;
+    /// Whether its ground area may overlap that of foam, because it stands in the foam or goes through it to the table.
+    fn may_stand_in_foam(&self) -> bool;
     /// Its ground area at rest.
     fn footprint(&self) -> Footprint;
     /// Half its thickness along its own x and y, m, for questions of nearness.

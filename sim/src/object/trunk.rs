@@ -13,6 +13,8 @@ use super::{Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
+const CATEGORY: Category = Category::TRUNK;
+
 /// A group of trunks in a scene file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -77,6 +79,10 @@ impl Specification for TrunkSpecification {
         }))
     }
 
+    fn category(&self) -> Category {
+        CATEGORY
+    }
+
     fn stands_on(&self) -> StandsOn {
         StandsOn::Table
     }
@@ -97,7 +103,15 @@ impl Object for Trunk {
     }
 
     fn category(&self) -> Category {
-        Category::Trunk
+        CATEGORY
+    }
+
+    fn is_obstacle(&self) -> bool {
+        true
+    }
+
+    fn may_stand_in_foam(&self) -> bool {
+        true
     }
 
     fn footprint(&self) -> Footprint {

@@ -28,7 +28,7 @@ pub(super) fn csv(evaluation: &Evaluation, decision: &Decision) -> Result<Vec<u8
     if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
         let judge = decision.prepare(evaluation.known_categories())?;
         add(
-            Category::Outlier.name(),
+            Category::OUTLIER.name(),
             outlier_roc(evaluation, &judge, uncertain_below),
         );
     }

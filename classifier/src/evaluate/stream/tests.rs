@@ -78,7 +78,7 @@ fn verdicts_are_tallied_by_truth() {
 #[test]
 fn an_environment_is_everyones_truth() {
     // Pins StreamTruth::Environment: in a trunk-only environment also the taxel without an object is judged by trunk.
-    let truth = StreamTruth::Environment(Category::Trunk);
+    let truth = StreamTruth::Environment(Category::TRUNK);
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), truth).unwrap();
     let total = Tally {
         correct: 5 + 6,
@@ -113,7 +113,7 @@ fn a_foreign_object_is_rightly_an_outlier() {
     let mut recording = reach();
     recording.objects[1] = ObjectRecord {
         kind: "foam_roll".into(),
-        category: Category::Outlier,
+        category: Category::OUTLIER,
         ..recording.objects[1].clone()
     };
     let rule = Rule::OutlierBand {
@@ -139,7 +139,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
         Verdict::Outlier,
     ];
     let mut right = Vec::new();
-    for truth in Category::ALL {
+    for truth in Category::BUILT_IN {
         for verdict in &verdicts {
             let mut tally = Tally::default();
             tally.count(Some(truth), verdict);
@@ -164,9 +164,9 @@ fn right_in_a_stream_is_right_as_a_trial() {
         }
     }
     let expected = [
-        (Category::Leaf, "leaf"),
-        (Category::Trunk, "trunk"),
-        (Category::Outlier, "outlier"),
+        (Category::LEAF, "leaf"),
+        (Category::TRUNK, "trunk"),
+        (Category::OUTLIER, "outlier"),
     ];
     assert_eq!(right, expected);
 }

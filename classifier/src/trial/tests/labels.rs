@@ -34,7 +34,7 @@ fn the_environment_labels_what_nothing_touched() {
     let trunk = Some("trunk".to_owned());
     assert_eq!(labels(&reach, Labels::Contact), [trunk.clone(), None]);
     assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), None]);
-    reach.objects[0].category = Category::Block;
+    reach.objects[0].category = Category::BLOCK;
     assert_eq!(labels(&reach, Labels::Contact), [trunk.clone(), None]);
     assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), trunk]);
 }
@@ -47,7 +47,7 @@ fn a_trial_knows_when_it_was_touched() {
     // Taxels 7 and 8 are neighbours, 12 is by itself and only sensed.
     let lit: &[(u16, f64, Option<u16>)] = &[(7, 1.0, Some(1)), (8, 0.5, None), (12, 0.2, None)];
     let mut reach = recording(&[(0.0, lit), (0.0, lit), (0.0, lit)]);
-    reach.objects[0].category = Category::Block;
+    reach.objects[0].category = Category::BLOCK;
     for (index, frame) in reach.frames.iter_mut().enumerate() {
         // Taxel 7 is pressed in frames 0 and 1, taxel 8 in frame 2, taxel 12 never.
         let pressed = if index < 2 { 7 } else { 8 };

@@ -95,7 +95,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
         rate_hz: 100.0,
         joint_names: vec![],
         layout: layout(),
-        objects: vec![object("leaf", Category::Leaf), object("trunk", Category::Trunk)],
+        objects: vec![object("leaf", Category::LEAF), object("trunk", Category::TRUNK)],
         bodies: vec![],
         goals: vec![],
         contacts: vec![],

@@ -14,7 +14,21 @@ pub(super) use self::layout::{check_layout, check_robot};
 use self::physics::check_physics;
 use self::violation::finite;
 pub(super) use self::violation::{Violation, require};
-use crate::{Audit, Outcome, Recording};
+use crate::{Audit, Category, Outcome, Recording};
+
+/// Checks that further categories can be told apart by name and by code.
+pub(super) fn check_categories(further: &[Category]) -> Result<(), Violation> {
+    for (index, category) in further.iter().enumerate() {
+        let clash = |other: &&Category| other.name() == category.name() || other.code() == category.code();
+        require(
+            !category.is_built_in() && !further[..index].iter().any(|other| clash(&other)),
+            || "categories".into(),
+            || format!("\"{}\" with code {}", category.name(), category.code()),
+            "a name and a code that no other category has",
+        )?;
+    }
+    Ok(())
+}
 
 /// Checks everything in a recording but its frames.
 fn check_header(recording: &Recording) -> Result<(), Violation> {
@@ -38,6 +52,7 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
             .chain(object.parameters.values().copied());
         finite(numbers, || format!("objects[{index}]"))?;
     }
+    check_categories(&recording.further_categories())?;
     for (index, goal) in recording.goals.iter().enumerate() {
         let times = [goal.start_time_s, goal.end_time_s];
         finite(goal.position_world.to_array().into_iter().chain(times), || {

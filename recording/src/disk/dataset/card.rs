@@ -5,12 +5,13 @@
 
 use std::fmt::Write;
 
+use crate::Category;
 use crate::disk::dictionary::{FRAMES, TABLES, Table, category_codes, describe};
 
 use super::Info;
 
-/// The card of a set.
-pub(super) fn card(info: &Info) -> String {
+/// The card of a set with objects of further `categories`.
+pub(super) fn card(info: &Info, categories: &[Category]) -> String {
     let mut text = "---\ntags:\n- LeRobot\n- tactile\nconfigs:\n".to_string();
     for table in TABLES {
         let files = match table.path.strip_suffix(".parquet") {
@@ -41,12 +42,12 @@ pub(super) fn card(info: &Info) -> String {
          table.\n\n",
         info.robot_type, info.total_episodes, info.total_frames, info.fps, info.codebase_version
     );
-    text + &describe_tables(&TABLES)
+    text + &describe_tables(&TABLES, categories)
 }
 
-/// Tables, columns, units and codes in Markdown.
-pub(in crate::disk) fn describe_tables(tables: &[&Table]) -> String {
-    let codes = category_codes();
+/// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
+pub(in crate::disk) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
+    let codes = category_codes(further);
     let codes: Vec<_> = codes.iter().map(|(code, name)| format!("{code} {name}")).collect();
     let mut text = format!(
         "Category codes: {}. Units and codes also stand in the metadata of the columns in the Parquet files.\n",

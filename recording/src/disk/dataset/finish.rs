@@ -22,6 +22,7 @@ use super::staging::Staging;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use super::taxel_table::write_taxels;
+use crate::Category;
 use crate::disk::DiskError;
 use crate::disk::features::{features, schema};
 use crate::disk::frames::{Numbering, frame_columns};
@@ -43,6 +44,7 @@ pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     write_taxels(&dir.join(names::TAXELS), &plan.layout)?;
     let provenance = ProvenanceFile {
         format: FORMAT.to_string(),
+        categories: plan.categories.clone(),
         provenance: plan.provenance.clone(),
     };
     write_json(&dir.join(names::PROVENANCE), &provenance)?;
@@ -50,7 +52,7 @@ pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     write_tasks(&dir.join(names::TASKS), &tasks)?;
 
     let schema = schema(&features);
-    let mut files = TableFiles::new(dir, staging.bytes_per_file, assembled.files);
+    let mut files = TableFiles::new(dir, &plan.categories, staging.bytes_per_file, assembled.files);
     let mut still_staged = assembled.episodes.len();
     for (position, planned) in plan.episodes.iter().enumerate().skip(still_staged) {
         let path = staging.path(position);
@@ -94,7 +96,7 @@ pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;
     write_json(&dir.join(names::STATS), &assembled.statistics.summary())?;
     let info = Info::new(plan, assembled.total_frames, tasks.len(), &features);
-    finish_with_info(dir, &info, assembled)
+    finish_with_info(dir, &info, &plan.categories, assembled)
 }
 
 /// Removes what an earlier, killed attempt has left, but for the files that are whole.
@@ -120,10 +122,10 @@ fn remove_if_there(path: &Path) -> Result<(), DiskError> {
 }
 
 /// Hashes everything else, then writes the file that makes the set whole.
-fn finish_with_info(dir: &Path, info: &Info, assembled: Assembled) -> Result<(), DiskError> {
+fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled: Assembled) -> Result<(), DiskError> {
     let path = dir.join(names::INFO);
     let bytes = json_bytes(&path, info)?;
-    let card = card(info);
+    let card = card(info, categories);
     write_bytes(&dir.join(names::CARD), card.as_bytes())?;
     let mut checksums = assembled.checksums;
     checksums.add(names::CARD, FileSum::of_bytes(card.as_bytes()));

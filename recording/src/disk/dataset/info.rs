@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
-use crate::InputError;
+use crate::{Category, InputError};
 use crate::disk::DiskError;
 use crate::disk::features::Feature;
 
@@ -116,6 +116,9 @@ fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, 
 pub(super) struct ProvenanceFile {
     /// Always [`FORMAT`].
     pub(super) format: String,
+    /// Categories of objects beside the built-in ones.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) categories: Vec<Category>,
     /// Where the data come from.
     pub(super) provenance: Provenance,
 }

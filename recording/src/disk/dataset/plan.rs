@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::SkinLayout;
+use crate::{Category, SkinLayout};
 
 /// Everything that decides the bytes of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,9 @@ pub struct DatasetPlan {
     pub joint_names: Vec<String>,
     /// The skin, the same in every reach.
     pub layout: SkinLayout,
+    /// Categories that objects of these reaches may have beside [`Category::BUILT_IN`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub categories: Vec<Category>,
     /// The reaches in the order of their episodes.
     pub episodes: Vec<PlannedEpisode>,
 }

@@ -19,13 +19,14 @@ use crate::disk::dictionary::{
     FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
 };
 use crate::disk::frames::append_frames;
-use crate::{InputError, Recording, SkinLayout};
+use crate::{Category, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk; frames are read reach by reach.
 #[derive(Debug)]
 pub struct Dataset {
     dir: PathBuf,
     info: Info,
+    categories: Vec<Category>,
     provenance: Provenance,
     joint_names: Vec<String>,
     layout: SkinLayout,
@@ -105,7 +106,9 @@ impl Dataset {
         }
         let checked = small.into_iter().map(str::to_owned).collect();
         let info: Info = read_json(&dir.join(names::INFO))?;
-        let ProvenanceFile { provenance, .. } = read_json(&dir.join(names::PROVENANCE))?;
+        let ProvenanceFile {
+            categories, provenance, ..
+        } = read_json(&dir.join(names::PROVENANCE))?;
         let episodes = read_episodes(&dir.join(names::EPISODES))?;
         let joint_names = info
             .features
@@ -124,6 +127,7 @@ impl Dataset {
         let layout = read_taxels(&dir.join(names::TAXELS))?;
         Ok(Dataset {
             info,
+            categories,
             provenance,
             joint_names,
             layout,
@@ -173,6 +177,7 @@ impl Dataset {
             rate_hz: self.info.fps,
             joint_names: self.joint_names.clone(),
             layout: self.layout.clone(),
+            categories: self.categories.clone(),
             episodes: self.episodes.iter().map(episode).collect(),
         }
     }
@@ -221,7 +226,7 @@ impl Dataset {
             rate_hz: self.info.fps,
             joint_names: self.joint_names.clone(),
             layout: self.layout.clone(),
-            objects: read_objects(&rows(&TRUTH_OBJECTS)?.expect(episode.objects)?)?,
+            objects: read_objects(&rows(&TRUTH_OBJECTS)?.expect(episode.objects)?, &self.categories)?,
             bodies: read_bodies(&rows(&TRUTH_BODIES)?)?,
             goals: read_goals(&rows(&TRUTH_GOALS)?.expect(episode.goals())?, &self.layout)?,
             contacts: read_contacts(&rows(&TRUTH_CONTACTS)?.expect(episode.contacts)?, &self.layout)?,

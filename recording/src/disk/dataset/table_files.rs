@@ -12,10 +12,11 @@ use super::names;
 use super::truth_bodies::{body_rows, pose_rows};
 use super::truth_frames::{patch_rows, taxel_rows};
 use super::truth_tables::{contact_rows, goal_rows, object_rows};
-use crate::Recording;
+use crate::{Category, Recording};
 use crate::disk::DiskError;
 use crate::disk::dictionary::{
     FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+    with_further_categories,
 };
 use crate::disk::parquet_file::ParquetFile;
 use crate::disk::whole_file::create_folder;
@@ -60,14 +61,14 @@ impl TableFile {
         }
     }
 
-    fn write(&mut self, batch: &RecordBatch) -> Result<(), DiskError> {
+    fn write(&mut self, batch: &RecordBatch, categories: &[Category]) -> Result<(), DiskError> {
         let file = match self.file.take() {
             Some(file) => file,
             None => {
                 if let Some(folder) = self.path.parent() {
                     create_folder(folder)?;
                 }
-                ParquetFile::create(&self.path, batch.schema(), [])?
+                ParquetFile::create(&self.path, with_further_categories(batch.schema(), categories), [])?
             }
         };
         self.rows += batch.num_rows();
@@ -96,6 +97,8 @@ struct Files {
 /// The files of all tables, one number after the other.
 pub(super) struct TableFiles<'a> {
     dir: &'a Path,
+    /// Categories that are not built in.
+    categories: &'a [Category],
     bytes_per_file: u64,
     files: Option<Files>,
     staged_bytes: u64,
@@ -105,9 +108,10 @@ pub(super) struct TableFiles<'a> {
 
 impl<'a> TableFiles<'a> {
     /// After so many files of each table that are whole.
-    pub(super) fn new(dir: &'a Path, bytes_per_file: u64, begun: usize) -> Self {
+    pub(super) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
         TableFiles {
             dir,
+            categories,
             bytes_per_file,
             files: None,
             staged_bytes: 0,
@@ -143,7 +147,10 @@ impl<'a> TableFiles<'a> {
 
     /// Appends frames of the episode.
     pub(super) fn write_frames(&mut self, batch: &RecordBatch) -> Result<(), DiskError> {
-        self.files.as_mut().map_or(Ok(()), |files| files.data.write(batch))
+        let categories = self.categories;
+        self.files
+            .as_mut()
+            .map_or(Ok(()), |files| files.data.write(batch, categories))
     }
 
     /// Writes what is true of the episode, and ends it.
@@ -151,7 +158,7 @@ impl<'a> TableFiles<'a> {
         let Some(files) = &mut self.files else { return Ok(()) };
         files.data.end_episode()?;
         for ((_, rows), file) in TRUTH.iter().zip(&mut files.truth) {
-            file.write(&rows(&file.path, episode, recording)?)?;
+            file.write(&rows(&file.path, episode, recording)?, self.categories)?;
             file.end_episode()?;
         }
         Ok(())

@@ -48,8 +48,10 @@ pub(super) fn object_rows(path: &Path, episode: usize, recording: &Recording) ->
         .build(path)
 }
 
-/// The objects of an episode.
-pub(super) fn read_objects(rows: &EpisodeRows) -> Result<Vec<ObjectRecord>, DiskError> {
+/// The objects of an episode of a set with `further` categories.
+pub(super) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<Vec<ObjectRecord>, DiskError> {
+    let all = || Category::BUILT_IN.iter().chain(further);
+    let known = |name: &str| all().find(|category| category.name() == name).copied();
     let mut objects = Vec::new();
     for columns in rows.columns() {
         let (kind, category) = (columns.text("kind")?, columns.text("category")?);
@@ -57,8 +59,10 @@ pub(super) fn read_objects(rows: &EpisodeRows) -> Result<Vec<ObjectRecord>, Disk
         for (row, position_world) in columns.vectors("position_world", "_m")?.into_iter().enumerate() {
             objects.push(ObjectRecord {
                 kind: kind.value(row).to_string(),
-                category: Category::from_name(category.value(row))
-                    .ok_or_else(|| columns.error("category", category.value(row), "leaf, trunk, block or outlier"))?,
+                category: known(category.value(row)).ok_or_else(|| {
+                    let names: Vec<_> = all().map(Category::name).collect();
+                    columns.error("category", category.value(row), names.join(", "))
+                })?,
                 position_world,
                 parameters: serde_json::from_str(parameters.value(row))
                     .map_err(|error| columns.error("parameters", error.to_string(), "a JSON object of numbers"))?,

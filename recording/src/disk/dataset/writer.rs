@@ -12,7 +12,7 @@ use super::info::read_json;
 use super::plan::first_difference;
 use super::staging::{BYTES_PER_FILE, Staging};
 use super::{Dataset, DatasetPlan, names};
-use crate::disk::check::{Violation, check_robot, require};
+use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
 use crate::disk::{DiskError, write_recording};
 use crate::{InputError, Recording};
@@ -197,7 +197,13 @@ impl DatasetWriter {
         };
         let joints = format!("{:?}", recording.joint_names);
         let layout = format!("{} taxels, or of another arrangement", recording.layout.taxel_count());
+        let unplanned = recording.further_categories().into_iter();
+        let unplanned: Vec<_> = unplanned
+            .filter(|category| !plan.categories.contains(category))
+            .map(|category| format!("{} with code {}", category.name(), category.code()))
+            .collect();
         let facts = [
+            ("categories", unplanned.is_empty(), unplanned.join(", ")),
             ("scene", recording.scene == episode.scene, recording.scene.clone()),
             (
                 "reach_index",
@@ -266,6 +272,7 @@ impl DatasetWriter {
 
 fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
     check_robot(&plan.layout, plan.rate_hz, &plan.joint_names)?;
+    check_categories(&plan.categories)?;
     require(
         !plan.episodes.is_empty(),
         || "episodes".into(),

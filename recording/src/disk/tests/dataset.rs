@@ -88,6 +88,7 @@ pub(super) fn plan() -> DatasetPlan {
         rate_hz: 100.0,
         joint_names: first.joint_names.clone(),
         layout: first.layout.clone(),
+        categories: Vec::new(),
         episodes: recordings.iter().map(episode).collect(),
     }
 }

@@ -69,7 +69,7 @@ fn object() -> impl Strategy<Value = ObjectRecord> {
     let parameters = prop::collection::btree_map("[a-z_]{1,12}", number(), 0..4);
     (
         "[a-z_]{1,9}",
-        prop::sample::select(Category::ALL.to_vec()),
+        prop::sample::select(Category::BUILT_IN.to_vec()),
         vector(),
         parameters,
     )
@@ -457,8 +457,8 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
         joint_names: vec!["shoulder".into(), "elbow".into()],
         layout,
         objects: vec![
-            object("trunk", Category::Trunk, 0.2),
-            object("leaf", Category::Leaf, 0.3 + offset),
+            object("trunk", Category::TRUNK, 0.2),
+            object("leaf", Category::LEAF, 0.3 + offset),
         ],
         bodies: vec![link(offset, frames), stem(0), stem(1)],
         goals: vec![GoalRecord {

@@ -3,8 +3,9 @@
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use underbrush_recording::Category;
 
-use super::{LARGEST_LOAD_SHARE, Leaf, root_stiffness_nm_per_rad};
+use super::{CATEGORY, LARGEST_LOAD_SHARE, Leaf, root_stiffness_nm_per_rad};
 use crate::object::{Footing, Object, Specification, StandsOn};
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
@@ -163,6 +164,10 @@ impl Specification for LeafSpecification {
         let (least, most) = SEGMENT_LIMITS;
         (!(least..=most).contains(&self.segments))
             .then(|| ("segments", self.segments.to_string(), format!("{least} to {most}")))
+    }
+
+    fn category(&self) -> Category {
+        CATEGORY
     }
 
     fn stands_on(&self) -> StandsOn {
