@@ -1,6 +1,6 @@
 //! From scenes to a finished data set: plan, campaign, files.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::controller::{ControllerKind, Preset};
@@ -285,4 +285,12 @@ impl Campaign {
             shard: self.shard,
         }
     }
+}
+
+/// The categories of the scenes' objects that are not built in, each once, by code.
+fn further_categories(plans: &[ReachPlan]) -> Vec<Category> {
+    let groups = plans.iter().flat_map(|plan| plan.scene.file.objects.groups());
+    let categories = groups.map(|(_, _, group)| group.category());
+    let further: BTreeSet<Category> = categories.filter(|category| !category.is_built_in()).collect();
+    further.into_iter().collect()
 }

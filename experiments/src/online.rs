@@ -1,5 +1,7 @@
 //! The online experiments: verdicts frame by frame against ground truth (paper, sections V-B and V-D, Figs. 8 to 11, 15).
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::ModelSet;
@@ -187,11 +189,12 @@ fn rule_name(whose: &str, decision: &Decision) -> String {
 /// One row a truth that occurs, over all reaches of a rule.
 fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
     let of = |category: Category| {
-        let row = usize::from(category.code().unsigned_abs());
         let count = |name: &str| -> usize {
             let own = |reach: &Classified| {
                 let column = reach.stream.verdicts.iter().position(|verdict| verdict == name);
-                column.map_or(0, |column| reach.stream.taxel_frames[row][column])
+                let row = reach.stream.truths.iter().position(|truth| *truth == category);
+                row.zip(column)
+                    .map_or(0, |(row, column)| reach.stream.taxel_frames[row][column])
             };
             reaches.iter().map(own).sum()
         };
@@ -209,5 +212,6 @@ fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
             outlier_percent,
         })
     };
-    Category::BUILT_IN.into_iter().filter_map(of).collect()
+    let truths: BTreeSet<Category> = reaches.iter().flat_map(|reach| &reach.stream.truths).copied().collect();
+    truths.into_iter().filter_map(of).collect()
 }

@@ -75,7 +75,7 @@ impl Wanted {
             }
             Wanted::LeafAndTrunk => touched.contains(&Category::LEAF) && touched.contains(&Category::TRUNK),
             Wanted::OutlierFirst => {
-                let known = |category: &Category| matches!(category, Category::LEAF | Category::TRUNK);
+                let known = |category: &Category| matches!(*category, Category::LEAF | Category::TRUNK);
                 let outlier = touched.iter().position(|category| *category == Category::OUTLIER);
                 let first_known = touched.iter().position(known);
                 outlier.zip(first_known).is_some_and(|(outlier, known)| outlier < known)

@@ -1,6 +1,8 @@
 //! Ground-truth categories of the objects that an arm can touch.
 
+use std::collections::BTreeSet;
 use std::fmt;
+use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -20,86 +22,68 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Category {
     code: i8,
-    /// ASCII, filled up with zeros. Held in place, so that the value can be copied and names can come from files.
-    name: [u8; Category::MAX_NAME_BYTES],
+    name: &'static str,
 }
 
 impl Category {
-    /// Length of the longest name.
-    pub const MAX_NAME_BYTES: usize = 24;
     /// A bendable leaf stuck in foam.
-    pub const LEAF: Category = Category::unchecked("leaf", 0);
+    pub const LEAF: Category = Category { code: 0, name: "leaf" };
     /// A stiff trunk fixed to the table.
-    pub const TRUNK: Category = Category::unchecked("trunk", 1);
+    pub const TRUNK: Category = Category { code: 1, name: "trunk" };
     /// A foam block of the ground platform: an obstacle, never a training category.
-    pub const BLOCK: Category = Category::unchecked("block", 2);
+    pub const BLOCK: Category = Category { code: 2, name: "block" };
     /// An object foreign to the foliage, such as the foam roll. Never in training data.
-    pub const OUTLIER: Category = Category::unchecked("outlier", 3);
+    pub const OUTLIER: Category = Category {
+        code: 3,
+        name: "outlier",
+    };
 
     /// The built-in categories, in the order of their codes.
     pub const BUILT_IN: [Category; 4] = [Category::LEAF, Category::TRUNK, Category::BLOCK, Category::OUTLIER];
 
-    /// What names and codes are allowed for further categories, for error messages.
-    pub const ALLOWED: &str = "a name of up to 24 lower-case letters, digits and underscores that begins with a letter \
-                               and is not built in, with a code from 4 to 127";
+    /// Length of the longest name, bytes.
+    pub const MAX_NAME_BYTES: usize = 24;
 
     /// A category that is not built in. `None` unless the name has at most 24 lower-case letters, digits and underscores,
     /// begins with a letter and is new, and the code is above those of the built-in categories.
-    pub const fn new(name: &str, code: i8) -> Option<Category> {
-        let bytes = name.as_bytes();
-        let mut valid = bytes.len() <= Category::MAX_NAME_BYTES && !bytes.is_empty() && bytes[0].is_ascii_lowercase();
-        let mut index = 0;
-        while index < bytes.len() {
-            valid &= matches!(bytes[index], b'a'..=b'z' | b'0'..=b'9' | b'_');
-            index += 1;
+    pub const fn new(name: &'static str, code: i8) -> Option<Category> {
+        if is_free(name, code) {
+            Some(Category { code, name })
+        } else {
+            None
         }
-        // "none" stands for "touches nothing" in data sets.
-        if !valid || same(bytes, b"none") || (code as usize) < Category::BUILT_IN.len() || code < 0 {
+    }
+
+    /// The same with a name that was read from a file. Such names are kept until the program ends; a data set has at most
+    /// 124 of them.
+    pub fn from_file(name: &str, code: i8) -> Option<Category> {
+        static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+        if !is_free(name, code) {
             return None;
         }
-        let mut index = 0;
-        while index < Category::BUILT_IN.len() {
-            if same(bytes, Category::BUILT_IN[index].name_bytes()) {
-                return None;
-            }
-            index += 1;
-        }
-        Some(Category::unchecked(name, code))
-    }
-
-    const fn unchecked(name: &str, code: i8) -> Category {
-        let bytes = name.as_bytes();
-        let mut stored = [0; Category::MAX_NAME_BYTES];
-        let mut index = 0;
-        while index < bytes.len() {
-            stored[index] = bytes[index];
-            index += 1;
-        }
-        Category { code, name: stored }
-    }
-
-    const fn name_bytes(&self) -> &[u8] {
-        let mut length = 0;
-        while length < self.name.len() && self.name[length] != 0 {
-            length += 1;
-        }
-        self.name.split_at(length).0
+        let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = names.get(name).copied();
+        let name = known.unwrap_or_else(|| {
+            let name: &'static str = Box::leak(name.into());
+            names.insert(name);
+            name
+        });
+        Some(Category { code, name })
     }
 
     /// The lower-case name used in every file.
-    pub fn name(&self) -> &str {
-        // Only ASCII ever gets in.
-        std::str::from_utf8(self.name_bytes()).unwrap_or_default()
+    pub fn name(self) -> &'static str {
+        self.name
     }
 
     /// The small integer used in the per-taxel ground-truth columns of a data set (−1 there means "touches nothing").
-    pub fn code(&self) -> i8 {
+    pub fn code(self) -> i8 {
         self.code
     }
 
     /// Whether it is one of [`Category::BUILT_IN`].
-    pub fn is_built_in(&self) -> bool {
-        Category::BUILT_IN.contains(self)
+    pub fn is_built_in(self) -> bool {
+        Category::BUILT_IN.contains(&self)
     }
 
     /// The built-in category of a name as written by [`Category::name`].
@@ -108,7 +92,29 @@ impl Category {
     }
 }
 
-/// Whether two texts are equal, in constants too.
+/// Whether a further category can have this name and this code.
+const fn is_free(name: &str, code: i8) -> bool {
+    let bytes = name.as_bytes();
+    let mut free = !bytes.is_empty()
+        && bytes.len() <= Category::MAX_NAME_BYTES
+        && bytes[0].is_ascii_lowercase()
+        && code >= Category::BUILT_IN.len() as i8
+        // It stands for "touches nothing" in data sets.
+        && !same(bytes, b"none");
+    let mut index = 0;
+    while index < bytes.len() {
+        free &= matches!(bytes[index], b'a'..=b'z' | b'0'..=b'9' | b'_');
+        index += 1;
+    }
+    index = 0;
+    while index < Category::BUILT_IN.len() {
+        free &= !same(bytes, Category::BUILT_IN[index].name.as_bytes());
+        index += 1;
+    }
+    free
+}
+
+/// Whether two texts are equal; `==` cannot be used in constants.
 const fn same(a: &[u8], b: &[u8]) -> bool {
     let mut equal = a.len() == b.len();
     let mut index = 0;
@@ -131,15 +137,12 @@ impl fmt::Debug for Category {
 #[serde(untagged)]
 enum Written<'a> {
     BuiltIn(std::borrow::Cow<'a, str>),
-    Further {
-        name: std::borrow::Cow<'a, str>,
-        code: i8,
-    },
+    Further { name: std::borrow::Cow<'a, str>, code: i8 },
 }
 
 impl Serialize for Category {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let name = self.name().into();
+        let name = self.name.into();
         let written = if self.is_built_in() {
             Written::BuiltIn(name)
         } else {
@@ -153,12 +156,15 @@ impl<'de> Deserialize<'de> for Category {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         match Written::deserialize(deserializer)? {
             Written::BuiltIn(name) => Category::from_name(&name).ok_or_else(|| {
-                let names = Category::BUILT_IN.map(|category| category.name().to_owned()).join(", ");
+                let names = Category::BUILT_IN.map(Category::name).join(", ");
                 de::Error::custom(format!("category \"{name}\" without a code, and not one of {names}"))
             }),
-            Written::Further { name, code } => Category::new(&name, code).ok_or_else(|| {
-                let allowed = Category::ALLOWED;
-                de::Error::custom(format!("category \"{name}\" with code {code}; allowed: {allowed}"))
+            Written::Further { name, code } => Category::from_file(&name, code).ok_or_else(|| {
+                let most = Category::MAX_NAME_BYTES;
+                de::Error::custom(format!(
+                    "category \"{name}\" with code {code}; allowed are up to {most} lower-case letters, digits and \
+                     underscores that begin with a letter and are no built-in name, with a code from 4 to 127"
+                ))
             }),
         }
     }
@@ -187,8 +193,11 @@ mod tests {
     fn further_categories_have_valid_names_and_free_codes() {
         let longest = "a".repeat(Category::MAX_NAME_BYTES);
         for (name, code) in [("reed", 4), ("wet_rope_2", 127), (longest.as_str(), 5)] {
-            let category = Category::new(name, code).unwrap();
-            assert_eq!((category.name(), category.code(), category.is_built_in()), (name, code, false));
+            let category = Category::from_file(name, code).unwrap();
+            assert_eq!(
+                (category.name(), category.code(), category.is_built_in()),
+                (name, code, false)
+            );
             let text = serde_json::to_string(&category).unwrap();
             assert_eq!(text, format!("{{\"name\":\"{name}\",\"code\":{code}}}"));
             assert_eq!(serde_json::from_str::<Category>(&text).unwrap(), category);
@@ -205,7 +214,7 @@ mod tests {
             ("a reed", 4),
             (too_long.as_str(), 4),
         ] {
-            assert_eq!(Category::new(name, code), None, "{name} {code}");
+            assert_eq!(Category::from_file(name, code), None, "{name} {code}");
             let text = format!("{{\"name\":\"{name}\",\"code\":{code}}}");
             assert!(serde_json::from_str::<Category>(&text).is_err(), "{text}");
         }

@@ -64,8 +64,8 @@ pub struct StreamFrame {
     pub tally: Tally,
     /// The same by verdict, in the order of [`Stream::verdicts`].
     pub by_verdict: Vec<usize>,
-    /// Whether an object of each of [`Category::BUILT_IN`] truly presses on the patch.
-    pub touched: [bool; 4],
+    /// Whether an object of each of [`Stream::truths`] truly presses on the patch.
+    pub touched: Vec<bool>,
     /// Mean over the taxels in contact of the samples used (Fig. 9): how many samples of its contact had come when a
     /// taxel's present verdict was made, and 0 where it is uncertain. 0 without contact.
     pub mean_samples_used: f64,
@@ -76,12 +76,14 @@ pub struct StreamFrame {
 /// A reach classified online.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stream {
+    /// The categories that an object of the recording can have: [`Category::BUILT_IN`], then further ones that occur.
+    pub truths: Vec<Category>,
     /// Names of the verdicts: the models' categories in alphabetical order, uncertain, outlier.
     pub verdicts: Vec<String>,
     /// The frames.
     pub frames: Vec<StreamFrame>,
-    /// Taxels in contact, summed over all frames, by truth ([`Category::BUILT_IN`], then without truth) and verdict.
-    pub taxel_frames: [Vec<usize>; 5],
+    /// Taxels in contact, summed over all frames, by truth ([`Stream::truths`], then without truth) and verdict.
+    pub taxel_frames: Vec<Vec<usize>>,
     /// Wall time of the classifier for each frame, s: the only part that depends on the machine.
     pub seconds: Vec<f64>,
 }
@@ -110,15 +112,23 @@ pub fn classify_stream(
         .unwrap_or_default();
     let mut verdicts = models.categories();
     verdicts.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
+    let mut truths = Category::BUILT_IN.to_vec();
+    truths.extend(recording.further_categories());
+    if let StreamTruth::Environment(category) = truth
+        && !truths.contains(&category)
+    {
+        truths.push(category);
+    }
     let mut stream = Stream {
-        taxel_frames: std::array::from_fn(|_| vec![0; verdicts.len()]),
+        taxel_frames: vec![vec![0; verdicts.len()]; truths.len() + 1],
+        truths,
         verdicts,
         frames: Vec::with_capacity(recording.frames.len()),
         seconds: Vec::with_capacity(recording.frames.len()),
     };
     let mut last: Vec<Last> = Vec::new();
     for frame in &recording.frames {
-        let pressing = Pressing::of(frame, patch, recording);
+        let pressing = Pressing::of(frame, patch, recording, &stream.truths);
         let start = Instant::now();
         let judged = classifier.update(frame)?;
         stream.seconds.push(start.elapsed().as_secs_f64());
@@ -130,12 +140,13 @@ pub fn classify_stream(
 /// What truly presses on the taxels of a patch in one frame.
 struct Pressing {
     by_taxel: Vec<(usize, Category)>,
-    touched: [bool; 4],
+    /// Whether each of the categories presses.
+    touched: Vec<bool>,
 }
 
 impl Pressing {
-    fn of(frame: &Frame, patch: usize, recording: &Recording) -> Self {
-        let (mut by_taxel, mut touched) = (Vec::new(), [false; 4]);
+    fn of(frame: &Frame, patch: usize, recording: &Recording, truths: &[Category]) -> Self {
+        let mut by_taxel = Vec::new();
         for reading in frame
             .taxels
             .iter()
@@ -146,9 +157,10 @@ impl Pressing {
                 .and_then(|object| recording.objects.get(usize::from(object)));
             if let Some(object) = object {
                 by_taxel.push((usize::from(reading.taxel), object.category));
-                touched[usize::from(object.category.code().unsigned_abs())] = true;
             }
         }
+        let presses = |truth: &Category| by_taxel.iter().any(|(_, category)| category == truth);
+        let touched = truths.iter().map(presses).collect();
         Pressing { by_taxel, touched }
     }
 
@@ -171,7 +183,7 @@ impl Stream {
             in_contact: 0,
             tally: Tally::default(),
             by_verdict: vec![0; self.verdicts.len()],
-            touched: pressing.touched,
+            touched: pressing.touched.clone(),
             mean_samples_used: 0.0,
             mean_samples_since_contact: 0.0,
         };
@@ -197,7 +209,8 @@ impl Stream {
             frame.tally.count(truth, &taxel.verdict);
             used += last.samples_used;
             since_contact += taxel.samples;
-            let row = truth.map_or(4, |category| usize::from(category.code().unsigned_abs()));
+            let row = truth.and_then(|truth| self.truths.iter().position(|category| *category == truth));
+            let row = row.unwrap_or(self.truths.len());
             if let Some(column) = self.verdicts.iter().position(|name| name == taxel.verdict.name()) {
                 frame.by_verdict[column] += 1;
                 self.taxel_frames[row][column] += 1;

@@ -452,8 +452,8 @@ pub(super) fn with_further_categories(schema: SchemaRef, further: &[Category]) -
     }
     let field = |field: &FieldRef| {
         let mut metadata = field.metadata().clone();
-        if let Some(codes) = metadata.get_mut(CODES) {
-            *codes = codes_json(further);
+        if metadata.contains_key(CODES) {
+            metadata.insert(CODES.to_string(), codes_json(further));
         }
         field.as_ref().clone().with_metadata(metadata)
     };

@@ -1,5 +1,6 @@
 //! Words around a picture, wrapped to its width.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::drawing::escape;
@@ -29,11 +30,10 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
             text: text.into(),
         });
     };
-    for category in Category::BUILT_IN {
-        if snapshot.objects.iter().any(|(there, _)| *there == category) {
-            let (fill, name) = colour(category);
-            add(square(fill), name);
-        }
+    let categories: BTreeSet<Category> = snapshot.objects.iter().map(|(category, _)| *category).collect();
+    for category in categories {
+        let (fill, name) = colour(category);
+        add(square(fill), name);
     }
     add(square(ARM), "arm");
     add(goal_mark(DVec2::ZERO), "goal of the moment");

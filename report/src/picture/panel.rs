@@ -62,6 +62,10 @@ impl View {
     }
 }
 
+/// Fills of categories that are not built in, one after the other by code: Okabe and Ito's palette without the hues
+/// that the built-in ones have.
+const FURTHER: [&str; 4] = ["#0072b2", "#cc79a7", "#e69f00", "#56b4e9"];
+
 /// Fill and name of each category, told apart by lightness too.
 pub fn colour(category: Category) -> (&'static str, &'static str) {
     match category {
@@ -69,6 +73,10 @@ pub fn colour(category: Category) -> (&'static str, &'static str) {
         Category::TRUNK => ("#6b4423", "trunk"),
         Category::BLOCK => ("#c9b97f", "foam block"),
         Category::OUTLIER => ("#d1495b", "foam roll (outlier)"),
+        further => {
+            let number = usize::from(further.code().unsigned_abs()) - Category::BUILT_IN.len();
+            (FURTHER[number % FURTHER.len()], further.name())
+        }
     }
 }
 

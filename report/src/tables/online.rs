@@ -4,6 +4,7 @@ use crate::drawing::{Cell, Table};
 
 use underbrush_experiments::online::{Online, Shares};
 use underbrush_experiments::results::Results;
+use underbrush_recording::Category;
 
 /// Fig. 8, frame by frame: of all tables this one and `stages` alone hold wall times, which no two runs share.
 pub fn figure_8_times(online: &Online) -> Table {
@@ -109,7 +110,8 @@ pub fn figure_15(online: &Online) -> Table {
             let mut row = vec![Cell::Count(reach.reach_index as usize), Cell::Number(frame.time_s, 2)];
             row.extend(frame.by_verdict.iter().map(|count| Cell::Count(*count)));
             row.push(frame.tally.unknown.into());
-            row.extend(frame.touched.iter().map(|touched| Cell::Count(usize::from(*touched))));
+            let built_in = frame.touched.iter().take(Category::BUILT_IN.len());
+            row.extend(built_in.map(|touched| Cell::Count(usize::from(*touched))));
             table.rows.push(row);
         }
     }

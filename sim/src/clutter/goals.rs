@@ -7,8 +7,8 @@ use underbrush_recording::InputError;
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, segment_distance};
-use crate::range::Quantity;
 use crate::object::Object;
+use crate::range::Quantity;
 use crate::scene::Scene;
 
 /// Goals tried before the scene is refused.
@@ -39,7 +39,7 @@ pub(super) fn draw_goals(
         wanted.map(PlacedObject::bounding_capsule).collect()
     };
     let plants = capsules(|object| object.foam_top().is_none());
-    let obstacles = capsules(Object::is_obstacle);
+    let obstacles = capsules(|object| object.is_obstacle());
     let anywhere = (-5.0, 5.0);
     let mut from = arm.tip_world;
     let mut goals = Vec::new();

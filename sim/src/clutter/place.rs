@@ -6,7 +6,6 @@ use underbrush_recording::InputError;
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
-use crate::geometry::Footprint;
 use crate::object::{Footing, StandsOn};
 use crate::range::{Placement, Quantity};
 use crate::scene::Scene;

@@ -8,9 +8,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
-use crate::{Category, InputError};
 use crate::disk::DiskError;
 use crate::disk::features::Feature;
+use crate::{Category, InputError};
 
 /// The version of LeRobot's layout that this program writes and reads.
 pub(super) const CODEBASE_VERSION: &str = "v3.0";

@@ -12,7 +12,6 @@ use super::names;
 use super::truth_bodies::{body_rows, pose_rows};
 use super::truth_frames::{patch_rows, taxel_rows};
 use super::truth_tables::{contact_rows, goal_rows, object_rows};
-use crate::{Category, Recording};
 use crate::disk::DiskError;
 use crate::disk::dictionary::{
     FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
@@ -20,6 +19,7 @@ use crate::disk::dictionary::{
 };
 use crate::disk::parquet_file::ParquetFile;
 use crate::disk::whole_file::create_folder;
+use crate::{Category, Recording};
 
 /// Rows at which a row group of a table of ground truth ends, with the episode. Choice: as many rows of the widest table
 /// are decoded within a few milliseconds, and a group for every episode would cost more than the few goals in it.

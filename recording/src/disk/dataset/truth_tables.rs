@@ -60,7 +60,7 @@ pub(super) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<V
             objects.push(ObjectRecord {
                 kind: kind.value(row).to_string(),
                 category: known(category.value(row)).ok_or_else(|| {
-                    let names: Vec<_> = all().map(Category::name).collect();
+                    let names: Vec<_> = all().map(|category| category.name()).collect();
                     columns.error("category", category.value(row), names.join(", "))
                 })?,
                 position_world,
