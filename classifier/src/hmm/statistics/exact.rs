@@ -53,12 +53,13 @@ impl Pass {
                 } else {
                     let column = self.log_transition[j..].iter().step_by(n);
                     fill(&mut self.terms, before.iter().zip(column).map(|(alpha, a)| alpha + a));
-                    log_sum_exp(&self.terms)
+                    log_sum_exp(&mut self.terms).0
                 };
                 *alpha = into + *density;
             }
         }
-        log_sum_exp(&self.log_alpha[self.log_alpha.len() - n..])
+        self.terms.copy_from_slice(&self.log_alpha[self.log_alpha.len() - n..]);
+        log_sum_exp(&mut self.terms).0
     }
 
     /// Runs backward in time and adds the expected counts.
@@ -71,15 +72,14 @@ impl Pass {
     ) {
         let (n, last) = (model.states, sequence.sample_count() - 1);
         self.log_beta.fill(0.0);
-        for t in (0..=last).rev() {
-            if t < last {
-                self.step_back(n, t, log_likelihood, counts);
-            }
-            let gamma = self.log_alpha[t * n..(t + 1) * n].iter().zip(&self.log_beta);
-            fill(
-                &mut self.probability,
-                gamma.map(|(alpha, beta)| probability(alpha + beta - log_likelihood)),
-            );
+        let alpha = &self.log_alpha[last * n..];
+        fill(
+            &mut self.probability,
+            alpha.iter().map(|alpha| probability(alpha - log_likelihood)),
+        );
+        counts.count_sample(model, sequence.sample(last), &self.probability);
+        for t in (0..last).rev() {
+            self.step_back(n, t, log_likelihood, counts);
             counts.count_sample(model, sequence.sample(t), &self.probability);
         }
         counts
@@ -89,8 +89,9 @@ impl Pass {
             .for_each(|(sum, gamma)| *sum += gamma);
     }
 
-    /// Turns β of sample t + 1 into β of sample t, and adds the expected transitions ξ between the two:
-    /// β_i = Σ_j a_ij b_j β_j and ξ_ij = α_i a_ij b_j β_j / P(O|λ).
+    /// Turns β of sample t + 1 into β and γ of sample t, and adds the expected transitions ξ between the two samples.
+    ///
+    /// β_i = Σ_j a_ij b_j β_j, and ξ_ij is γ_i times the share of j in that sum.
     fn step_back(&mut self, n: usize, t: usize, log_likelihood: f64, counts: &mut Statistics) {
         let density = &self.log_density[(t + 1) * n..(t + 2) * n];
         fill(
@@ -99,15 +100,16 @@ impl Pass {
         );
         for i in 0..n {
             let row = &self.log_transition[i * n..(i + 1) * n];
-            fill(
-                &mut self.terms,
-                row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead),
-            );
-            self.log_beta[i] = log_sum_exp(&self.terms);
-            let log_share = self.log_alpha[t * n + i] - log_likelihood;
-            let transitions = &mut counts.transition[i * n..(i + 1) * n];
-            for (count, term) in transitions.iter_mut().zip(&self.terms) {
-                *count += probability(log_share + term);
+            fill(&mut self.terms, row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead));
+            let (log_sum, sum) = log_sum_exp(&mut self.terms);
+            self.log_beta[i] = log_sum;
+            let gamma = probability(self.log_alpha[t * n + i] + log_sum - log_likelihood);
+            self.probability[i] = gamma;
+            if gamma > 0.0 {
+                let transitions = &mut counts.transition[i * n..(i + 1) * n];
+                for (count, term) in transitions.iter_mut().zip(&self.terms) {
+                    *count += gamma / sum * term;
+                }
             }
         }
     }
@@ -128,11 +130,14 @@ fn probability(log_probability: f64) -> f64 {
     }
 }
 
-/// ln Σ exp(terms); −inf where all terms are.
-fn log_sum_exp(terms: &[f64]) -> f64 {
+/// ln Σ exp(terms), −inf where all terms are. The terms are replaced by exp(term − largest term), whose sum is returned
+/// as well.
+fn log_sum_exp(terms: &mut [f64]) -> (f64, f64) {
     let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if largest == f64::NEG_INFINITY {
-        return largest;
+        return (largest, 0.0);
     }
-    largest + terms.iter().map(|term| (term - largest).exp()).sum::<f64>().ln()
+    terms.iter_mut().for_each(|term| *term = probability(*term - largest));
+    let sum: f64 = terms.iter().sum();
+    (largest + sum.ln(), sum)
 }
