@@ -1,4 +1,4 @@
-//! Options that choose how trials are cut from a data set or a recording.
+//! Options for extracting trials from a data set or a recording.
 
 use std::path::Path;
 
@@ -17,56 +17,57 @@ pub enum Unit {
     Component,
 }
 
-/// What gives a trial its category.
+/// How a trial gets its category.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LabelName {
     /// The object that pressed on the skin
     Contact,
-    /// The one category of the clutter, as the paper's models are trained: also where nothing pressed
+    /// The single category of the clutter, even where nothing pressed, as the paper's models were trained
     Environment,
 }
 
-/// Choices made together.
+/// A named set of choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// As in the paper's Table I: --labels environment, --min-samples 20; evaluate then splits by position
+    /// As in the paper's Table I: --labels environment, --min-samples 20, and evaluate --group position
     Paper,
 }
 
-/// How trials are cut from a data set or a recording. A table of trials is taken as it is: of these options only
-/// --min-samples applies to it. Each is `None` where it is not given, so that a command can refuse what it would ignore.
+/// How trials are extracted from a data set or a recording. A table of trials is used as it is; of these options only
+/// --min-samples applies to it. Options that are not given are `None`, so that a command can refuse those that it would
+/// ignore.
 #[derive(Args, Clone, Debug, Default)]
 pub struct TrialArguments {
-    /// Several choices at once; options that are given as well go before it
+    /// Preset; other options override it
     #[arg(long, value_enum, value_name = "NAME")]
     preset: Option<Preset>,
     /// What a trial is made of [default: taxel]
     #[arg(long, value_enum, value_name = "UNIT")]
     by: Option<Unit>,
-    /// Patch of skin; the only or the first one if not given
+    /// Patch of skin; the first one if not given
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
-    /// A taxel is in contact where it reports more than this, N [default: 0.03]
+    /// A taxel is in contact while it senses more than this, N [default: 0.03]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     threshold_n: Option<f64>,
-    /// Leave out trials of fewer samples [default: 1]
+    /// Leave out trials with fewer samples [default: 1]
     #[arg(long, value_name = "N")]
     min_samples: Option<usize>,
-    /// What gives a trial its category [default: contact]
+    /// How a trial gets its category [default: contact]
     #[arg(long, value_enum, value_name = "BY")]
     labels: Option<LabelName>,
-    /// Do not join components across the seam of a closed patch, as in the authors' code
+    /// Do not connect components across the seam of a closed patch, as in the authors' code
     #[arg(long)]
     no_wrap: bool,
 }
 
 impl TrialArguments {
-    /// Whether the paper's way is asked for.
+    /// Whether the paper's preset is chosen.
     pub fn is_paper(&self) -> bool {
         self.preset == Some(Preset::Paper)
     }
 
-    /// The same for trials of any length.
+    /// The same options for trials of any length.
     #[must_use]
     pub fn of_any_length(&self) -> Self {
         TrialArguments {
@@ -75,23 +76,23 @@ impl TrialArguments {
         }
     }
 
-    /// Name of the patch; `None`: the only or the first one.
+    /// Name of the patch; `None` for the first one.
     pub fn patch(&self) -> Option<String> {
         self.patch.clone()
     }
 
-    /// Above this a taxel is in contact, N.
+    /// The force above which a taxel is in contact, N.
     pub fn threshold_n(&self) -> f64 {
         self.threshold_n.unwrap_or(TrialOptions::default().threshold_n)
     }
 
-    /// Trials of fewer samples are left out.
+    /// Trials with fewer samples are left out.
     pub fn min_samples(&self) -> usize {
         let paper = self.is_paper().then(|| TrialOptions::paper().min_samples);
         self.min_samples.or(paper).unwrap_or(1)
     }
 
-    /// The options for cutting trials.
+    /// The options for extracting trials.
     pub fn options(&self) -> TrialOptions {
         let labels = match (self.labels, self.is_paper()) {
             (Some(LabelName::Contact), _) => Labels::Contact,
@@ -120,7 +121,7 @@ impl TrialArguments {
         cut(recording, unit, &self.options(), first)
     }
 
-    /// Refuses the options that do not apply to a table of trials.
+    /// Refuses options that do not apply to a table of trials.
     pub fn refuse_for_table(&self, path: &Path) -> Result<(), Failure> {
         self.refuse(
             &[
@@ -131,13 +132,13 @@ impl TrialArguments {
                 ("--no-wrap", self.no_wrap),
             ],
             &format!(
-                "a table of trials, such as {}, in which trials are cut and labelled already",
+                "a table of trials such as {}, whose trials are already extracted and labelled",
                 path.display()
             ),
         )
     }
 
-    /// Refuses the options that do not apply to verdicts frame by frame.
+    /// Refuses options that do not apply to verdicts frame by frame.
     pub fn refuse_online(&self) -> Result<(), Failure> {
         self.refuse(
             &[
@@ -147,7 +148,7 @@ impl TrialArguments {
                 ("--labels", self.labels.is_some()),
                 ("--no-wrap", self.no_wrap),
             ],
-            "verdicts frame by frame, which are by taxel, from the first sample",
+            "online verdicts, which are given for each taxel from its first sample on",
         )
     }
 
@@ -188,7 +189,7 @@ mod tests {
         TrialArguments::from_arg_matches(&command.get_matches_from(words)).unwrap()
     }
 
-    /// Pins the defaults, the preset, and that an option that is given goes before the preset.
+    /// Pins the defaults, the preset, and that other options override the preset.
     #[test]
     fn the_preset_is_the_papers_and_gives_way() {
         assert_eq!(parse(&[]).options(), TrialOptions::default());
@@ -201,7 +202,7 @@ mod tests {
         assert_eq!(mixed, expected);
     }
 
-    /// Pins the default that the help states.
+    /// Pins that the help states the default threshold.
     #[test]
     fn the_help_states_the_threshold() {
         let mut command = TrialArguments::augment_args(Command::new("trials"));

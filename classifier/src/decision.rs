@@ -1,4 +1,4 @@
-//! From log-likelihoods to verdicts: priors, and thresholds on the margin of the best category.
+//! From log-likelihoods to verdicts: priors, and thresholds on the margin between the best two categories.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,15 +6,15 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// What a taxel, or a trial, is taken for.
+/// What a taxel or a trial is classified as.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// This category.
     Category(String),
-    /// Too little margin to tell.
+    /// The margin is too small to decide.
     Uncertain,
-    /// Foreign to all categories (paper, section V-D).
+    /// Belongs to none of the known categories (paper, section V-D).
     Outlier,
 }
 
@@ -35,31 +35,32 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// How the margin of the best category over the second, in nats of log-posterior, becomes a verdict.
+/// How the margin becomes a verdict. The margin is the log-posterior of the best category minus that of the second best,
+/// in nats.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Rule {
     /// The best category (eq. 2); uncertain only in a tie.
     Argmax,
-    /// The best category, uncertain where its margin is below a threshold (section V-B).
+    /// The best category, or uncertain if its margin is below a threshold (section V-B).
     UncertainBelow {
-        /// The smallest margin that gives a category, nats.
+        /// The smallest margin that yields a category, in nats.
         #[serde(alias = "lead")]
         margin: f64,
     },
-    /// Section V-D: uncertain below one threshold, the best category above another, an outlier between them.
+    /// Uncertain below one threshold, the best category above another, and an outlier in between (section V-D).
     OutlierBand {
-        /// Uncertain where the margin is below this, nats.
+        /// Uncertain if the margin is below this, in nats.
         uncertain_below: f64,
-        /// The best category where the margin is above this, nats.
+        /// The best category if the margin is above this, in nats.
         category_above: f64,
     },
 }
 
-/// What makes a decision impossible.
+/// Why a decision cannot be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DecisionError {
-    /// A prior that is no probability.
+    /// A prior that is not a positive number.
     #[error("the prior of {category} is {found}; allowed: finite numbers above 0 (they need not sum to 1)")]
     BadPrior {
         /// The category.
@@ -67,21 +68,21 @@ pub enum DecisionError {
         /// The number found.
         found: f64,
     },
-    /// Priors whose categories are not the models'.
-    #[error("priors are given for {found:?}, models for {expected:?}; give a prior for each model, or none at all")]
+    /// Priors for other categories than the models'.
+    #[error("priors are given for {found:?}, models for {expected:?}; give one prior per model, or none at all")]
     PriorCategories {
         /// The categories with a prior.
         found: Vec<String>,
         /// The categories with a model.
         expected: Vec<String>,
     },
-    /// Thresholds that leave no sense.
-    #[error("thresholds {found:?}; allowed: finite, from 0, category_above not under uncertain_below")]
+    /// Thresholds that contradict each other or are out of range.
+    #[error("thresholds {found:?}; allowed: finite numbers from 0, with category_above at least uncertain_below")]
     BadThreshold {
         /// The rule found.
         found: Rule,
     },
-    /// Scores in another number than categories.
+    /// The number of scores differs from the number of categories.
     #[error("{found} scores for {expected} categories; give one score per category")]
     ScoreCount {
         /// Scores given.
@@ -91,19 +92,19 @@ pub enum DecisionError {
     },
 }
 
-/// Priors and rule.
+/// Priors and the rule that turns scores into verdicts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {
-    /// P(λ_c) of eq. 3 by category, in any common unit; empty: all alike, as in eq. 2.
+    /// P(λ_c) of eq. 3 by category, in any common unit. Empty means equal priors, as in eq. 2.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub prior: BTreeMap<String, f64>,
-    /// From the margin to a verdict.
+    /// How the margin becomes a verdict.
     pub rule: Rule,
 }
 
 impl Decision {
-    /// Equal priors and this rule.
+    /// This rule with equal priors.
     pub fn new(rule: Rule) -> Self {
         Decision {
             prior: BTreeMap::new(),
@@ -111,13 +112,13 @@ impl Decision {
         }
     }
 
-    /// The best category, equal priors: the rule of Table I.
+    /// The best category with equal priors: the rule of Table I.
     pub fn argmax() -> Self {
         Self::new(Rule::Argmax)
     }
 
-    /// The paper's outlier experiment (section V-D): over 80 nats a category, 15 to 80 an outlier, under 15 uncertain.
-    /// These thresholds belong to Viterbi scores of unscaled force.
+    /// The rule of the paper's outlier experiment (section V-D): a category above 80 nats, an outlier from 15 to 80,
+    /// uncertain below 15. These thresholds apply to Viterbi scores of unscaled force.
     pub fn paper() -> Self {
         Self::new(Rule::OutlierBand {
             uncertain_below: 15.0,
@@ -125,10 +126,10 @@ impl Decision {
         })
     }
 
-    /// Checks the decision for models of these categories and prepares it.
+    /// Checks the decision against the models' categories and prepares it.
     ///
     /// # Errors
-    /// [`DecisionError`] where priors or thresholds make no sense.
+    /// [`DecisionError`] if priors or thresholds are out of range or do not fit the categories.
     pub fn prepare(&self, categories: &[String]) -> Result<Judge, DecisionError> {
         if !self.prior.is_empty() && !self.prior.keys().eq(categories) {
             let found = self.prior.keys().cloned().collect();
@@ -171,10 +172,10 @@ impl Decision {
     }
 }
 
-/// A verdict by index: what [`Judge::choose`] gives without touching a string.
+/// A verdict with the category's index instead of its name, so that [`Judge::choose`] need not copy strings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// The category of this index.
+    /// The category with this index.
     Category(usize),
     /// See [`Verdict::Uncertain`].
     Uncertain,
@@ -182,7 +183,7 @@ pub enum Choice {
     Outlier,
 }
 
-/// A checked [`Decision`] for the categories of a set of models.
+/// A [`Decision`] that was checked for the categories of a set of models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judge {
     categories: Vec<String>,
@@ -191,8 +192,10 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// The best category's index and its margin over the second, nats of log-posterior, from 0 and infinite where no other
-    /// category admits the data; `None` where none does (all −inf). Scores beyond the categories are not looked at.
+    /// The index of the best category and its margin over the second best, in nats of log-posterior.
+    ///
+    /// The margin is infinite if only one category admits the data. `None` if no category does (all scores are −inf).
+    /// Scores beyond the number of categories are ignored.
     pub fn margin(&self, log_likelihood: &[f64]) -> Option<(usize, f64)> {
         let (mut best, mut index, mut second) = (f64::NEG_INFINITY, 0, f64::NEG_INFINITY);
         for (i, (likelihood, prior)) in log_likelihood.iter().zip(&self.log_prior).enumerate() {
@@ -206,10 +209,10 @@ impl Judge {
         (best > f64::NEG_INFINITY).then_some((index, best - second))
     }
 
-    /// The choice for log-likelihoods in the order of the categories.
+    /// The choice for log-likelihoods given in the order of the categories.
     ///
-    /// Where no model admits the data (all −inf) or two categories tie, the choice is uncertain.
-    /// A single category always wins. Scores beyond the categories are not looked at.
+    /// The choice is uncertain if no model admits the data (all scores are −inf) or two categories tie. A single category
+    /// always wins. Scores beyond the number of categories are ignored.
     pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
         let Some((index, margin)) = self.margin(log_likelihood) else {
             return Choice::Uncertain;
@@ -236,10 +239,10 @@ impl Judge {
         }
     }
 
-    /// The verdict for scores as [`crate::ModelSet::score`] gives them.
+    /// The verdict for scores in the form that [`crate::ModelSet::score`] returns.
     ///
     /// # Errors
-    /// [`DecisionError::ScoreCount`] where they are not one per category.
+    /// [`DecisionError::ScoreCount`] unless there is one score per category.
     pub fn judge(&self, scores: &[(String, f64)]) -> Result<Verdict, DecisionError> {
         if scores.len() != self.categories.len() {
             return Err(DecisionError::ScoreCount {
@@ -253,119 +256,4 @@ impl Judge {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn categories() -> Vec<String> {
-        vec!["leaf".into(), "trunk".into()]
-    }
-
-    #[test]
-    fn the_papers_thresholds_cut_where_it_says() {
-        // Pins section V-D: > 80 category, 15 … 80 outlier, < 15 uncertain, whichever category is best.
-        let judge = Decision::paper().prepare(&categories()).unwrap();
-        for (margin, expected) in [
-            (80.001, Choice::Category(1)),
-            (80.0, Choice::Outlier),
-            (15.0, Choice::Outlier),
-            (14.999, Choice::Uncertain),
-            (0.0, Choice::Uncertain),
-            (-14.0, Choice::Uncertain),
-            (-40.0, Choice::Outlier),
-            (-200.0, Choice::Category(0)),
-            (f64::INFINITY, Choice::Category(1)),
-        ] {
-            assert_eq!(judge.choose(&[0.0, margin]), expected, "margin {margin}");
-        }
-    }
-
-    #[test]
-    fn priors_shift_the_lead() {
-        // Pins eq. 3: a prior of 0.9 against 0.1 is worth ln 9 = 2.197 nats, and its unit does not matter.
-        for unit in [1.0, 50.0] {
-            let prior = BTreeMap::from([("leaf".to_owned(), 0.9 * unit), ("trunk".to_owned(), 0.1 * unit)]);
-            let judge = Decision {
-                prior,
-                rule: Rule::Argmax,
-            }
-            .prepare(&categories())
-            .unwrap();
-            assert_eq!(judge.choose(&[-10.0, -7.81]), Choice::Category(0));
-            assert_eq!(judge.choose(&[-10.0, -7.79]), Choice::Category(1));
-        }
-    }
-
-    #[test]
-    fn impossible_data_are_uncertain() {
-        // Pins that −inf everywhere and ties give no category, and a single model always wins.
-        let judge = Decision::argmax().prepare(&categories()).unwrap();
-        assert_eq!(judge.choose(&[f64::NEG_INFINITY; 2]), Choice::Uncertain);
-        assert_eq!(judge.choose(&[-3.0, -3.0]), Choice::Uncertain);
-        assert_eq!(judge.choose(&[f64::NEG_INFINITY, -1e5]), Choice::Category(1));
-        let alone = Decision::paper().prepare(&["leaf".into()]).unwrap();
-        assert_eq!(
-            alone.judge(&[("leaf".into(), -5.0)]),
-            Ok(Verdict::Category("leaf".into()))
-        );
-    }
-
-    #[test]
-    fn plain_threshold() {
-        // Pins the rule of section V-B at its border.
-        let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 })
-            .prepare(&categories())
-            .unwrap();
-        assert_eq!(judge.choose(&[2.0, 0.0]), Choice::Category(0));
-        assert_eq!(judge.choose(&[1.999, 0.0]), Choice::Uncertain);
-    }
-
-    #[test]
-    fn senseless_decisions_are_refused() {
-        // Pins the checks of priors and thresholds.
-        let with_prior = |prior: &[(&str, f64)]| Decision {
-            prior: prior.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
-            rule: Rule::Argmax,
-        };
-        let refused = [
-            with_prior(&[("leaf", 1.0)]),
-            with_prior(&[("leaf", 1.0), ("foam", 1.0)]),
-            with_prior(&[("leaf", 1.0), ("trunk", 0.0)]),
-            with_prior(&[("leaf", f64::NAN), ("trunk", 1.0)]),
-            Decision::new(Rule::OutlierBand {
-                uncertain_below: 80.0,
-                category_above: 15.0,
-            }),
-            Decision::new(Rule::UncertainBelow { margin: f64::NAN }),
-            Decision::new(Rule::UncertainBelow { margin: -1.0 }),
-        ];
-        for decision in refused {
-            assert!(decision.prepare(&categories()).is_err(), "{decision:?}");
-        }
-    }
-
-    #[test]
-    fn verdicts_are_written_in_words() {
-        // Pins the JSON of verdicts and of the paper's decision.
-        let json = |verdict: &Verdict| serde_json::to_string(verdict).unwrap();
-        assert_eq!(json(&Verdict::Category("leaf".into())), r#"{"category":"leaf"}"#);
-        assert_eq!(json(&Verdict::Outlier), r#""outlier""#);
-        let text = serde_json::to_string(&Decision::paper()).unwrap();
-        assert_eq!(
-            text,
-            r#"{"rule":{"outlier_band":{"uncertain_below":15.0,"category_above":80.0}}}"#
-        );
-        assert_eq!(serde_json::from_str::<Decision>(&text).unwrap(), Decision::paper());
-    }
-
-    /// Pins that model files written before `lead` was renamed to `margin` still load, and that new files say `margin`.
-    #[test]
-    fn the_old_key_of_the_margin_still_loads() {
-        let rule = Rule::UncertainBelow { margin: 3.5 };
-        for key in ["lead", "margin"] {
-            let text = format!(r#"{{"uncertain_below":{{"{key}":3.5}}}}"#);
-            assert_eq!(serde_json::from_str::<Rule>(&text).unwrap(), rule);
-        }
-        let written = serde_json::to_string(&rule).unwrap();
-        assert_eq!(written, r#"{"uncertain_below":{"margin":3.5}}"#);
-    }
-}
+mod tests;

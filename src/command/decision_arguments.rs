@@ -1,4 +1,4 @@
-//! Options that choose how scores become verdicts; for every command that gives some.
+//! Options for turning scores into verdicts, for every command that gives verdicts.
 
 use clap::{Args, ValueEnum};
 use underbrush_classifier::ModelSet;
@@ -12,13 +12,13 @@ use crate::failure::Failure;
 /// How scores become verdicts.
 #[derive(Args)]
 pub struct DecisionArguments {
-    /// From log-likelihoods to verdicts; the model's own if not given (train --false-positive-rate), argmax if it has none
+    /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has none]
     #[arg(long, value_enum)]
     decision: Option<DecisionName>,
-    /// With `--decision uncertain`: smallest margin of the best category that gives a verdict, nats [default: 15]
+    /// With `--decision uncertain`: margin of the best category below which a verdict is uncertain, nats [default: 15]
     #[arg(long, alias = "lead", value_name = "NATS")]
     margin: Option<f64>,
-    /// Prior of a category, such as leaf=0.7; the model's own if none is given, all alike if it has none
+    /// Prior of a category, such as leaf=0.7 [default: the model's own priors, or equal ones if it has none]
     #[arg(long, value_name = "CATEGORY=P", value_parser = prior)]
     prior: Vec<(String, f64)>,
 }
@@ -27,10 +27,10 @@ pub struct DecisionArguments {
 enum DecisionName {
     /// The best category
     Argmax,
-    /// The best category, uncertain below a margin
+    /// The best category, or uncertain below a margin
     Uncertain,
-    /// The paper's thresholds: margin over 80 a category, 15 to 80 an outlier, under 15 uncertain; for Viterbi scores of
-    /// hidden Markov models of unscaled force only
+    /// The paper's thresholds: a category if the margin is above 80, an outlier from 15 to 80, uncertain below 15. Only for
+    /// Viterbi scores of hidden Markov models of unscaled force
     Paper,
 }
 
@@ -42,18 +42,18 @@ fn prior(text: &str) -> Result<(String, f64), String> {
     parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
-/// The scores that are to be judged: thresholds on a margin mean something for one kind of score only.
+/// The scores to be judged. Thresholds on a margin are valid for one kind of score only.
 pub struct Scores<'a> {
-    /// The decision that comes with the models, where they have one.
+    /// The decision stored with the models, if any.
     own: Option<&'a Decision>,
-    /// Whether these are the scores that the models' own thresholds were chosen on.
+    /// Whether the models' own thresholds were chosen on this kind of score.
     are_own: bool,
-    /// Why the paper's thresholds do not fit them; `None` where they do.
+    /// Why the paper's thresholds do not apply; `None` if they do.
     misfit: Option<&'static str>,
 }
 
 impl<'a> Scores<'a> {
-    /// Scores of this kind by these models.
+    /// Scores of this kind from these models.
     pub fn of_models(models: &'a ModelSet, kind: ScoreKind) -> Self {
         Scores {
             own: models.decision.as_ref(),
@@ -62,7 +62,7 @@ impl<'a> Scores<'a> {
         }
     }
 
-    /// Scores of models made by this recipe.
+    /// Scores of models trained with this recipe.
     pub fn of_recipe(recipe: &Recipe) -> Self {
         Scores {
             own: None,
@@ -91,10 +91,10 @@ fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<&'stati
 }
 
 impl DecisionArguments {
-    /// The decision for such scores.
+    /// The decision for these scores.
     ///
     /// # Errors
-    /// Where an option does not apply to them.
+    /// If an option does not apply to them.
     pub fn decision(&self, scores: &Scores) -> Result<Decision, Failure> {
         if self.margin.is_some() && self.decision != Some(DecisionName::Uncertain) {
             return Err(Failure::usage(

@@ -1,4 +1,4 @@
-//! `underbrush evaluate`: cross-validation, or given models on other trials.
+//! `underbrush evaluate`: cross-validates a classifier, or evaluates given models on other trials.
 
 mod roc;
 mod text;
@@ -23,16 +23,17 @@ use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
 
-/// What `underbrush evaluate --help` says of its defaults.
+/// Shown at the end of `underbrush evaluate --help`.
 const ADVICE: &str = "\
-By default trials are labelled by what truly pressed, of any length, and split by whole reaches where every trial names its \
-reach: trials of one reach resemble each other, and a split by position flatters a classifier. The paper's way (section V-A: \
-two folds by position, labels of the environment, 20 samples or more) is `--preset paper`; the recipe of its models is the \
-default.
+By default, trials of any length are used, labelled by the object that truly pressed, and folds are grouped by reach if every \
+trial names its reach: trials of one reach resemble each other, so grouping by position overestimates the accuracy. \
+`--preset paper` follows the paper instead (section V-A: two folds by position, labels from the environment, 20 samples or \
+more). The default recipe is the paper's.
 
-An accuracy says little alone. The majority baseline is what one reaches by always naming the most frequent category; the \
-balanced accuracy is the mean of the recalls of the categories that the classifier knows. Uncertain counts as wrong, and so \
-does outlier for anything but an outlier. Trials that no object truly touched are judged apart where the table knows them.";
+Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
+balanced accuracy, the mean recall over the categories that the classifier knows. Uncertain counts as wrong, and so does \
+outlier unless the object is an outlier. Trials that no object touched are also reported separately, if the table says which \
+these are.";
 
 /// Options of `underbrush evaluate`.
 #[derive(Args)]
@@ -43,28 +44,28 @@ pub struct Options {
     /// The classifier to fit and test
     #[arg(long, value_enum, default_value = "hmm")]
     classifier: ClassifierName,
-    /// Also ask for a verdict (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact; with a
-    /// --min-samples over 1 also over all contacts, short ones too, where only the long ones are learned from
+    /// Also report the accuracy (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact. With
+    /// --min-samples above 1, report it over all contacts as well; only the long ones are used for fitting
     #[arg(long, conflicts_with = "model")]
     by_samples: bool,
     /// Number of folds
     #[arg(long, default_value_t = 2, value_name = "N")]
     folds: usize,
-    /// What is kept together when trials are assigned to folds [default: reach where every trial names its reach, else
-    /// position; position with --preset paper]
+    /// How trials are grouped into folds [default: reach if every trial names its reach, else position; position with
+    /// --preset paper]
     #[arg(long, alias = "split", value_enum)]
     group: Option<Group>,
-    /// Evaluate the models in this file on trials that they were not trained on, outliers among them, instead of
-    /// cross-validating
+    /// Evaluate the models in this file instead of cross-validating. Use trials that they were not trained on; outliers may
+    /// be among them
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "group", "classifier"])]
     model: Option<PathBuf>,
-    /// Learn from all trials in this table, data set or recording and test on the others, instead of cross-validating:
-    /// trained at one arm stiffness or hand speed, tested at another
+    /// Fit on all trials of this table, data set or recording and test on TRIALS, instead of cross-validating. For example,
+    /// fit at one arm stiffness or hand speed and test at another
     #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "group", "model", "by_samples"])]
     train: Option<PathBuf>,
-    /// Write ROC curves (CSV): each category against the others by its margin; with --model or --train also outliers
+    /// Write ROC curves as CSV: each category against the others by its margin, and with --model or --train also outliers
     ///
-    /// In the rows of outliers `threshold_nats` is the greatest margin that is called an outlier.
+    /// In the rows of outliers, `threshold_nats` is the largest margin that is called an outlier.
     #[arg(long, value_name = "FILE")]
     roc: Option<PathBuf>,
     #[command(flatten)]
@@ -94,13 +95,13 @@ enum ClassifierName {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Group {
-    /// By position in each category, unshuffled: first half, second half (the authors' way)
+    /// By position within each category, not shuffled: first half, second half (the authors' way)
     Position,
     /// By whole reaches, so that no contact is in two folds
     Reach,
 }
 
-/// Evaluates and prints confusion matrix and figures.
+/// Evaluates and prints the confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.check()?;
     let trials = input::some_trials(&options.trials, &options.cut)?;
@@ -157,20 +158,20 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
 #[derive(Serialize)]
 struct Results {
-    /// `None` where there is no cross-validation.
+    /// `None` without cross-validation.
     #[serde(skip_serializing_if = "Option::is_none")]
     folds: Option<Folds>,
     #[serde(flatten)]
     evaluation: Evaluation,
     #[serde(skip_serializing_if = "Option::is_none")]
     by_samples: Option<Vec<AccuracyBySamples>>,
-    /// The same over all contacts, short ones too; `None` where the others are all.
+    /// The same over all contacts, including short ones; `None` if the first series covers them already.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_samples_of_all: Option<Vec<AccuracyBySamples>>,
 }
 
 impl Options {
-    /// Refuses what would be ignored.
+    /// Refuses options that would be ignored.
     fn check(&self) -> Result<(), Failure> {
         let Some(option) = self.recipe.given().first().copied() else {
             return Ok(());
@@ -187,7 +188,7 @@ impl Options {
         )))
     }
 
-    /// What scores the decision is about.
+    /// The scores that the decision applies to.
     fn scores(&self) -> Scores<'static> {
         match self.classifier {
             ClassifierName::Hmm => Scores::of_recipe(&self.recipe.recipe()),

@@ -1,4 +1,4 @@
-//! `underbrush trials`: the contact trials of a data set as a table.
+//! `underbrush trials`: writes the contact trials of a data set as a table.
 
 use std::path::PathBuf;
 
@@ -15,9 +15,9 @@ use crate::output;
 pub struct Options {
     /// Data set (folder) or recording
     dataset: PathBuf,
-    /// Table to write: `.csv` or `.parquet`, one row a sample, columns trial, category, reach, patch, taxel, time_s,
-    /// force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n, touched (ground truth: whether an
-    /// object truly pressed the taxel in this sample)
+    /// Table to write, `.csv` or `.parquet`, with one row per sample and the columns trial, category, reach, patch, taxel,
+    /// time_s, force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n, touched (ground truth: whether
+    /// an object pressed on the taxel in this sample)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -30,9 +30,9 @@ struct Written {
     file: PathBuf,
     trials: usize,
     samples: usize,
-    /// Trials during which no object ever pressed, of those of which this is known.
+    /// Trials during which no object pressed, among those for which this is known.
     never_touched: usize,
-    /// Trials of which it is not known.
+    /// Trials for which it is unknown.
     touch_unknown: usize,
 }
 
@@ -56,7 +56,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         );
         if written.touch_unknown < written.trials {
             text += &format!(
-                "\n{} of the trials were never touched: their forces are the sensor's own (strays, creep, crosstalk)",
+                "\n{} of the trials were never touched: their forces come from the sensor alone (spurious readings, creep, crosstalk)",
                 written.never_touched
             );
         }

@@ -158,7 +158,7 @@ fn unknown_names() {
     let [text, table] = ["trials.txt", "trials.csv"].map(|name| outputs.path().join(name));
     let patch = underbrush!["trials", fixture.dataset(), "--out", table, "--patch", "elbow"];
     let set = fixture.dataset().display().to_string();
-    patch.refused(&[&set, "no patch called \"elbow\"", "forearm", "flipper"]);
+    patch.refused(&[&set, "no patch named \"elbow\"", "forearm", "flipper"]);
     underbrush!["trials", fixture.dataset(), "--out", text]
         .refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
     assert_empty(outputs.path());

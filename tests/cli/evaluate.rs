@@ -289,6 +289,6 @@ fn by_samples_is_also_about_short_contacts() {
     assert!(of_all["majority_baseline"].as_f64().unwrap() > 0.0);
     assert!(of_all["by_touch"]["touched"]["trials"].as_u64().unwrap() > 0);
     let text = call("--jobs=1").success();
-    assert!(text.contains("already known to last so long"), "{text}");
-    assert!(text.contains("over all contacts, short ones too"), "{text}");
+    assert!(text.contains("already known to last that long"), "{text}");
+    assert!(text.contains("over all contacts, including short ones"), "{text}");
 }

@@ -195,7 +195,7 @@ fn components_are_fewer_and_options_hold() {
         "--patch",
         "flipper"
     ]
-    .refused(&["flipper", "grid", "cut its trials by taxel"]);
+    .refused(&["flipper", "grid", "use trials by taxel"]);
 }
 
 #[test]

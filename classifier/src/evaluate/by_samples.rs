@@ -1,37 +1,39 @@
-//! How fast a classifier decides: accuracy against samples since contact.
+//! How fast a classifier decides: accuracy against the number of samples since contact.
 
 use serde::Serialize;
 use underbrush_recording::Trial;
 
-use super::{
-    AccuracyByTouch, BOOTSTRAP_RESAMPLES, ConfusionMatrix, EvaluateError, Folds, Interval, Prediction, across_folds,
-    bootstrap_by_reach,
-};
+use super::confusion::{AccuracyByTouch, ConfusionMatrix};
+use super::cross_validation::across_folds;
+use super::error::EvaluateError;
+use super::fold::Folds;
+use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach};
+use super::prediction::Prediction;
 use crate::decision::Decision;
 use crate::estimator::Estimator;
 
-/// Counts of samples at which contacts are looked at, before their end.
+/// Numbers of samples since contact after which a verdict is requested, besides the one at the end.
 pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
 
 /// One point of the series.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccuracyBySamples {
-    /// At most so many samples of each trial, from contact, are known; `None`: all.
+    /// How many samples of each trial, from contact, the classifier has seen at most; `None` for all.
     pub samples: Option<usize>,
-    /// Fraction of all trials whose verdict is the truth; of a trial that ended before, its last verdict.
+    /// Fraction of all trials with the right verdict. For a trial that ended earlier, its last verdict counts.
     pub accuracy: f64,
     /// See [`super::Accuracy::majority_baseline`]; over all trials.
     pub majority_baseline: f64,
     /// See [`super::Accuracy::balanced_accuracy`]; over all trials.
     pub balanced_accuracy: Option<f64>,
-    /// The same for touched and untouched trials apart; `None` where no trial knows.
+    /// The same, separately for trials with and without a true contact; `None` if this is unknown for all trials.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_touch: Option<AccuracyByTouch>,
-    /// 95 % interval of the accuracy by resampling whole reaches; `None` where a trial names no reach.
+    /// 95 % bootstrap interval of the accuracy over whole reaches; `None` if a trial names no reach.
     pub interval_by_reach: Option<Interval>,
-    /// Trials that last so long, and so were still in contact (with `None`: all trials).
+    /// Number of trials that lasted this long, so that the contact was still there (all trials where `samples` is `None`).
     pub lasting: usize,
-    /// Fraction of these whose verdict is the truth; `None` where there are none.
+    /// Fraction of these with the right verdict; `None` if there are none.
     pub accuracy_of_lasting: Option<f64>,
     /// See [`super::Accuracy::majority_baseline`]; over these.
     pub majority_baseline_of_lasting: Option<f64>,
@@ -39,12 +41,12 @@ pub struct AccuracyBySamples {
     pub balanced_accuracy_of_lasting: Option<f64>,
 }
 
-/// Cross-validates and asks for a verdict (argmax, equal priors) after each of [`SAMPLE_COUNTS`] and at the end. Models
-/// are trained on whole trials, as for a classifier that works while the arm moves.
+/// Cross-validates and requests a verdict (argmax, equal priors) after each of [`SAMPLE_COUNTS`] and at the end.
+/// Classifiers are fitted on whole trials, as they would be for use while the arm moves.
 ///
-/// The series is about the trials given. Where short trials were left out before, as from the paper's trials of 20
-/// samples at least, an accuracy after 1 sample is that of contacts already known to last 20: nobody knows that at the
-/// first sample. [`accuracy_by_samples_of_all`] gives the accuracy over all contacts.
+/// The series describes only the trials given. If short trials were left out, as in the paper (20 samples or more), the
+/// accuracy after one sample is that of contacts already known to last 20, which nobody knows at the first sample.
+/// [`accuracy_by_samples_of_all`] gives the accuracy over all contacts.
 ///
 /// # Errors
 /// As [`super::cross_validate`].
@@ -56,11 +58,11 @@ pub fn accuracy_by_samples(
     accuracy_by_samples_of_all(trials, estimator, folds, 1)
 }
 
-/// As [`accuracy_by_samples`], tested on all trials, short ones too, but learned only from those of at least
-/// `min_training_samples`. Give it trials of any length: they are all the contacts that a robot meets.
+/// Like [`accuracy_by_samples`], but tests on all trials and fits only on those of at least `min_training_samples`
+/// samples. Give it trials of any length: they are all the contacts that a robot makes.
 ///
 /// # Errors
-/// As [`super::cross_validate`], and where a fold leaves no trial of a category that is long enough to learn from.
+/// As [`super::cross_validate`], and if a fold leaves no trial of a category that is long enough to fit on.
 pub fn accuracy_by_samples_of_all(
     trials: &[Trial],
     estimator: &dyn Estimator,

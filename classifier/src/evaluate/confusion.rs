@@ -1,58 +1,57 @@
-//! Confusion matrices and the figures that follow from them.
+//! Confusion matrices, accuracies and figures by category.
 
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Category;
 
-use super::Prediction;
 use super::interval::{Interval, wilson};
+use super::prediction::Prediction;
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ConfusionMatrix {
-    /// True categories, one a row, in alphabetical order.
+    /// True categories, one per row, in alphabetical order.
     pub truth: Vec<String>,
-    /// Verdicts, one a column: the models' categories in alphabetical order, then uncertain and outlier.
+    /// Verdicts, one per column: the classifier's categories in alphabetical order, then uncertain and outlier.
     pub verdict: Vec<String>,
     /// Trials by row and column.
     pub count: Vec<Vec<usize>>,
 }
 
-/// An accuracy and the two figures without which it says little.
+/// An accuracy, with the two figures needed to judge it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {
-    /// Trials judged.
+    /// Number of trials.
     pub trials: usize,
-    /// Fraction of trials whose verdict is the truth. Uncertain counts as wrong, and so does outlier, except for trials
-    /// of the category outlier. No verdict is right for a trial of the category block.
+    /// Fraction of trials with the right verdict. Uncertain counts as wrong, and so does outlier unless the trial is of
+    /// category outlier. No verdict is right for a trial of category block.
     pub accuracy: f64,
-    /// What one would reach by giving every trial the same verdict: the fraction of trials that belong to the most
-    /// frequent true category. Blocks do not count as such a category, because no verdict is right for them.
+    /// The accuracy of always naming the most frequent category: the fraction of trials that belong to it. Blocks are not
+    /// considered, because no verdict is right for them.
     pub majority_baseline: f64,
-    /// The mean of the recalls of the classifier's categories, each with the same weight: giving every trial the same
-    /// verdict reaches 1 / (number of categories), however the trials are distributed. Categories that the classifier
-    /// does not know (blocks, outliers, foreign names) and categories without trials have no part in it; `None` where
-    /// no trial is of a category that the classifier knows.
+    /// The unweighted mean recall over the classifier's categories. Always giving the same verdict reaches
+    /// 1 / (number of categories), however the trials are distributed. Categories without trials, and those that the
+    /// classifier does not know (blocks, outliers, other names), are left out; `None` if no category remains.
     pub balanced_accuracy: Option<f64>,
 }
 
-/// An accuracy split by whether an object truly pressed during at least one sample of a trial
-/// ([`underbrush_recording::Trial::touched`]). A sensor also reports forces where nothing touches it; in such a trial
-/// there is nothing to be recognized, whatever its label says.
+/// Accuracy by whether an object truly pressed during at least one sample of a trial
+/// ([`underbrush_recording::Trial::touched`]). A sensor also reports forces where nothing touches it; such a trial contains
+/// nothing to recognize, whatever its label.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyByTouch {
-    /// Of trials that an object touched; `None` where there are none, as in the other fields.
+    /// Trials that an object touched; `None` if there are none, as in the other fields.
     pub touched: Option<Accuracy>,
-    /// Of trials that nothing touched.
+    /// Trials that nothing touched.
     pub untouched: Option<Accuracy>,
-    /// Of trials of which this is not known.
+    /// Trials for which this is unknown.
     pub unknown: Option<Accuracy>,
 }
 
 impl AccuracyByTouch {
-    /// Splits predictions made with models of these categories; `None` where it is known of none whether it was touched.
+    /// Divides predictions of a classifier with the categories `models`; `None` if all of them are unknown.
     pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Option<Self> {
         let (mut touched, mut untouched, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
         for prediction in predictions {
@@ -71,31 +70,31 @@ impl AccuracyByTouch {
     }
 }
 
-/// How one category fares.
+/// The figures of one true category.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CategoryFigures {
     /// The true category.
     pub category: String,
-    /// Its trials.
+    /// Number of its trials.
     pub trials: usize,
-    /// Trials rightly taken for it.
+    /// Number of them with the right verdict.
     pub correct: usize,
-    /// Correct ones among its trials.
+    /// Fraction of its trials with the right verdict.
     pub recall: f64,
     /// Wilson's 95 % interval of the recall.
     pub recall_interval: Interval,
-    /// Correct ones among all trials taken for it; `None` where none was.
+    /// Fraction of right verdicts among all trials classified as this category; `None` if there are none.
     pub precision: Option<f64>,
-    /// Harmonic mean of recall and precision; 0 where nothing is correct.
+    /// Harmonic mean of recall and precision; 0 if nothing is correct.
     pub f1: f64,
-    /// Its trials called uncertain.
+    /// Number of its trials called uncertain.
     pub uncertain: usize,
-    /// Its trials called outliers.
+    /// Number of its trials called outliers.
     pub outlier: usize,
 }
 
 impl ConfusionMatrix {
-    /// Counts predictions made with models of these categories.
+    /// Counts predictions of a classifier with the categories `models`.
     pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Self {
         let predictions: Vec<&Prediction> = predictions.into_iter().collect();
         let truth: BTreeSet<&str> = predictions
@@ -120,7 +119,7 @@ impl ConfusionMatrix {
         ConfusionMatrix { truth, verdict, count }
     }
 
-    /// The accuracy with its majority baseline and the balanced accuracy; `None` without trials.
+    /// The accuracy with its majority baseline and balanced accuracy; `None` without trials.
     pub fn accuracy(&self) -> Option<Accuracy> {
         let figures = self.figures();
         let trials: usize = figures.iter().map(|own| own.trials).sum();

@@ -1,26 +1,26 @@
-//! Which trial is tested in which fold.
+//! Assignment of trials to folds.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
-use super::EvaluateError;
+use super::error::EvaluateError;
 use crate::model_set::is_trained;
 
 /// What is kept together in a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FoldBy {
-    /// Trials by their position within their category: first half, second half, no shuffling (the authors' way).
-    /// Trials of one reach, even of one contact, can fall on both sides.
+    /// Nothing: trials are assigned by position within their category, first half and second half, without shuffling (the
+    /// authors' way). Trials of one reach, even of one contact, can end up in different folds.
     Position,
-    /// Whole reaches, so that a model is never tested on a reach that it was trained on. The reach's index must be
-    /// unique in the table.
+    /// Whole reaches, so that no classifier is tested on a reach that it was fitted on. The index of a reach must be unique
+    /// in the table.
     Reach,
 }
 
-/// How trials are split for cross-validation.
+/// How trials are divided for cross-validation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Folds {
@@ -31,8 +31,8 @@ pub struct Folds {
 }
 
 impl FoldBy {
-    /// What is advised for these trials: whole reaches where every trial to learn from names one, since trials of one
-    /// reach resemble each other; else the position.
+    /// The recommended grouping: by reach if every trial to fit on names one, because trials of one reach resemble each
+    /// other; otherwise by position.
     pub fn advised(trials: &[Trial]) -> Self {
         let mut used = trials
             .iter()
@@ -53,9 +53,9 @@ impl Folds {
         }
     }
 
-    /// Five folds to choose thresholds by, fewer where a category has fewer reaches: by reach where every trial to train
-    /// names one, else by position. Five by choice: each classifier then learns from four fifths of the data, nearly as
-    /// much as the one whose thresholds they are.
+    /// Folds for choosing thresholds: five, or fewer if a category has fewer reaches; grouped as [`FoldBy::advised`].
+    ///
+    /// Choice: with five folds each classifier is fitted on four fifths of the data, nearly as much as the final one.
     pub fn for_thresholds(trials: &[Trial]) -> Self {
         let used = || {
             trials
@@ -72,17 +72,17 @@ impl Folds {
                 winners.for_each(|category| *units.entry(category).or_default() += 1);
             }
         }
-        let fewest = units.into_values().min().unwrap_or(0);
+        let min = units.into_values().min().unwrap_or(0);
         Folds {
-            count: fewest.clamp(2, 5),
+            count: min.clamp(2, 5),
             by,
         }
     }
 
-    /// The fold of each trial, in the same order; every category is in every fold.
+    /// The fold of each trial, in the same order. Every category is in every fold.
     ///
-    /// The i-th of n units of a category (trials, or reaches in the order of their index) is in fold ⌊i·k/n⌋. A reach
-    /// belongs to the category of most of its trials (the first by name in a tie).
+    /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋. A reach
+    /// counts for the category of most of its trials, and in a tie for the first of them by name.
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });
@@ -136,7 +136,7 @@ fn category(trial: &Trial) -> &str {
     trial.category.as_deref().unwrap_or_default()
 }
 
-/// Trials by reach and category, of those that name a reach.
+/// Number of trials by reach and category, of those that name a reach.
 fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<&'a str, usize>> {
     let mut votes: BTreeMap<u64, BTreeMap<&str, usize>> = BTreeMap::new();
     for trial in trials {

@@ -1,20 +1,24 @@
-//! Trials held out by cross-validation, scored as wholes and sample by sample.
+//! Trials held out by cross-validation, scored as a whole and sample by sample.
 
 use std::collections::BTreeMap;
 
 use underbrush_recording::Trial;
 
-use super::threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds, rates};
-use super::{EvaluateError, Evaluation, Folds, across_folds, predict};
+use super::cross_validation::{across_folds, predict};
+use super::error::EvaluateError;
+use super::evaluation::Evaluation;
+use super::fold::Folds;
+use super::rates::rates;
+use super::threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 use crate::decision::{Choice, Decision};
 use crate::estimator::Estimator;
 
-/// A cross-validation that also keeps the scores while contacts last.
+/// A cross-validation that also keeps the scores after each sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldOut {
     /// The verdicts on whole trials (argmax, equal priors).
     pub evaluation: Evaluation,
-    /// For each prediction the scores after its first sample, its first two, and so on.
+    /// For each prediction, the scores after its first sample, after its first two, and so on.
     scores_by_sample: Vec<Vec<Vec<f64>>>,
 }
 
@@ -39,7 +43,7 @@ impl HeldOut {
         })
     }
 
-    /// Chooses thresholds on the whole trials ([`choose_thresholds`]), and measures what they do sample by sample.
+    /// Chooses thresholds on whole trials ([`choose_thresholds`]) and measures their effect sample by sample.
     ///
     /// # Errors
     /// As [`choose_thresholds`].

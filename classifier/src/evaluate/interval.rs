@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::Prediction;
+use super::prediction::Prediction;
 
 /// A 95 % confidence interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -17,10 +17,13 @@ pub struct Interval {
     pub high: f64,
 }
 
+/// Choice: bootstrap resamples behind every reported interval.
+pub(super) const BOOTSTRAP_RESAMPLES: usize = 2000;
+
 /// The 97.5 % quantile of the standard normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// Wilson's score interval of `successes` in `trials` independent trials (Wilson 1927, JASA 22); 0 … 1 for no trials.
+/// Wilson's score interval for `successes` in `trials` independent trials (Wilson 1927, JASA 22); 0 to 1 for no trials.
 pub fn wilson(successes: usize, trials: usize) -> Interval {
     if trials == 0 {
         return Interval { low: 0.0, high: 1.0 };
@@ -36,9 +39,10 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
     }
 }
 
-/// Percentile bootstrap of the accuracy over whole reaches (the clusters within which trials depend on each other):
-/// draws as many reaches as there are, with replacement, `resamples` times. `None` where a prediction names no reach or
-/// there is nothing to draw from.
+/// Percentile bootstrap of the accuracy over whole reaches, the clusters within which trials depend on each other.
+///
+/// Each of `resamples` resamples draws as many reaches as there are, with replacement. `None` if a prediction names no
+/// reach or there are no predictions.
 pub fn bootstrap_by_reach(predictions: &[Prediction], resamples: usize, seed: u64) -> Option<Interval> {
     let mut reaches: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
     for prediction in predictions {
@@ -55,7 +59,7 @@ pub fn bootstrap_by_reach(predictions: &[Prediction], resamples: usize, seed: u6
         .map(|_| {
             let (mut correct, mut count) = (0, 0);
             for _ in 0..reaches.len() {
-                // A 64-bit range draws the same on every platform; usize would not.
+                // A 64-bit range gives the same draws on every platform; usize would not.
                 let drawn = reaches[rng.random_range(0..reaches.len() as u64) as usize];
                 correct += drawn.0;
                 count += drawn.1;

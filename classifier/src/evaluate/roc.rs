@@ -1,36 +1,36 @@
-//! Receiver operating characteristics: what a threshold costs and what it brings, for all thresholds.
+//! Receiver operating characteristic (ROC) curves.
 
 use serde::Serialize;
 use underbrush_recording::Category;
 
-use super::Evaluation;
+use super::evaluation::Evaluation;
 use crate::decision::Judge;
 use crate::model_set::is_trained;
 
-/// The error rates at one threshold.
+/// The rates at one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RocPoint {
-    /// The smallest score that is taken for positive, or the greatest margin (see [`outlier_roc`]); `None`: nothing is taken
-    /// for positive.
+    /// The smallest score classified as positive, or the largest margin (see [`outlier_roc`]); `None` where nothing is
+    /// classified as positive.
     pub threshold: Option<f64>,
-    /// Negatives taken for positive, as a fraction of the negatives.
+    /// Fraction of the negatives classified as positive.
     pub false_positive_rate: f64,
-    /// Positives taken for positive, as a fraction of the positives.
+    /// Fraction of the positives classified as positive.
     pub true_positive_rate: f64,
 }
 
-/// The curve from (0, 0) to (1, 1), one point a distinct score.
+/// The curve from (0, 0) to (1, 1), with one point per distinct score.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RocCurve {
-    /// From the strictest threshold, which takes nothing for positive, to the one that takes everything.
+    /// From the strictest threshold, at which nothing is positive, to the one at which everything is.
     pub points: Vec<RocPoint>,
-    /// The area under the curve: the probability that a positive scores higher than a negative, ties counted half.
+    /// The area under the curve: the probability that a positive scores higher than a negative, with ties counted half.
     pub area: f64,
 }
 
 impl RocCurve {
-    /// The curve of the scores of positives and negatives, infinite ones allowed; `None` where either are missing or a
-    /// score is NaN.
+    /// The curve for the scores of positives and negatives, which may be infinite. `None` if there are no positives or no
+    /// negatives, or if a score is NaN.
     pub fn of(positives: &[f64], negatives: &[f64]) -> Option<Self> {
         let mut scored: Vec<(f64, bool)> = Vec::with_capacity(positives.len() + negatives.len());
         scored.extend(positives.iter().map(|score| (*score, true)));
@@ -45,7 +45,7 @@ impl RocCurve {
             true_positive_rate: 0.0,
         }];
         let (mut taken_positives, mut taken_negatives, mut area) = (0usize, 0usize, 0.0);
-        // 0 and −0 are one score, as are equal ones.
+        // Equal scores, and 0 and −0, share one point.
         for tied in scored.chunk_by(|a, b| a.0 == b.0) {
             let before = (taken_positives, taken_negatives);
             taken_positives += tied.iter().filter(|(_, positive)| *positive).count();
@@ -64,8 +64,8 @@ impl RocCurve {
     }
 }
 
-/// One category against all others: positives are its trials, the score is its margin over the best of the others, nats
-/// (negative where another category scores higher). `None` where all trials, or none, are of the category.
+/// One category against all others. Positives are its trials; the score is its margin over the best other category in
+/// nats, negative if that one scores higher. `None` if all trials, or none, are of the category.
 pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve> {
     let own = evaluation.known_categories().iter().position(|name| name == category)?;
     let (mut positives, mut negatives) = (Vec::new(), Vec::new());
@@ -73,7 +73,7 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
         let others = prediction.scores.iter().enumerate().filter(|(index, _)| *index != own);
         let best_other = others.map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
         let score = prediction.scores.get(own).copied().unwrap_or(f64::NEG_INFINITY);
-        // Where nothing admits the trial there is no margin; ∞ − ∞ would be NaN.
+        // If no category admits the trial there is no margin, and ∞ − ∞ would be NaN.
         let margin = if score == best_other { 0.0 } else { score - best_other };
         match prediction.category == category {
             true => positives.push(margin),
@@ -83,17 +83,19 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
     RocCurve::of(&positives, &negatives)
 }
 
-/// Outliers against the categories that models are trained on ([`is_trained`]); a block is neither. A trial is called an outlier
-/// where its margin is at most a threshold and at least `uncertain_below`, nats (paper, section V-D). The threshold rises
-/// along the curve, so the smallest margins are called outliers first. A margin below `uncertain_below` is uncertain and never
-/// an outlier: the curve ends where all others are called outliers and goes on straight to (1, 1).
+/// Outliers against the categories that classifiers are fitted on ([`is_trained`]); blocks are left out.
 ///
-/// [`RocPoint::threshold`] is the greatest margin that is called an outlier, nats: the curve passes through every
+/// A trial is called an outlier if its margin is at most a threshold and at least `uncertain_below` nats (paper, section
+/// V-D). The threshold increases along the curve, so the smallest margins are called outliers first. A margin below
+/// `uncertain_below` is uncertain and never an outlier, so the curve ends where all other trials are called outliers, and
+/// continues straight to (1, 1).
+///
+/// [`RocPoint::threshold`] is the largest margin that is called an outlier, in nats: the curve passes through every
 /// [`crate::decision::Rule::OutlierBand`] with this `uncertain_below`. A trial that no category admits counts as a margin
 /// of 0.
 ///
-/// `judge` gives the priors; its rule is not used. For evaluation only: no threshold is ever chosen on outliers. `None`
-/// where the evaluation holds no outliers, or nothing else.
+/// `judge` gives the priors; its rule is not used. This is for evaluation only: thresholds are never chosen on outliers.
+/// `None` if the evaluation contains no outliers, or nothing else.
 pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
     let scores = |counts: &dyn Fn(&str) -> bool| -> Vec<f64> {
         let pool = evaluation.predictions.iter();

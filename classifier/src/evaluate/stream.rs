@@ -5,37 +5,36 @@ use std::time::Instant;
 use serde::Serialize;
 use underbrush_recording::{Category, Frame, Recording};
 
-use super::is_right;
+use super::prediction::is_right;
 use crate::decision::Verdict;
 use crate::model_set::ModelSet;
 use crate::online::{OnlineClassifier, OnlineError, OnlineOptions, TaxelVerdict};
 
-/// Whose contact a taxel's verdict is judged by.
+/// What counts as the truth for a taxel's verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StreamTruth {
-    /// The object that presses most on the taxel in this frame; a taxel that nothing presses on (crosstalk, creep) has no
-    /// truth.
+    /// The object that presses hardest on the taxel in this frame. A taxel that nothing presses on (crosstalk, creep) has
+    /// no truth.
     Object,
-    /// The one category of the whole environment, as in the paper's engineered reaches (section V-B), whatever presses.
+    /// The single category of the environment, whatever presses, as in the paper's engineered reaches (section V-B).
     Environment(Category),
 }
 
-/// Taxels in contact by what their verdict is worth.
+/// Taxels in contact, counted by whether their verdict is right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
-    /// The verdict is the truth, by the same rule as for whole trials ([`super::Prediction::is_correct`]): for an outlier
-    /// that is [`Verdict::Outlier`], for a foam block no verdict is right.
+    /// The verdict is right, by the same rule as for whole trials ([`super::Prediction::is_correct`]).
     pub correct: usize,
-    /// The verdict is another category, or something that is no outlier is called one.
+    /// The verdict is another category, or outlier for something that is not one.
     pub misclassified: usize,
     /// No verdict yet.
     pub uncertain: usize,
-    /// Without truth.
+    /// The truth is unknown.
     pub unknown: usize,
 }
 
 impl Tally {
-    /// Taxels with truth.
+    /// Number of taxels whose truth is known.
     pub fn judged(&self) -> usize {
         self.correct + self.misclassified + self.uncertain
     }
@@ -58,18 +57,18 @@ impl Tally {
 pub struct StreamFrame {
     /// Time since the start of the reach, s.
     pub time_s: f64,
-    /// Taxels in contact.
+    /// Number of taxels in contact.
     pub in_contact: usize,
-    /// The same by what their verdict is worth.
+    /// The same, by whether the verdict is right.
     pub tally: Tally,
-    /// The same by verdict, in the order of [`Stream::verdicts`].
+    /// The same, by verdict, in the order of [`Stream::verdicts`].
     pub by_verdict: Vec<usize>,
     /// Whether an object of each of [`Stream::truths`] truly presses on the patch.
     pub touched: Vec<bool>,
-    /// Mean over the taxels in contact of the samples used (Fig. 9): how many samples of its contact had come when a
-    /// taxel's present verdict was made, and 0 where it is uncertain. 0 without contact.
+    /// Mean number of samples used (Fig. 9) over the taxels in contact: how many samples of its contact had arrived when a
+    /// taxel's current verdict was first given, or 0 while it is uncertain. 0 without contact.
     pub mean_samples_used: f64,
-    /// Mean over the taxels in contact of the samples since contact. 0 without contact.
+    /// Mean number of samples since contact over the taxels in contact. 0 without contact.
     pub mean_samples_since_contact: f64,
 }
 
@@ -84,18 +83,18 @@ pub struct Stream {
     pub frames: Vec<StreamFrame>,
     /// Taxels in contact, summed over all frames, by truth ([`Stream::truths`], then without truth) and verdict.
     pub taxel_frames: Vec<Vec<usize>>,
-    /// Wall time of the classifier for each frame, s: the only part that depends on the machine.
+    /// Wall time of the classifier for each frame, s. This is the only field that depends on the machine.
     pub seconds: Vec<f64>,
 }
 
-/// What a taxel was last taken for.
+/// The last verdict on a taxel.
 #[derive(Clone, Debug, Default)]
 struct Last {
     verdict: Option<Verdict>,
     samples_used: usize,
 }
 
-/// Classifies a recorded reach frame by frame, as it would have been while the arm moved.
+/// Classifies a recorded reach frame by frame, as online while the arm moves.
 ///
 /// # Errors
 /// [`OnlineError`] where patch, models, rule or a frame do not fit.
@@ -137,7 +136,7 @@ pub fn classify_stream(
     Ok(stream)
 }
 
-/// What truly presses on the taxels of a patch in one frame.
+/// Which objects truly press on the taxels of a patch in one frame.
 struct Pressing {
     by_taxel: Vec<(usize, Category)>,
     /// Whether each of the categories presses.
@@ -232,7 +231,7 @@ impl Stream {
         })
     }
 
-    /// The mean over frames with contact of the mean samples used; `None` without any contact.
+    /// Mean of [`StreamFrame::mean_samples_used`] over frames with contact; `None` without any contact.
     pub fn mean_samples_used(&self) -> Option<f64> {
         let used: Vec<f64> = self
             .frames
@@ -243,7 +242,8 @@ impl Stream {
         (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64)
     }
 
-    /// Time spent per 100 taxels in contact, s: all time in frames with contact over all taxels in contact (Fig. 8).
+    /// Classifier time per 100 taxels in contact, s (Fig. 8): the total time of frames with contact over the total number of
+    /// taxels in contact.
     pub fn seconds_per_100_taxels(&self) -> Option<f64> {
         let with_contact = self
             .frames

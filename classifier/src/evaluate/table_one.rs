@@ -4,7 +4,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
-use super::{EvaluateError, Evaluation, Folds, cross_validate};
+use super::cross_validation::cross_validate;
+use super::error::EvaluateError;
+use super::evaluation::Evaluation;
+use super::fold::Folds;
 use crate::decision::Decision;
 use crate::feature::FeatureSet;
 use crate::recipe::Recipe;
@@ -41,7 +44,7 @@ pub const TABLE_ONE_PAPER: [(TableOneUnit, FeatureSet, usize, f64); 12] = [
     (Taxel, FORCE_AND_MOTION, 20, 73.47),
 ];
 
-/// One cell of the table, theirs and ours.
+/// One cell of the table: the paper's figure and ours.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TableOneCell {
     /// What a trial is made of.
@@ -52,16 +55,16 @@ pub struct TableOneCell {
     pub states: usize,
     /// The paper's accuracy, per cent.
     pub paper_accuracy_percent: f64,
-    /// Ours, with majority baseline and balanced accuracy. They are pooled: the held-out trials of both folds count
-    /// together. The paper does not say whether it pooled or took the mean of its two folds.
+    /// Our result. The held-out trials of both folds are pooled; the paper does not say whether it pooled them or took the
+    /// mean over its two folds.
     pub evaluation: Evaluation,
 }
 
-/// Evaluates all twelve cells by cross-validation, argmax and equal priors, cells in parallel; `recipe` gives everything
-/// but states and features. The result does not depend on the number of threads.
+/// Evaluates all twelve cells by cross-validation with argmax and equal priors. `recipe` gives everything but states and
+/// features. Cells run in parallel; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`EvaluateError`] of the first cell, in the order of the table, that fails.
+/// The [`EvaluateError`] of the first cell that fails, in the order of the table.
 pub fn table_one(
     component_trials: &[Trial],
     taxel_trials: &[Trial],

@@ -1,6 +1,7 @@
-use underbrush_recording::Sample;
+use underbrush_recording::{Sample, Trial};
 
 use super::*;
+use crate::decision::{Decision, Verdict};
 use crate::feature::FeatureSet;
 use crate::model_set::ModelSet;
 use crate::recipe::Recipe;
@@ -43,9 +44,9 @@ fn recipe() -> Recipe {
     }
 }
 
+/// Pins first half, second half of each category, also where they alternate in the table and are odd in number.
 #[test]
 fn positions_split_each_category_in_order() {
-    // Pins first half, second half of each category, also where they alternate in the table and are odd in number.
     let mut table = trials(3, 5);
     table.swap(1, 6);
     let table: Vec<&Trial> = table.iter().collect();
@@ -57,9 +58,9 @@ fn positions_split_each_category_in_order() {
     assert_eq!(Folds::paper().assign(&table), Ok(vec![0, 0, 0, 0, 0, 1, 1, 1]));
 }
 
+/// Pins that folds by reach cut between reaches, in each category.
 #[test]
 fn reaches_stay_together() {
-    // Pins that folds by reach cut between reaches, in each category.
     let table = trials(12, 9);
     let table: Vec<&Trial> = table.iter().collect();
     let folds = Folds {
@@ -75,9 +76,9 @@ fn reaches_stay_together() {
     assert_eq!(fold_of.into_values().collect::<Vec<_>>(), [0, 0, 1, 2, 0, 1, 2]);
 }
 
+/// Pins the errors for one fold, categories smaller than the folds, missing reaches and missing truth.
 #[test]
 fn impossible_splits_are_named() {
-    // Pins the errors for one fold, categories smaller than the folds, missing reaches and missing truth.
     let error = |trials: &[Trial], count, by| {
         cross_validate(trials, &recipe(), Folds { count, by }, &Decision::argmax()).unwrap_err()
     };
@@ -108,9 +109,9 @@ fn impossible_splits_are_named() {
     assert_eq!(error(&[], 2, FoldBy::Position), EvaluateError::NoTruth);
 }
 
+/// Pins order, folds and figures against a cross-validation put together by hand from two trainings.
 #[test]
 fn cross_validation_tests_each_trial_once_on_the_other_fold() {
-    // Pins order, folds and figures against a cross-validation put together by hand from two trainings.
     let mut table = trials(9, 8);
     table[3].category = Some("block".into());
     table[4].category = None;
@@ -200,9 +201,9 @@ pub(super) fn scored(rows: &[(&str, [f64; 2])]) -> Evaluation {
     Evaluation::of(predictions.collect(), &names, vec![]).unwrap()
 }
 
+/// Pins rows, columns, recall, precision and F1 on counts made up by hand, an outlier among them.
 #[test]
 fn figures_follow_from_the_counts() {
-    // Pins rows, columns, recall, precision and F1 on counts made up by hand, an outlier among them.
     let rows = [
         ("leaf", "leaf", 1, 6),
         ("leaf", "trunk", 1, 2),
@@ -235,9 +236,9 @@ fn figures_follow_from_the_counts() {
     assert_eq!((block.recall, block.precision, block.f1), (0.0, None, 0.0));
 }
 
+/// Pins the interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
 #[test]
 fn wilson_intervals_match_published_figures() {
-    // Pins the interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
     let interval = wilson(81, 263);
     assert!(
         (interval.low - 0.2553).abs() < 5e-5 && (interval.high - 0.3662).abs() < 5e-5,
@@ -248,10 +249,10 @@ fn wilson_intervals_match_published_figures() {
     assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
 }
 
+/// Pins that resampling reaches sees their dependence: 20 reaches, all right or all wrong, 50 trials each. The
+/// accuracy then has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
 #[test]
 fn clusters_widen_the_interval() {
-    // Pins that resampling reaches sees their dependence: 20 reaches, all right or all wrong, 50 trials each. The
-    // accuracy then has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
     let rows: Vec<_> = (0..20)
         .map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50))
         .collect();
@@ -267,9 +268,9 @@ fn clusters_widen_the_interval() {
     assert_eq!(bootstrap_by_reach(&homeless, 2000, 7), None);
 }
 
+/// Pins the cells' order and recipe, and equal results with one and with three threads.
 #[test]
 fn the_table_has_twelve_cells_in_print_order_whatever_the_threads() {
-    // Pins the cells' order and recipe, and equal results with one and with three threads.
     let (components, taxels) = (trials(8, 8), trials(10, 12));
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -1,35 +1,33 @@
-//! Thresholds chosen on training data, without any outlier, for a stated false-positive rate and outlier prior.
+//! Thresholds chosen on training data, without any outlier, for a given false-positive rate and outlier prior.
 //!
-//! The scores are those of whole trials held out by cross-validation, so that the choice sees how wrong a classifier is on
-//! contacts that it has not learned. Split by reach, because contacts of one reach resemble each other.
+//! The scores are those of whole trials held out by cross-validation, so that the choice reflects how wrong a classifier is
+//! on contacts that it was not fitted on. Group the folds by reach, because contacts of one reach resemble each other.
 //!
-//! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For each category c: of the
-//! held-out trials of other categories, at most a fraction α may be taken for c with a margin above the threshold. The
-//! threshold is the smallest margin for which this is so for every c. The fraction is counted as (k + 1) / (n + 1) for k
-//! such trials of n.
+//! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For every category c, at most a
+//! fraction α of the held-out trials of other categories may be classified as c with a margin above the threshold. The
+//! threshold is the smallest margin with this property. The fraction for k of n trials is counted as (k + 1) / (n + 1).
 //!
-//! **The uncertain threshold** limits false alarms. Without a model of outliers nothing can be said about how many
-//! outliers are found, only about how many known contacts are wrongly called outliers. Let π be the prior of an outlier:
-//! of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known ones falls into the band between the
-//! thresholds, false alarms are no more than the outliers there are as long as β (1 − π) ≤ π. So the uncertain threshold
-//! is the smallest margin for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1), weighted by
-//! the priors of eq. 3. A low prior of outliers makes the band narrow, as in the paper, and what has a smaller margin is
+//! **The uncertain threshold** limits false alarms. Without a model of outliers, nothing can be said about how many
+//! outliers are found, only about how many known contacts are wrongly called outliers. Let π be the prior probability of
+//! an outlier: of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known contacts falls into the
+//! band between the thresholds, there are at most as many false alarms as outliers as long as β (1 − π) ≤ π. The uncertain
+//! threshold is the smallest margin for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1),
+//! weighted by the priors of eq. 3. A low outlier prior makes the band narrow, as in the paper; smaller margins are
 //! uncertain.
 //!
-//! # What this does not promise
+//! # What is not guaranteed
 //!
-//! On the held-out trials themselves the rates hold, because they are what was counted. For new contacts there is no
-//! guarantee:
+//! The rates hold on the held-out trials, because they were counted there. For new contacts there is no guarantee:
 //!
 //! * Counting (k + 1) / (n + 1) bounds the probability of a mistake on a new trial only if that trial and the n held-out
-//!   ones are exchangeable and scored by one and the same model (Vovk, Gammerman, Shafer 2005, "Algorithmic learning in a
+//!   ones are exchangeable and scored by the same model (Vovk, Gammerman, Shafer 2005, "Algorithmic learning in a
 //!   random world", section 2.2). Here the scores of several folds, and so of several models, are pooled, and the
-//!   thresholds are then used with yet another model, learned from all trials.
-//! * Trials are clustered: one contact lights several taxels, and one reach makes many contacts. The n trials say less
-//!   than n independent ones would, and the rate of a new reach may be far from α.
-//! * The margins are those of whole trials. A margin grows with the number of samples, so the same thresholds, used online
-//!   after each sample, leave a contact uncertain for most of its time: on trials of the paper's length they may never be
-//!   passed. [`super::HeldOut::choose_thresholds`] measures this on the held-out trials
+//!   thresholds are then used with yet another model, fitted on all trials.
+//! * Trials are clustered: one contact activates several taxels, and one reach makes many contacts. The n trials carry less
+//!   information than n independent ones, and the rate on a new reach may be far from α.
+//! * The margins are those of whole trials. A margin grows with the number of samples, so the same thresholds, applied
+//!   online after each sample, leave a contact uncertain most of the time; trials of the paper's length may never reach
+//!   them. [`super::HeldOut::choose_thresholds`] measures this on the held-out trials
 //!   ([`ChosenThresholds::sample_by_sample`]), so that a caller can warn.
 
 use std::collections::BTreeMap;
@@ -37,75 +35,61 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::Evaluation;
+use super::evaluation::Evaluation;
+use super::rates::{Rates, rates};
 use crate::decision::{Choice, Decision, DecisionError, Judge, Rule};
 
-/// What thresholds are to hold.
+/// The rates that thresholds must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ThresholdTargets {
-    /// At most this fraction of the held-out trials of other categories is taken for a category; above 0 and below 1.
+    /// The largest fraction of held-out trials of other categories that may be classified as a category; between 0 and 1.
     pub false_positive_rate: f64,
-    /// The fraction of contacts that are expected to be outliers; from 0 and below 1/2.
+    /// The expected fraction of contacts that are outliers; at least 0 and below 1/2.
     pub outlier_prior: f64,
 }
 
-/// Thresholds, and what they do on the held-out trials from which they were chosen.
+/// Thresholds, and their effect on the held-out trials on which they were chosen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChosenThresholds {
-    /// The priors given and the thresholds chosen, a [`Rule::OutlierBand`].
+    /// The given priors and the chosen thresholds, a [`Rule::OutlierBand`].
     pub decision: Decision,
-    /// What was asked for.
+    /// The rates requested.
     pub targets: ThresholdTargets,
-    /// Held-out trials.
+    /// Number of held-out trials.
     pub trials: usize,
-    /// By category: trials of other categories that were taken for it, as a fraction of these.
+    /// By category: the fraction of trials of other categories that are classified as it.
     pub false_positive_rate: BTreeMap<String, f64>,
-    /// By category: its own trials that were taken for it, as a fraction of these.
+    /// By category: the fraction of its own trials that are classified as it.
     pub true_positive_rate: BTreeMap<String, f64>,
-    /// Trials called uncertain, as a fraction of all.
+    /// Fraction of all trials that are called uncertain.
     pub uncertain: f64,
-    /// Trials called outliers, as a fraction of all; none is one.
+    /// Fraction of all trials that are called outliers, although none is one.
     pub outlier: f64,
-    /// What the same thresholds do on the same trials when they are used after each sample, as online. `None` where the
-    /// scores of single samples were not at hand.
+    /// The effect of the same thresholds on the same trials when applied after each sample, as online. `None` if the scores
+    /// after each sample are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_by_sample: Option<Rates>,
-}
-
-/// What comes of thresholds on some verdicts whose truth is known.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rates {
-    /// Verdicts given.
-    pub verdicts: usize,
-    /// By category: verdicts for it where the truth is another, as a fraction of the verdicts where it is another.
-    pub false_positive_rate: BTreeMap<String, f64>,
-    /// By category: verdicts for it where it is the truth, as a fraction of the verdicts where it is.
-    pub true_positive_rate: BTreeMap<String, f64>,
-    /// Uncertain verdicts, as a fraction of all.
-    pub uncertain: f64,
-    /// Verdicts for an outlier, as a fraction of all.
-    pub outlier: f64,
 }
 
 /// Why thresholds cannot be chosen.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ThresholdError {
-    /// Priors that make no sense.
+    /// Invalid priors.
     #[error(transparent)]
     Decision(#[from] DecisionError),
-    /// A target out of range.
+    /// A rate out of range.
     #[error("{name} is {found}; allowed: {allowed}")]
     BadTarget {
-        /// Which.
+        /// Which one.
         name: &'static str,
         /// The number found.
         found: f64,
         /// What is allowed.
         allowed: &'static str,
     },
-    /// Too little data to bound so small a rate.
+    /// Too little data for so small a rate.
     #[error(
-        "only {found} held-out trials are of another category than {category}; a false-positive rate of {rate} needs at \
+        "only {found} held-out trials belong to other categories than {category}; a false-positive rate of {rate} needs at \
          least {needed}: use more trials or allow a higher rate"
     )]
     TooFewTrials {
@@ -113,29 +97,29 @@ pub enum ThresholdError {
         category: String,
         /// Trials of other categories.
         found: usize,
-        /// How many it takes.
+        /// How many are needed.
         needed: usize,
-        /// The rate asked for.
+        /// The rate requested.
         rate: f64,
     },
     /// Mistakes with an infinite margin.
     #[error(
-        "trials of other categories are taken for {category} with an infinite margin more often than in a fraction {rate}; \
-         train models that exclude nothing (a larger variance floor, ergodic) or allow a higher rate"
+        "more than a fraction {rate} of the trials of other categories are classified as {category} with an infinite \
+         margin; use models that rule nothing out (a larger variance floor, ergodic topology) or allow a higher rate"
     )]
     NoThreshold {
         /// The category.
         category: String,
-        /// The rate asked for.
+        /// The rate requested.
         rate: f64,
     },
 }
 
-/// Chooses the thresholds for `held_out`, a cross-validation of trials of known categories (its verdicts do not
-/// matter), under `prior` as in [`Decision::prior`]; see the head of this file for the rule.
+/// Chooses thresholds from `held_out`, a cross-validation on trials of known categories, with `prior` as in
+/// [`Decision::prior`]. The verdicts in `held_out` are not used. The rule is described at the top of this file.
 ///
 /// # Errors
-/// [`ThresholdError`] where a target is out of range, priors do not fit, or the data cannot hold the target.
+/// [`ThresholdError`] if a rate is out of range, the priors do not fit, or the data cannot satisfy the rates.
 pub fn choose_thresholds(
     held_out: &Evaluation,
     prior: &BTreeMap<String, f64>,
@@ -174,7 +158,7 @@ fn check(targets: ThresholdTargets) -> Result<(), ThresholdError> {
         return Err(ThresholdError::BadTarget {
             name: "the outlier prior",
             found: outlier_prior,
-            allowed: "from 0 and below 0.5; what is met more often is no outlier, but a category to be trained",
+            allowed: "at least 0 and below 0.5; something met more often is not an outlier but a category to train",
         });
     }
     Ok(())
@@ -189,7 +173,7 @@ struct HeldOutMargin<'a> {
 
 fn margins<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<HeldOutMargin<'a>> {
     let margins = held_out.predictions.iter().map(|prediction| {
-        // What no category admits is uncertain whatever the thresholds: as good as no margin.
+        // A trial that no category admits is uncertain whatever the thresholds, as with a margin of 0.
         let (taken_for, margin) = judge.margin(&prediction.scores).unwrap_or((0, 0.0));
         HeldOutMargin {
             truth: &prediction.category,
@@ -200,13 +184,13 @@ fn margins<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<HeldOutMargin<'a>
     margins.collect()
 }
 
-/// The smallest margin above which every category is safe.
+/// The smallest margin above which no category has too many false positives.
 fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -> Result<f64, ThresholdError> {
     let mut threshold = 0.0f64;
     for (index, category) in categories.iter().enumerate() {
         let others = margins.iter().filter(|margin| margin.truth != category);
         let found = others.clone().count();
-        // No category's trials can be taken for it where there is only one category.
+        // With a single category there is nothing to confuse it with.
         if found == 0 {
             continue;
         }
@@ -224,7 +208,7 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
             .map(|margin| margin.margin)
             .collect();
         mistakes.sort_by(|a, b| b.total_cmp(a));
-        // With the threshold on the next mistake, which is then no longer above it, only the allowed ones are left.
+        // With the threshold at the next mistake, which is then not above it, only the allowed ones remain.
         let next = mistakes.get(allowed as usize).copied().unwrap_or(0.0);
         if next.is_infinite() {
             let category = category.clone();
@@ -235,8 +219,8 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
     Ok(threshold)
 }
 
-/// The smallest margin such that few enough known trials are between it and `category_above`; `category_above` itself
-/// where already one is too many.
+/// The smallest margin such that few enough known trials lie between it and `category_above`, or `category_above` itself
+/// if one trial is already too many.
 fn uncertain_below(
     margins: &[HeldOutMargin],
     categories: &[String],
@@ -246,7 +230,7 @@ fn uncertain_below(
 ) -> f64 {
     let bound = outlier_prior / (1.0 - outlier_prior);
     let total: f64 = prior.values().sum();
-    // What one trial more adds to the weighted mean of (k + 1) / (n + 1), by category.
+    // What one more trial adds to the weighted mean of (k + 1) / (n + 1), by category.
     let weight: BTreeMap<&str, f64> = categories
         .iter()
         .map(|category| {
@@ -271,7 +255,7 @@ fn uncertain_below(
         }
         threshold = tied[0].margin;
     }
-    // The whole rest is rare enough; a margin smaller than that of any known trial was not seen, and is no category either.
+    // All remaining trials together are rare enough, so the band extends down to 0.
     if share <= bound { 0.0 } else { threshold }
 }
 
@@ -290,29 +274,6 @@ fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: Th
         uncertain: rates.uncertain,
         outlier: rates.outlier,
         sample_by_sample: None,
-    }
-}
-
-/// The rates of verdicts, each with its truth.
-pub(super) fn rates(choices: &[(&str, Choice)], categories: &[String]) -> Rates {
-    let fraction = |choice: Choice, counts: &dyn Fn(&str) -> bool| {
-        let pool = choices.iter().filter(|(truth, _)| counts(truth));
-        let taken = pool.clone().filter(|(_, found)| *found == choice).count();
-        taken as f64 / pool.count().max(1) as f64
-    };
-    let by_category = |own: bool| {
-        let rates = categories.iter().enumerate().map(|(index, category)| {
-            let rate = fraction(Choice::Category(index), &|truth| (truth == category) == own);
-            (category.clone(), rate)
-        });
-        rates.collect()
-    };
-    Rates {
-        verdicts: choices.len(),
-        false_positive_rate: by_category(false),
-        true_positive_rate: by_category(true),
-        uncertain: fraction(Choice::Uncertain, &|_| true),
-        outlier: fraction(Choice::Outlier, &|_| true),
     }
 }
 

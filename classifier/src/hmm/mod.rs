@@ -16,6 +16,7 @@ mod statistics;
 mod tile;
 mod topology;
 mod train;
+mod training_error;
 
 pub(crate) use bank::FilterBank;
 pub use filter::ScoreKind;
@@ -24,4 +25,5 @@ pub use running_score::RunningScore;
 pub use scorer::Scorer;
 pub use start::equal_slice_start;
 pub use topology::{InitialDistribution, Topology};
-pub use train::{Stop, TrainingError, TrainingHistory, TrainingOptions, train};
+pub use train::{Stop, TrainingHistory, TrainingOptions, train};
+pub use training_error::TrainingError;

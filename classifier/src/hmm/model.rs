@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::gaussian::Gaussians;
 
-/// Parameters of a hidden Markov model of N states over D features (paper, eq. 1: λ = (A, B, π)), not yet checked.
+/// Unchecked parameters of a hidden Markov model with N states and D features (paper, eq. 1: λ = (A, B, π)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HmmParameters {
@@ -19,7 +19,7 @@ pub struct HmmParameters {
     pub covariance: Vec<Vec<Vec<f64>>>,
 }
 
-/// Which parameter is unsound, and why.
+/// Which parameter is invalid, and why.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{field}: found {found}; allowed: {allowed}; remedy: {remedy}")]
 pub struct ParameterError {
@@ -33,7 +33,7 @@ pub struct ParameterError {
     pub remedy: String,
 }
 
-/// How far a row of probabilities may be from 1 and still be taken as it stands.
+/// How far the sum of a row of probabilities may be from 1.
 const ROW_SUM_TOLERANCE: f64 = 1e-6;
 
 /// A model with checked parameters. To score with it, make a [`super::Scorer`].
@@ -56,8 +56,8 @@ impl GaussianHmm {
     /// Checks parameters.
     ///
     /// # Errors
-    /// [`ParameterError`] where sizes disagree, a number is not finite, a probability is outside 0 … 1, a row does not
-    /// sum to 1 within 1e-6, or a covariance is not symmetric and positive definite.
+    /// [`ParameterError`] if sizes disagree, a number is not finite, a probability is outside 0 … 1, a row does not sum to 1
+    /// within 1e-6, or a covariance is not symmetric and positive definite.
     pub fn new(parameters: HmmParameters) -> Result<Self, ParameterError> {
         let states = parameters.initial.len();
         if states == 0 {
@@ -123,7 +123,7 @@ impl GaussianHmm {
         self.dimension
     }
 
-    /// The parameters, as they go into a file.
+    /// The parameters in the form that is written to a file.
     pub fn parameters(&self) -> HmmParameters {
         let rows = |flat: &[f64], width: usize| flat.chunks_exact(width).map(<[f64]>::to_vec).collect::<Vec<_>>();
         HmmParameters {
@@ -218,7 +218,7 @@ fn check_covariance(field: &str, matrix: &[Vec<f64>], dimension: usize) -> Resul
 mod tests {
     use super::*;
 
-    fn sound() -> HmmParameters {
+    fn valid() -> HmmParameters {
         HmmParameters {
             initial: vec![0.5, 0.5],
             transition: vec![vec![0.9, 0.1], vec![0.0, 1.0]],
@@ -227,9 +227,9 @@ mod tests {
         }
     }
 
+    /// Pins that every kind of invalid parameter is refused, and that the error names the field.
     #[test]
     fn each_fault_names_its_field() {
-        // Pins that every way to break the parameters is refused and that the error names the place.
         type Break = fn(&mut HmmParameters);
         let faults: [(&str, Break); 13] = [
             ("initial", |p| p.initial.clear()),
@@ -251,17 +251,17 @@ mod tests {
             }),
         ];
         for (field, break_it) in faults {
-            let mut parameters = sound();
+            let mut parameters = valid();
             break_it(&mut parameters);
             assert_eq!(GaussianHmm::new(parameters).unwrap_err().field, field);
         }
     }
 
+    /// Pins that checking changes no number.
     #[test]
     fn parameters_come_back_as_they_went_in() {
-        // Pins that checking changes no number.
-        let model = GaussianHmm::new(sound()).unwrap();
-        assert_eq!(model.parameters(), sound());
+        let model = GaussianHmm::new(valid()).unwrap();
+        assert_eq!(model.parameters(), valid());
         assert_eq!((model.state_count(), model.dimension()), (2, 2));
     }
 }

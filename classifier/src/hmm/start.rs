@@ -1,20 +1,20 @@
-//! Where training starts: means and covariances of equal time slices.
+//! Initial parameters for training, from equal time slices.
 
 use super::covariance::{floor_eigenvalues, is_singular};
 use super::model::{GaussianHmm, HmmParameters};
 use super::topology::{InitialDistribution, Topology};
-use super::train::{TrainingError, check_sequences, largest_observation};
+use super::train::{check_sequences, largest_observation};
+use super::training_error::TrainingError;
 use crate::feature::Observations;
 
-/// A model to start Baum-Welch from: state j of N has the mean and covariance of the j-th of N equal time slices of
-/// every sequence, pooled (the authors' recipe).
+/// An initial model for Baum-Welch. State j of N gets the mean and covariance of the j-th of N equal time slices, pooled
+/// over all sequences (the authors' recipe).
 ///
-/// Slice j of T samples runs from ⌊jT/N⌋ to before ⌊(j+1)T/N⌋, but never holds fewer than one sample: a sequence
-/// shorter than N is stretched by giving the same sample to neighbouring slices, so that each sequence has a say in
-/// each state.
+/// Slice j of T samples contains the samples from ⌊jT/N⌋ up to but not including ⌊(j+1)T/N⌋, and at least one. In a
+/// sequence shorter than N, neighbouring slices share samples, so that every sequence contributes to every state.
 ///
 /// # Errors
-/// [`TrainingError`] where there are no sequences or states, or where a slice has no spread and `variance_floor` is 0.
+/// [`TrainingError`] if there are no sequences or states, or if a slice has no spread and `variance_floor` is 0.
 pub fn equal_slice_start(
     sequences: &[Observations],
     states: usize,
@@ -51,7 +51,7 @@ pub fn equal_slice_start(
     Ok(GaussianHmm::new(parameters)?)
 }
 
-/// Mean and covariance (divisor: number of samples) of one slice of all sequences.
+/// Mean and covariance (divided by the number of samples) of one slice over all sequences.
 fn slice_moments(sequences: &[Observations], dimension: usize, slice: usize, slices: usize) -> (Vec<f64>, Vec<f64>) {
     let samples = || {
         sequences.iter().flat_map(move |sequence| {
@@ -84,9 +84,9 @@ fn slice_moments(sequences: &[Observations], dimension: usize, slice: usize, sli
 mod tests {
     use super::*;
 
+    /// Pins means and variances of two slices over sequences of 4 and 2 samples, computed by hand.
     #[test]
     fn slices_are_pooled_over_sequences() {
-        // Pins means and variances of two slices over sequences of 4 and 2 samples, computed by hand.
         let sequences = [
             Observations::new(1, vec![1.0, 2.0, 7.0, 9.0]).unwrap(),
             Observations::new(1, vec![3.0, 5.0]).unwrap(),
@@ -100,9 +100,9 @@ mod tests {
         }
     }
 
+    /// Pins the stretching: two samples over four states give means 1 1 2 2; the floor makes up for the spread.
     #[test]
     fn short_sequences_reach_every_state() {
-        // Pins the stretching: two samples over four states give means 1 1 2 2; the floor makes up for the spread.
         let sequences = [Observations::new(1, vec![1.0, 2.0]).unwrap()];
         let start = |floor| {
             equal_slice_start(

@@ -21,13 +21,13 @@ pub(super) struct Statistics {
     pub(super) occupancy: Vec<f64>,
     /// N × D: expected sum of deviations from the model's mean.
     pub(super) first: Vec<f64>,
-    /// N × D × D: expected sum of products of those deviations. Taken about the old mean, which is near the new one,
-    /// so little is lost when the square of the new deviation is subtracted.
+    /// N × D × D: expected sum of products of those deviations. They are taken about the old mean, which is close to the
+    /// new one, so that little precision is lost when the square of the new deviation is subtracted.
     pub(super) second: Vec<f64>,
 }
 
-/// Where a state's expected samples or departures are fewer, the small numbers that they are sums of count as well, and
-/// all is counted again in log space.
+/// If a state's expected number of samples or departures is below this, the tiny terms that the fast pass drops matter, and
+/// everything is counted again in log space.
 const FEW: f64 = 1e-12;
 
 impl Statistics {
@@ -42,13 +42,13 @@ impl Statistics {
         }
     }
 
-    /// Expected counts of all sequences. The error is the index of a sequence that the model rules out.
+    /// Expected counts over all sequences. The error is the index of a sequence that the model rules out.
     ///
-    /// Counted with plain numbers where these can be shown to be exact (`scaled.rs`), else in log space.
+    /// Uses the scaled pass (`scaled.rs`) where it can show that its result is exact, and log space (`exact.rs`) elsewhere.
     pub(super) fn collect(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
         let statistics = Self::collect_scaled(model, sequences)?;
         let few = |&count: &f64| count < FEW;
-        // A row without any departure keeps its probabilities.
+        // A state without any departure keeps its transition probabilities.
         let departures = |row: &[f64]| row.iter().sum::<f64>();
         let scarce = statistics.occupancy.iter().any(few)
             || statistics
@@ -66,7 +66,7 @@ impl Statistics {
         Ok(statistics)
     }
 
-    /// [`Statistics::collect`] but for states that hardly occur.
+    /// [`Statistics::collect`] without the repetition for states that hardly occur.
     fn collect_scaled(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
         let linear = LinearModel::new(model);
         let mut statistics = Self::zero(model.states, model.dimension);
@@ -88,7 +88,7 @@ impl Statistics {
         Ok(statistics)
     }
 
-    /// Adds one sequence's counts, in log space; `None` where the model rules it out.
+    /// Adds the counts of one sequence, computed in log space; `None` if the model rules it out.
     fn count_exactly(&mut self, model: &GaussianHmm, sequence: &Observations, pass: &mut exact::Pass) -> Option<()> {
         let log_likelihood = pass.forward(model, sequence);
         if log_likelihood == f64::NEG_INFINITY {
@@ -99,7 +99,7 @@ impl Statistics {
         Some(())
     }
 
-    /// Adds one sample's state probabilities γ.
+    /// Adds the state probabilities γ of one sample.
     fn count_sample(&mut self, model: &GaussianHmm, sample: &[f64], probability: &[f64]) {
         let d = model.dimension;
         for (state, &gamma) in probability.iter().enumerate() {

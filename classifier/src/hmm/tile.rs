@@ -1,13 +1,13 @@
-//! Four states side by side: arithmetic that the compiler turns into vector instructions, with the same bits on every
-//! processor, since nothing is fused and every sum has one order.
+//! Arithmetic on four numbers at a time, which the compiler turns into vector instructions. Results have the same bits on
+//! every processor, because no operations are fused and every sum has a fixed order.
 
-/// Four numbers, one a state.
+/// Four numbers: one for each of four states or streams.
 pub(super) type Tile = [f64; WIDTH];
 
-/// States in a tile.
+/// Numbers in a tile.
 pub(super) const WIDTH: usize = 4;
 
-/// Runs `work` with AVX2 where the processor has it. What `work` calls must be inlined into it.
+/// Runs `work` with AVX2 instructions if the processor has them. Everything that `work` calls must be inlined into it.
 #[inline(always)]
 pub(super) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     #[cfg(test)]
@@ -21,12 +21,12 @@ pub(super) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Number of tiles that hold so many states.
+/// Number of tiles needed for this many states.
 pub(super) fn tiles_for(states: usize) -> usize {
     states.div_ceil(WIDTH)
 }
 
-/// Numbers of states in tiles, `outer` rows of them, filled up with `padding`; `value` takes row and state.
+/// Arranges `outer` rows of one number per state in tiles, padded with `padding`. `value` maps row and state to a number.
 pub(super) fn tiled(outer: usize, states: usize, padding: f64, value: impl Fn(usize, usize) -> f64) -> Vec<Tile> {
     let tiles = tiles_for(states);
     let lane = |row: usize, state: usize| if state < states { value(row, state) } else { padding };
@@ -35,19 +35,19 @@ pub(super) fn tiled(outer: usize, states: usize, padding: f64, value: impl Fn(us
         .collect()
 }
 
-/// Applies a function of two numbers lane by lane.
+/// Applies a function of two numbers to each lane.
 #[inline(always)]
 pub(super) fn zip(a: Tile, b: Tile, f: impl Fn(f64, f64) -> f64) -> Tile {
     [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2]), f(a[3], b[3])]
 }
 
-/// Applies a function of one number lane by lane.
+/// Applies a function of one number to each lane.
 #[inline(always)]
 pub(super) fn map(a: Tile, f: impl Fn(f64) -> f64) -> Tile {
     [f(a[0]), f(a[1]), f(a[2]), f(a[3])]
 }
 
-/// `a` where the mask is over 0, `b` elsewhere. A float for a mask keeps the choice in vector registers.
+/// `a` where the mask is above 0, `b` elsewhere. A mask of floats keeps the selection in vector registers.
 #[inline(always)]
 pub(super) fn select(mask: Tile, a: Tile, b: Tile) -> Tile {
     let lane = |k: usize| if mask[k] > 0.0 { a[k] } else { b[k] };
@@ -69,7 +69,7 @@ pub(super) fn scale(a: Tile, factor: f64) -> Tile {
     map(a, |a| a * factor)
 }
 
-/// The larger of two numbers without NaN; a comparison, unlike `f64::max` with its care for NaN, is one instruction.
+/// The larger of two numbers that are not NaN. Unlike `f64::max`, which handles NaN, this is a single instruction.
 #[inline(always)]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -87,10 +87,10 @@ pub(super) fn largest(a: Tile) -> f64 {
     larger(larger(a[0], a[2]), larger(a[1], a[3]))
 }
 
-/// Adding and subtracting it rounds to the nearest integer, which then stands in the lowest bits of the sum.
+/// Adding and then subtracting this rounds to the nearest integer. The sum holds that integer in its lowest bits.
 pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// Coefficients of 1, x, x², … of 2^x, near-minimax on −½ … ½: relative error 2e-17, under rounding.
+/// Coefficients of 1, x, x², … of 2^x, near-minimax on −½ … ½. The relative error of 2e-17 is below rounding.
 const EXP2: [f64; 12] = [
     1.0,
     std::f64::consts::LN_2,
@@ -109,39 +109,39 @@ const EXP2: [f64; 12] = [
 /// 2^x for x from −½ to ½.
 #[inline(always)]
 pub(super) fn exp2_fraction(x: f64) -> f64 {
-    // By pairs and pairs of pairs (Estrin), whose parts do not wait for one another as Horner's do.
+    // Estrin's scheme: its parts are independent, while each step of Horner's waits for the one before.
     let (square, pair) = (x * x, |k: usize| EXP2[k] + EXP2[k + 1] * x);
     let four = |k: usize| pair(k) + pair(k + 2) * square;
     let fourth = square * square;
     (four(8) * fourth + four(4)) * fourth + four(0)
 }
 
-/// Mantissa, 1 … 2, and exponent of a positive number that is not subnormal.
+/// Mantissa (1 … 2) and exponent of a positive number that is not subnormal.
 #[inline(always)]
 pub(super) fn parts(x: f64) -> (f64, f64) {
     let bits = x.to_bits();
     let mantissa = f64::from_bits(bits & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000);
-    // Below the bits of 2^52 the exponent's are a float's; taken off are 2^52 and the offset of exponents.
+    // The exponent's bits, placed in the mantissa of 2^52, give 2^52 + exponent + bias as a float.
     let exponent = f64::from_bits((bits >> 52) | 0x4330_0000_0000_0000) - 4_503_599_627_371_519.0;
     (mantissa, exponent)
 }
 
-/// 2^x, to about one unit in the last place, for x from −1022 to 1023.
+/// 2^x to about one unit in the last place, for x from −1022 to 1023.
 #[inline(always)]
 pub(super) fn exp2(x: f64) -> f64 {
     let shifted = x + ROUNDER;
     let fraction = x - (shifted - ROUNDER);
-    // The power of two goes straight into the exponent's bits.
+    // The integer part is added directly to the exponent's bits.
     f64::from_bits(exp2_fraction(fraction).to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
-/// 2^n for an integer n, as a floating-point number, from −1022 to 1023.
+/// 2^n for an integer n, given as a floating-point number, from −1022 to 1023.
 #[inline(always)]
 pub(super) fn integer_power_of_two(n: f64) -> f64 {
     scale_mantissa(1.0, n)
 }
 
-/// A mantissa, 1 … 2, times 2^n for an integer n, as a floating-point number, from −1022 to 1023.
+/// A mantissa (1 … 2) times 2^n for an integer n, given as a floating-point number, from −1022 to 1023.
 #[inline(always)]
 pub(super) fn scale_mantissa(mantissa: f64, n: f64) -> f64 {
     f64::from_bits(mantissa.to_bits().wrapping_add((n + ROUNDER).to_bits() << 52))
@@ -159,7 +159,7 @@ pub(super) fn exponent(x: f64) -> i64 {
     (x.to_bits() >> 52) as i64 - 1023
 }
 
-/// ln of the part of x ≥ 1 within √½ … √2, to about one unit in the last place of 1, and the power of 2 that remains.
+/// For x ≥ 1 written as m·2^k with m from √½ to √2: ln m, to about one unit in the last place of 1, and k.
 #[inline(always)]
 pub(super) fn logarithm(x: f64) -> (f64, f64) {
     let (mantissa, exponent) = parts(x);
@@ -186,13 +186,13 @@ pub(super) mod tests {
     use super::*;
 
     thread_local! {
-        /// Whether this thread does without what only some processors have.
+        /// Whether this thread uses only instructions that every processor has.
         pub(in crate::hmm) static BASELINE_ONLY: Cell<bool> = const { Cell::new(false) };
     }
 
+    /// Pins exp2 against the standard library over its range, and that powers of two and exponents are exact.
     #[test]
     fn powers_of_two_are_exact_to_the_last_place() {
-        // Pins exp2 against the standard library over its range, and powers of two and exponents exactly.
         for step in -102_200..102_200 {
             let x = f64::from(step) * 0.01 + 1e-3;
             let (found, expected) = (exp2(x), x.exp2());
@@ -210,9 +210,9 @@ pub(super) mod tests {
         }
     }
 
+    /// Pins ln against the standard library from 1 to 2^20, with an absolute tolerance of one rounding of 1.
     #[test]
     fn logarithms_are_exact_to_the_last_place() {
-        // Pins ln against the standard library from 1 to 2^20, absolutely by one rounding of numbers up to 1.
         for step in 0..200_000 {
             let x = 1.0 + f64::from(step) * 5.24;
             let (log, whole) = logarithm(x);

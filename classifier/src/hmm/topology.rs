@@ -1,29 +1,29 @@
-//! Where a model may start and which transitions it may take, before training.
+//! Initial distribution and transitions of a model before training.
 
 use serde::{Deserialize, Serialize};
 
-/// Which transitions exist; what is zero here stays zero in training.
+/// Which transitions exist. Transitions that are zero here stay zero in training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Topology {
     /// Upper triangular with forward skips of any length; the last state absorbs. The authors' choice.
     LeftToRight,
-    /// Every state from every state, with equal probability.
+    /// Every state can follow every state, with equal probability.
     Ergodic,
 }
 
-/// Where a model starts, before training.
+/// The initial distribution before training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InitialDistribution {
-    /// All states alike: the authors' choice, also for left-to-right models.
+    /// All states equally likely: the authors' choice, also for left-to-right models.
     Uniform,
     /// Always the first state.
     FirstState,
 }
 
 impl InitialDistribution {
-    /// The N start probabilities.
+    /// The N initial probabilities.
     pub fn probabilities(self, states: usize) -> Vec<f64> {
         match self {
             InitialDistribution::Uniform => vec![1.0 / states as f64; states],
@@ -32,7 +32,7 @@ impl InitialDistribution {
     }
 }
 
-/// The start of the authors' 5-state models.
+/// The initial transition matrix of the authors' 5-state models.
 const LEFT_TO_RIGHT_5: [[f64; 5]; 5] = [
     [0.2, 0.35, 0.2, 0.15, 0.1],
     [0.0, 0.2, 0.45, 0.25, 0.1],
@@ -42,14 +42,14 @@ const LEFT_TO_RIGHT_5: [[f64; 5]; 5] = [
 ];
 
 impl Topology {
-    /// The N × N start transitions.
+    /// The N × N initial transition probabilities.
     ///
-    /// For 5 left-to-right states: the authors' own matrix. For other numbers: their pattern for 10 and 20 states as a
-    /// rule. Self-loops are 0.1 in the first 60 % of the states, 0.2 up to 85 %, then 0.3, 0.4 in the last but one and
-    /// 1 in the last. What a self-loop leaves is shared among the later states in proportion to
-    /// 0.25, 0.20, 0.15, then 0.05 for each farther one (under 15 states), or
-    /// 0.35, 0.25, then 0.015 for each farther one (15 states and more).
-    /// The authors publish ranges for these weights; the figures inside the ranges, and the border at 15, are a choice.
+    /// For 5 left-to-right states this is the authors' own matrix. For other numbers it generalizes their pattern for 10 and
+    /// 20 states. Self-transitions have probability 0.1 in the first 60 % of the states, 0.2 up to 85 %, then 0.3, 0.4 in
+    /// the second to last and 1 in the last. The rest is divided among the later states in proportion to 0.25, 0.20, 0.15,
+    /// then 0.05 for each farther one (below 15 states), or 0.35, 0.25, then 0.015 for each farther one (from 15 states).
+    ///
+    /// Choice: the authors publish ranges for these weights; the values within the ranges and the limit of 15 are ours.
     pub fn transitions(self, states: usize) -> Vec<Vec<f64>> {
         match self {
             Topology::Ergodic => vec![vec![1.0 / states as f64; states]; states],
@@ -95,9 +95,9 @@ fn self_loop(state: usize, states: usize) -> f64 {
 mod tests {
     use super::*;
 
+    /// Pins that every initial matrix is stochastic, left-to-right ones upper triangular with an absorbing last state.
     #[test]
     fn rows_sum_to_one_and_nothing_goes_back() {
-        // Pins that every start matrix is stochastic, left-to-right ones upper triangular with an absorbing last state.
         for states in 1..=40 {
             for topology in [Topology::LeftToRight, Topology::Ergodic] {
                 let rows = topology.transitions(states);
@@ -117,9 +117,9 @@ mod tests {
         }
     }
 
+    /// Pins the published figures: self-loops by state, next ≈ 0.25 and skips 0.05 (10), next 0.25–0.4, 0.01–0.02 (20).
     #[test]
     fn self_loops_and_skips_follow_the_published_pattern() {
-        // Pins the published figures: self-loops by state, next ≈ 0.25 and skips 0.05 (10), next 0.25–0.4, 0.01–0.02 (20).
         let diagonal = |states: usize| -> Vec<f64> {
             Topology::LeftToRight
                 .transitions(states)
@@ -145,9 +145,9 @@ mod tests {
         assert!(first_of_20[3..].iter().all(|p| (0.01..=0.02).contains(p)));
     }
 
+    /// Pins both initial distributions.
     #[test]
     fn initial_distributions_sum_to_one() {
-        // Pins both start distributions.
         assert_eq!(InitialDistribution::Uniform.probabilities(4), [0.25; 4]);
         assert_eq!(InitialDistribution::FirstState.probabilities(3), [1.0, 0.0, 0.0]);
     }

@@ -1,29 +1,30 @@
-//! Baum-Welch training, with its history and the reason why it stopped.
+//! Baum-Welch training, its history, and why it stopped.
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::covariance::{floor_eigenvalues, is_singular};
-use super::model::{GaussianHmm, HmmParameters, ParameterError};
+use super::model::{GaussianHmm, HmmParameters};
 use super::statistics::Statistics;
+use super::training_error::TrainingError;
 use crate::feature::Observations;
 
-/// How long and how guarded Baum-Welch runs.
+/// Options of Baum-Welch training.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingOptions {
-    /// At most this many iterations.
+    /// The maximum number of iterations.
     pub iterations: usize,
-    /// Stop where the log-likelihood rises by less than this fraction of its size; 0 runs all iterations.
+    /// Training stops when the log-likelihood increases by less than this fraction of its absolute value; 0 runs all
+    /// iterations.
     pub tolerance: f64,
-    /// Least eigenvalue of a covariance, in squares of the (scaled) features' units; for one feature the least
-    /// variance. 0 turns it off: exact maximum likelihood, which ends in [`TrainingError::SingularCovariance`] where a
-    /// state settles on repeated samples.
+    /// The smallest eigenvalue of a covariance (for one feature, the smallest variance), in squares of the features' units
+    /// after scaling. 0 disables the floor: this is exact maximum likelihood, which fails with
+    /// [`TrainingError::SingularCovariance`] if a state settles on repeated samples.
     pub variance_floor: f64,
 }
 
 impl Default for TrainingOptions {
-    /// The authors' figures: at most 500 iterations, relative gain 1e-4, variance floor 1e-4.
+    /// The authors' values: at most 500 iterations, relative gain 1e-4, variance floor 1e-4.
     fn default() -> Self {
         TrainingOptions {
             iterations: 500,
@@ -37,17 +38,17 @@ impl Default for TrainingOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
-    /// The relative gain of this iteration was under the tolerance.
+    /// The relative gain of this iteration was below the tolerance.
     Converged {
-        /// The iteration, from 1.
+        /// The iteration, counted from 1.
         iteration: usize,
     },
-    /// The iterations allowed ran out, or the tolerance is 0.
+    /// All iterations were used, or the tolerance is 0.
     MaxIterations,
-    /// The log-likelihood fell, which exact Baum-Welch cannot do: rounding, at the top. The model of the iteration
-    /// before is kept.
+    /// The log-likelihood decreased, which exact Baum-Welch cannot do; near the maximum rounding can. The model of the
+    /// previous iteration is kept.
     Fell {
-        /// The iteration, from 1.
+        /// The iteration, counted from 1.
         iteration: usize,
         /// By how much, nats.
         by: f64,
@@ -62,77 +63,21 @@ pub struct TrainingHistory {
     pub trials: usize,
     /// Number of samples in them.
     pub samples: usize,
-    /// Sum of the sequences' log-likelihoods: at the start, then after each iteration, nats.
+    /// Sum of the sequences' log-likelihoods, initially and after each iteration, in nats.
     pub log_likelihood: Vec<f64>,
-    /// Why it ended.
+    /// Why training ended.
     pub stop: Stop,
-    /// States that no sample supports (expected count under 1e-250 in some iteration); they kept their parameters.
+    /// States that no sample supports (expected count below 1e-250 in some iteration). They kept their parameters.
     pub empty_states: Vec<usize>,
 }
 
-/// Why a model cannot be trained.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum TrainingError {
-    /// Nothing to learn from.
-    #[error("there are no trials to train on; add trials with this category")]
-    NoSequences,
-    /// Sequences, or sequences and start model, of different dimension.
-    #[error(
-        "sequence {sequence} (from 0) has {found} features a sample, others {expected}; use one feature set for all"
-    )]
-    Dimension {
-        /// Index of the sequence.
-        sequence: usize,
-        /// Its numbers a sample.
-        found: usize,
-        /// The numbers a sample expected.
-        expected: usize,
-    },
-    /// A state's Gaussian has no spread in some direction.
-    #[error(
-        "the covariance of state {state} (from 0) is singular after iteration {iteration}: the state has settled on \
-         repeated samples; set a variance floor above 0, use fewer states, or give more trials"
-    )]
-    SingularCovariance {
-        /// The state, from 0.
-        state: usize,
-        /// The iteration, from 1; 0 is the start.
-        iteration: usize,
-    },
-    /// A sequence that the model gives probability zero.
-    #[error(
-        "sequence {sequence} (from 0) is impossible under the model before iteration {iteration}; check its values for \
-         wrong units, or start from other parameters"
-    )]
-    Impossible {
-        /// Index of the sequence.
-        sequence: usize,
-        /// The iteration, from 1.
-        iteration: usize,
-    },
-    /// A number that makes no sense.
-    #[error("{option} is {found}; allowed: {allowed}")]
-    BadOption {
-        /// Name of the option.
-        option: &'static str,
-        /// What was given.
-        found: String,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// Parameters that are not those of a model.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-}
-
-/// A state whose expected count is under this is empty: its counts are at the end of the range of f64.
+/// A state with a smaller expected count is empty: its counts are near the end of the range of f64.
 const EMPTY_OCCUPANCY: f64 = 1e-250;
 
-/// Trains a model by Baum-Welch (expectation maximization) from `start`; zeros in its initial and transition
-/// probabilities stay zero.
+/// Trains a model by Baum-Welch (expectation maximization), starting from `start`. Initial and transition probabilities
+/// that are zero stay zero.
 ///
-/// The start's covariances are raised to the variance floor first; from there on the likelihood cannot fall but by
-/// rounding.
+/// The covariances of `start` are first raised to the variance floor. After that the likelihood decreases only by rounding.
 ///
 /// # Errors
 /// [`TrainingError`].
@@ -188,7 +133,7 @@ pub fn train(
         );
         history.log_likelihood.push(after.log_likelihood);
         if let Some(Stop::Fell { .. }) = stop {
-            // The candidate is worse: keep what was.
+            // The candidate is worse: keep the current model.
         } else {
             (model, statistics) = (candidate, after);
         }
@@ -202,7 +147,7 @@ pub fn train(
     Ok((model, history))
 }
 
-/// Whether an iteration that led from `before` to `after` is the last, and why.
+/// Why training stops after an iteration that changed the log-likelihood from `before` to `after`; `None` to continue.
 fn judge(before: f64, after: f64, iteration: usize, tolerance: f64) -> Option<Stop> {
     if tolerance == 0.0 {
         None
@@ -216,7 +161,7 @@ fn judge(before: f64, after: f64, iteration: usize, tolerance: f64) -> Option<St
     }
 }
 
-/// The maximization step: the parameters that the expected counts call for.
+/// The maximization step: the most likely parameters given the expected counts.
 fn maximize(
     model: &GaussianHmm,
     statistics: &Statistics,
@@ -259,8 +204,8 @@ fn maximize(
     Ok(GaussianHmm::new(parameters)?)
 }
 
-/// Replaces `row` by `counts` over their sum; keeps it where there are none, as after the last sample of an absorbing
-/// state or in an empty one.
+/// Replaces `row` by `counts` divided by their sum. Keeps the row if there are no counts, as for an empty state or one that
+/// is only reached at the last sample.
 fn normalize(counts: &[f64], row: &mut [f64]) {
     let sum: f64 = counts.iter().sum();
     if sum >= EMPTY_OCCUPANCY {
@@ -295,7 +240,7 @@ pub(super) fn check_sequences(sequences: &[Observations]) -> Result<usize, Train
     }
 }
 
-/// The largest magnitude among all features of all samples.
+/// The largest absolute value among all features of all samples.
 pub(super) fn largest_observation(sequences: &[Observations]) -> f64 {
     sequences
         .iter()

@@ -10,25 +10,26 @@ use super::image::PatchImage;
 pub(super) struct Component {
     /// Its taxels in ascending order.
     pub(super) taxels: Vec<usize>,
-    /// Unweighted mean of its taxels' centres, m, world frame (as in the authors' code; paper, section IV-C).
+    /// Unweighted mean of the taxels' centres, m, world frame (as in the authors' code; paper, section IV-C).
     pub(super) centre_world: DVec3,
     /// The taxel with the largest sensed force, the first in a tie.
     pub(super) strongest: usize,
-    /// Its force, N: the feature "maximum force".
+    /// The force of that taxel, N: the feature "maximum force".
     pub(super) force_n: f64,
-    /// The sum of its taxels' forces, N.
+    /// The sum of the taxels' forces, N.
     pub(super) force_sum_n: f64,
-    /// Ground truth: the object of the strongest taxel that has one. Crosstalk can light taxels that touch nothing.
+    /// Ground truth: the object of the strongest taxel that has one. Because of crosstalk, a taxel that touches nothing can
+    /// also sense a force.
     pub(super) object: Option<u16>,
     /// Ground truth: whether an object presses on any of its taxels.
     pub(super) touched: bool,
 }
 
 impl Component {
-    /// What a trial keeps of it.
+    /// What a trial stores of the component.
     pub(super) fn region(&self) -> Region {
         Region {
-            // A patch is far from holding 2³² taxels.
+            // No patch has nearly 2³² taxels.
             taxels: u32::try_from(self.taxels.len()).unwrap_or(u32::MAX),
             largest_force_n: self.force_n,
             force_sum_n: self.force_sum_n,
@@ -36,9 +37,9 @@ impl Component {
     }
 }
 
-/// The 4-connected regions of taxels in contact, in the order of their first taxels.
+/// The 4-connected regions of taxels in contact, ordered by first taxel.
 ///
-/// Rows × columns is the number of taxels; `grid.wraps` joins the last column to the first.
+/// The grid must have as many cells as the patch has taxels; `grid.wraps` makes the first and last column neighbours.
 pub(super) fn components(image: &PatchImage, grid: Grid) -> Vec<Component> {
     let mut seen = vec![false; grid.rows * grid.columns];
     let mut found = Vec::new();

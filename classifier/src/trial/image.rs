@@ -1,11 +1,11 @@
-//! One patch of one frame as an image of forces.
+//! One patch in one frame, as an image of forces.
 
 use glam::DVec3;
 use underbrush_recording::{Frame, Patch, Pose, SkinLayout};
 
 use super::TrialError;
 
-/// The sensed forces of one patch in the frame last read, and where its taxels are. Reading does not allocate.
+/// The sensed forces and taxel positions of one patch in the most recently read frame. Reading does not allocate.
 #[derive(Clone, Debug)]
 pub struct PatchImage {
     patch_index: usize,
@@ -19,7 +19,7 @@ pub struct PatchImage {
 }
 
 impl PatchImage {
-    /// An image of a patch of the skin, its first if none is named, with no taxel in contact yet; in contact is what
+    /// An image of the named patch, or of the skin's first, with no taxel in contact yet. A taxel is in contact while it
     /// senses more than `threshold_n`.
     ///
     /// # Errors
@@ -55,11 +55,11 @@ impl PatchImage {
         })
     }
 
-    /// Takes in a frame; `frame_index` is for errors only.
+    /// Reads a frame; `frame_index` is used only in errors.
     ///
     /// # Errors
-    /// [`TrialError::BadFrame`] where the frame has no pose for the patch, names a taxel that the patch has not, or
-    /// holds NaN or infinity.
+    /// [`TrialError::BadFrame`] if the frame has no pose for the patch, names a taxel that the patch does not have, or
+    /// contains NaN or infinity.
     pub fn read(&mut self, frame_index: usize, frame: &Frame) -> Result<(), TrialError> {
         let bad = |found: String, allowed: String| TrialError::BadFrame {
             frame: frame_index,
@@ -107,30 +107,30 @@ impl PatchImage {
         &self.patch
     }
 
-    /// Whether a taxel is in contact; a taxel that the patch has not never is.
+    /// Whether a taxel is in contact; false for a taxel that the patch does not have.
     pub fn is_in_contact(&self, taxel: usize) -> bool {
         self.sensed_force_n(taxel) > self.threshold_n
     }
 
-    /// The sensed force of a taxel, N; 0 for one that the patch has not.
+    /// The sensed force of a taxel, N; 0 for a taxel that the patch does not have.
     pub fn sensed_force_n(&self, taxel: usize) -> f64 {
         self.sensed_force_n.get(taxel).copied().unwrap_or(0.0)
     }
 
-    /// Ground truth: the object that presses most on a taxel.
+    /// Ground truth: the object that presses hardest on a taxel.
     pub fn object(&self, taxel: usize) -> Option<u16> {
         self.object.get(taxel).copied().flatten()
     }
 
-    /// Ground truth: whether an object presses on a taxel, however little.
+    /// Ground truth: whether an object presses on a taxel, however lightly.
     pub fn is_touched(&self, taxel: usize) -> bool {
         self.touched.get(taxel).copied().unwrap_or(false)
     }
 
-    /// Where a taxel's centre is, m, world frame; in the link frame before the first frame is read.
+    /// Position of a taxel's centre, m, in the world frame; in the link frame before the first frame is read.
     ///
     /// # Panics
-    /// Where the patch has no such taxel.
+    /// If the patch has no such taxel.
     pub fn position_world(&self, taxel: usize) -> DVec3 {
         let position_link = self.patch.taxels[taxel].position_link;
         self.pose_world

@@ -1,25 +1,26 @@
-//! Components followed from frame to frame.
+//! Tracking of connected components from frame to frame.
 
 use glam::DVec3;
 use underbrush_recording::{Grid, Recording, Sample};
 
 use super::component::{Component, components};
 use super::image::PatchImage;
-use super::{ContactTrial, OpenTrial, TrialError, TrialList, TrialOptions, knows_truth};
+use super::trial_list::{ContactTrial, OpenTrial, TrialList, knows_truth};
+use super::{TrialError, TrialOptions};
 
-/// One trial per connected component, followed from contact to break (section IV-C): per frame the largest force of
-/// its taxels, and the length of the path of its centre in the world frame since it began.
+/// One trial for each connected component, tracked from the start to the end of its contact (section IV-C).
 ///
-/// Components of a frame are associated with those of the frame before by the distance of their centres in the world
-/// frame: nearest pair first, each used once, none farther apart than
-/// [`TrialOptions::association_distance_m`]. So
-/// * where two components merge, the one whose centre was nearer goes on and the other's trial ends;
-/// * where one splits, the piece nearer to the old centre goes on and the other begins a trial of its own, with motion
-///   from there;
-/// * a component that jumps farther ends, and begins anew.
+/// Force is the largest force among its taxels in each frame. Motion is the length of the path of its centre in the world
+/// frame since the trial started.
+///
+/// Components are associated with those of the previous frame by the distance between their centres in the world frame:
+/// nearest pair first, each used once, and none farther apart than [`TrialOptions::association_distance_m`]. Hence:
+/// * If two components merge, the one with the nearer centre continues and the other's trial ends.
+/// * If one splits, the part nearer to the old centre continues and the other starts a new trial.
+/// * If a component moves farther than that between frames, its trial ends and a new one starts.
 ///
 /// # Errors
-/// [`TrialError`] as for [`super::taxel_trials`], and where the patch has no grid.
+/// [`TrialError`] as for [`super::taxel_trials`], and if the patch has no grid.
 pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec<ContactTrial>, TrialError> {
     let reach = options.association_distance_m;
     if !reach.is_finite() || reach < 0.0 {
@@ -64,13 +65,13 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
     Ok(trials.finish())
 }
 
-/// A component's trial, and where it was last.
+/// The trial of a component and the component's last position.
 struct Track {
     trial: OpenTrial,
     centre_world: DVec3,
 }
 
-/// For each component the track that it continues. Ties go to the track, then the component, of smaller index.
+/// The track that each component continues. Ties go to the track, then the component, with the smaller index.
 fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<usize>> {
     let mut pairs = Vec::new();
     for (t, track) in tracks.iter().enumerate() {

@@ -7,7 +7,7 @@ use underbrush_recording::Category;
 use crate::failure::Failure;
 use crate::output;
 
-/// One row a point of each curve; an empty threshold takes nothing for positive.
+/// One row per point of each curve. An empty threshold classifies nothing as positive.
 pub(super) fn csv(evaluation: &Evaluation, decision: &Decision) -> Result<Vec<u8>, Failure> {
     let mut rows = Vec::new();
     let mut add = |positives: &str, curve: Option<RocCurve>| {

@@ -1,17 +1,17 @@
-//! An evaluation for a person.
+//! An evaluation as text.
 
 use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, FoldBy};
 
 use super::Results;
 use crate::output;
 
-/// Everything there is.
+/// The whole evaluation.
 pub(super) fn of(results: &Results) -> String {
     let mut text = evaluation(&results.evaluation);
     if let Some(folds) = results.folds {
         let by = match folds.by {
             FoldBy::Reach => "by whole reaches",
-            FoldBy::Position => "by position; trials of one reach may be on both sides",
+            FoldBy::Position => "by position; trials of one reach may be in different folds",
         };
         text += &format!("\n{} folds {by}", folds.count);
     }
@@ -26,19 +26,19 @@ pub(super) fn of(results: &Results) -> String {
         text += &match shortest {
             0 | 1 => ", over all trials:\n".to_string(),
             _ => format!(
-                ", of trials of {shortest} samples or more: before, it is of contacts already known to last so long\n"
+                ", of trials of {shortest} samples or more; before that, of contacts already known to last that long\n"
             ),
         };
         text += &by_samples(series);
     }
     match &results.by_samples_of_all {
         Some(series) => {
-            text += "\nThe same over all contacts, short ones too; only the trials above are learned from:\n";
+            text += "\nThe same over all contacts, including short ones; only the trials above are used for fitting:\n";
             text += &by_samples(series);
         }
         None if results.by_samples.is_some() && shortest > 1 => {
-            text += "\nFor the accuracy over all contacts give trials of any length, and --min-samples to choose which are \
-                     learned from.\n";
+            text += "\nFor the accuracy over all contacts, give trials of any length and choose with --min-samples which are used \
+                     for fitting.\n";
         }
         None => {}
     }
@@ -53,7 +53,7 @@ fn maybe(fraction: Option<f64>) -> String {
     fraction.map_or("-".into(), percent)
 }
 
-/// An accuracy with balanced accuracy and baseline in one cell.
+/// An accuracy, balanced accuracy and baseline in one cell.
 fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
     format!("{} ({}, {})", percent(accuracy), maybe(balanced), percent(baseline))
 }
@@ -152,7 +152,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
     text
 }
 
-/// The accuracy, whole and split, with what it must be compared with.
+/// The accuracy over all trials and by touch, each with its baseline.
 fn accuracies(evaluation: &Evaluation) -> String {
     let mut parts = vec![("all trials", evaluation.confusion.accuracy())];
     if let Some(split) = evaluation.by_touch {

@@ -2,9 +2,9 @@ use super::*;
 use crate::decision::Decision;
 use crate::evaluate::tests::scored;
 
+/// Pins the area against counting all pairs, ties half, with ties and infinite scores.
 #[test]
 fn the_area_is_the_chance_to_rank_a_pair_rightly() {
-    // Pins the area against counting all pairs, ties half, with ties and infinite scores.
     let positives = [3.0, 1.0, 1.0, f64::INFINITY, -2.0, 0.0];
     let negatives = [1.0, -2.0, -0.0, 0.5, f64::NEG_INFINITY];
     let mut ranked = 0.0;
@@ -25,9 +25,9 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     assert!((curve.area + turned.area - 1.0).abs() < 1e-15);
 }
 
+/// Pins both ends, that the curve never falls, and each point against counting what scores so much or more.
 #[test]
 fn points_are_the_counts_at_their_thresholds() {
-    // Pins both ends, that the curve never falls, and each point against counting what scores so much or more.
     let positives = [0.9, 0.8, 0.8, 0.3];
     let negatives = [0.8, 0.2, 0.1];
     let curve = RocCurve::of(&positives, &negatives).unwrap();
@@ -51,9 +51,9 @@ fn points_are_the_counts_at_their_thresholds() {
     assert_eq!(RocCurve::of(&[f64::NAN], &negatives), None);
 }
 
+/// Pins the signed margin as score: leaf margins of 2, −1 and 0 (no category admits the trial) against 1 and −5.
 #[test]
 fn a_category_is_set_against_all_others() {
-    // Pins the signed margin as score: leaf margins of 2, −1 and 0 (no category admits the trial) against 1 and −5.
     let never = f64::NEG_INFINITY;
     let evaluation = scored(&[
         ("leaf", [2.0, 0.0]),

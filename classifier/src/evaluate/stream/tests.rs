@@ -44,10 +44,10 @@ fn reach() -> Recording {
     recording(&frames)
 }
 
+/// Pins counts of a reach that can be counted by hand, argmax: one leaf right, one soft trunk wrong, one hard trunk
+/// right but in the frame of its break, one taxel without truth.
 #[test]
 fn verdicts_are_tallied_by_truth() {
-    // Pins counts of a reach that can be counted by hand, argmax: one leaf right, one soft trunk wrong, one hard trunk
-    // right but in the frame of its break, one taxel without truth.
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
     let total = Tally {
         correct: 6 + 5,
@@ -75,9 +75,9 @@ fn verdicts_are_tallied_by_truth() {
     assert_eq!(stream.seconds.len(), 6);
 }
 
+/// Pins StreamTruth::Environment: in a trunk-only environment also the taxel without an object is judged by trunk.
 #[test]
 fn an_environment_is_everyones_truth() {
-    // Pins StreamTruth::Environment: in a trunk-only environment also the taxel without an object is judged by trunk.
     let truth = StreamTruth::Environment(Category::TRUNK);
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), truth).unwrap();
     let total = Tally {
@@ -89,10 +89,10 @@ fn an_environment_is_everyones_truth() {
     assert_eq!(stream.total(), total);
 }
 
+/// Pins Fig. 9's quantity: with a margin of 10 nats required and 3.125 a sample a verdict needs 4 samples; before it counts 0,
+/// afterwards it stays 4 while samples since contact go on. A new contact begins anew.
 #[test]
 fn samples_used_are_those_at_the_verdict() {
-    // Pins Fig. 9's quantity: with a margin of 10 nats required and 3.125 a sample a verdict needs 4 samples; before it counts 0,
-    // afterwards it stays 4 while samples since contact go on. A new contact begins anew.
     let rule = Rule::UncertainBelow { margin: 10.0 };
     let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
     let used: Vec<f64> = stream.frames.iter().map(|frame| frame.mean_samples_used).collect();
@@ -107,9 +107,9 @@ fn samples_used_are_those_at_the_verdict() {
     assert_eq!(stream.frames[5].tally.uncertain, 1);
 }
 
+/// Pins truth without a model: outlier is right, a category wrong; a trained category called an outlier is wrong.
 #[test]
 fn a_foreign_object_is_rightly_an_outlier() {
-    // Pins truth without a model: outlier is right, a category wrong; a trained category called an outlier is wrong.
     let mut recording = reach();
     recording.objects[1] = ObjectRecord {
         kind: "foam_roll".into(),
@@ -171,9 +171,9 @@ fn right_in_a_stream_is_right_as_a_trial() {
     assert_eq!(right, expected);
 }
 
+/// Pins that a reach without contact divides nothing by nothing.
 #[test]
 fn no_contact_has_no_means() {
-    // Pins that a reach without contact divides nothing by nothing.
     let nothing: &[(u16, f64, Option<u16>)] = &[];
     let empty = recording(&[(0.0, nothing); 3]);
     let stream = classify_stream(&models(), &empty, &options(Rule::Argmax), StreamTruth::Object).unwrap();

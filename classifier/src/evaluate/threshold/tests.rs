@@ -41,10 +41,10 @@ fn band(chosen: &ChosenThresholds) -> (f64, f64) {
     }
 }
 
+/// Pins both thresholds against the normal distribution they are drawn from: a mistake of more than t nats has
+/// probability Φ(−(t + 3)/3) = α, so t = 3·z(1 − α) − 3; the band holds β = π/(1 − π) of the known trials.
 #[test]
 fn thresholds_are_the_quantiles_of_the_distribution() {
-    // Pins both thresholds against the normal distribution they are drawn from: a mistake of more than t nats has
-    // probability Φ(−(t + 3)/3) = α, so t = 3·z(1 − α) − 3; the band holds β = π/(1 − π) of the known trials.
     let z_at_2_percent = 2.053_749;
     let targets = ThresholdTargets {
         false_positive_rate: 0.02,
@@ -66,11 +66,11 @@ fn thresholds_are_the_quantiles_of_the_distribution() {
     );
 }
 
+/// Pins the counting where its conditions hold, with independent trials and one scoring rule: over many small training
+/// sets, new trials of another category are taken for a category with probability at most the rate; 40 trials a
+/// category, so that counting k/n instead of (k+1)/(n+1) would fail.
 #[test]
 fn new_trials_keep_the_rate_on_average() {
-    // Pins the counting where its conditions hold, with independent trials and one scoring rule: over many small training
-    // sets, new trials of another category are taken for a category with probability at most the rate; 40 trials a
-    // category, so that counting k/n instead of (k+1)/(n+1) would fail.
     let (mut mistakes, mut trials) = (0, 0);
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for _ in 0..400 {
@@ -89,9 +89,9 @@ fn new_trials_keep_the_rate_on_average() {
     assert!(rate <= 0.1 && rate > 0.06, "{rate}");
 }
 
+/// Pins the counting on eleven hand-made trials a category: at a rate of 0.25 of 12, two mistakes may stay above.
 #[test]
 fn counts_stand_at_the_border() {
-    // Pins the counting on eleven hand-made trials a category: at a rate of 0.25 of 12, two mistakes may stay above.
     let mut rows: Vec<(&str, [f64; 2])> = Vec::new();
     for margin in [-9.0, -7.0, -5.0, -3.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0] {
         rows.push(("leaf", [margin, 0.0]));
@@ -110,9 +110,9 @@ fn counts_stand_at_the_border() {
     assert_eq!((chosen.outlier, chosen.uncertain), (4.0 / 22.0, 1.0 / 22.0));
 }
 
+/// Pins that a prior of zero makes the band empty but for a margin on the threshold itself.
 #[test]
 fn no_outliers_expected_leaves_no_band() {
-    // Pins that a prior of zero makes the band empty but for a margin on the threshold itself.
     let targets = ThresholdTargets {
         outlier_prior: 0.0,
         ..TARGETS
@@ -124,9 +124,9 @@ fn no_outliers_expected_leaves_no_band() {
     assert!(band(&wide).0 < band(&wide).1);
 }
 
+/// Pins the errors: targets out of range, too few trials, infinite mistakes, foreign priors.
 #[test]
 fn what_cannot_be_held_is_refused() {
-    // Pins the errors: targets out of range, too few trials, infinite mistakes, foreign priors.
     let data = drawn(8, 4);
     let choose = |data: &Evaluation, false_positive_rate, outlier_prior| {
         let targets = ThresholdTargets {

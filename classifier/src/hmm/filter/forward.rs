@@ -134,7 +134,7 @@ impl Forward {
         for (state, (((from, places), initial), (next_mantissa, next_exponent))) in states.zip(next).enumerate() {
             let before = self.relative[from.clone()].as_chunks::<CHUNK>().0;
             let entries = tables.probability[places.clone()].as_chunks::<CHUNK>().0;
-            // Two sums hide the latency of addition.
+            // Two independent sums hide the latency of addition.
             let mut sums = [[0.0; WIDTH]; 2];
             for (relative, probability) in before.iter().zip(entries) {
                 for k in 0..CHUNK {

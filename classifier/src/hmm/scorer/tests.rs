@@ -80,8 +80,7 @@ fn path_log_probabilities(parameters: &HmmParameters, observations: &Observation
 }
 
 proptest! {
-    // Pins both scores against the sum and the maximum over all state paths, zero probabilities included (−inf, not
-    // NaN).
+    // Pins both scores against the sum and the maximum over all state paths, including zero probabilities (−inf, not NaN).
     #[test]
     fn scores_are_sum_and_maximum_over_all_paths((parameters, samples) in small_problem()) {
         let observations = Observations::new(parameters.mean[0].len(), samples).unwrap();
@@ -100,10 +99,10 @@ proptest! {
     }
 }
 
+/// Pins scores where plain scaling fails against a log-space recursion over all pairs of states: models whose transitions
+/// training drove to 0 or 1e-150, on long sequences that no state fits.
 #[test]
 fn left_to_right_models_score_foreign_data_exactly() {
-    // Pins exactness where scaling fails: models whose transitions training drove to 0 or 1e-150, on long sequences that
-    // no state fits, against a plain log-space recursion over all pairs of states.
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for round in 0..40 {
         let n = 10;
@@ -175,7 +174,7 @@ fn slow_log_forward(parameters: &HmmParameters, values: &[f64]) -> f64 {
     alpha.into_iter().fold(f64::NEG_INFINITY, add)
 }
 
-/// A left-to-right model of 10 states as training leaves it: narrow states, zeros, probabilities down to 1e-300.
+/// A left-to-right model of 10 states like those that training produces: narrow states, zeros, probabilities down to 1e-300.
 fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     let n = 10;
     let row = |first: usize, rng: &mut ChaCha8Rng| -> Vec<f64> {
@@ -205,10 +204,10 @@ fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     }
 }
 
+/// Pins forward scores within 1e-9 of a log-space recursion: a hold of 20 000 samples after which the force decreases again,
+/// where early states have fallen behind by thousands of powers of 2; oscillations; outliers; a single sample.
 #[test]
-fn holds_swings_and_outliers_are_exact() {
-    // Pins forward scores within 1e-9 of a plain log-space recursion: a hold of 20 000 samples after which the force
-    // falls back, where early states have fallen behind by thousands of powers of 2; swings; outliers; short ones.
+fn holds_oscillations_and_outliers_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let noise = |rng: &mut ChaCha8Rng| rng.random_range(-0.02..0.02);
     for round in 0..6 {
@@ -242,9 +241,9 @@ fn holds_swings_and_outliers_are_exact() {
     }
 }
 
+/// Pins that scores depend neither on which sequences share a filter nor on whether samples arrive one by one.
 #[test]
 fn one_by_one_and_together_are_the_same_bits() {
-    // Pins that scores do not depend on which sequences share a filter, nor on whether samples come one by one.
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let scorer = Scorer::from(GaussianHmm::new(trained_left_to_right(&mut rng)).unwrap());
     let sequences: Vec<Observations> = [3, 1, 80, 7, 7, 41, 2, 300, 5]

@@ -100,7 +100,10 @@ impl Pass {
         );
         for i in 0..n {
             let row = &self.log_transition[i * n..(i + 1) * n];
-            fill(&mut self.terms, row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead));
+            fill(
+                &mut self.terms,
+                row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead),
+            );
             let (log_sum, sum) = log_sum_exp(&mut self.terms);
             self.log_beta[i] = log_sum;
             let gamma = probability(self.log_alpha[t * n + i] + log_sum - log_likelihood);

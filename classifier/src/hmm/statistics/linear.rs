@@ -1,5 +1,4 @@
-//! A model laid out for arithmetic on plain numbers: probabilities and densities in tiles of states, padded with states
-//! that nothing reaches.
+//! A model laid out for the scaled pass: probabilities and densities in tiles of states, padded with unreachable states.
 
 use std::ops::Range;
 
@@ -9,16 +8,15 @@ use crate::hmm::tile::{
     self, ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, tiled, tiles_for, zip,
 };
 
-/// Base-2 logarithm of the least density, relative to the largest of its sample, that [`LinearModel::densities`] gives.
-pub(super) const LEAST_DENSITY: f64 = -500.0;
+/// The smallest log2-density, relative to the largest of its sample, that [`LinearModel::densities`] returns.
+pub(super) const MIN_LOG2_DENSITY: f64 = -500.0;
 
-/// Transition probabilities under this, but not zero ones, are raised to it, so that no product with a weight is
-/// subnormal.
-pub(super) const LEAST_TRANSITION: f64 = 3.054936363499605e-151;
+/// Nonzero transition probabilities below this are raised to it, so that no product with a weight is subnormal.
+pub(super) const MIN_TRANSITION: f64 = 3.054936363499605e-151;
 /// Its base-2 logarithm.
-const LOG2_LEAST_TRANSITION: f64 = -500.0;
+const LOG2_MIN_TRANSITION: f64 = -500.0;
 
-/// Where base-2 logarithms of densities stop having a fraction to speak of.
+/// Log2-densities below this have too few bits left for a fraction.
 const FAR_OUT: f64 = -1e12;
 
 /// A model laid out in tiles.
@@ -27,18 +25,18 @@ pub(super) struct LinearModel<'a> {
     pub(super) tiles: usize,
     pub(super) gaussians: &'a Gaussians,
     pub(super) initial: Vec<Tile>,
-    /// From all states into those of a tile.
+    /// Transitions from all states into those of a tile.
     pub(super) forward: TiledMatrix,
     /// Its transpose.
     pub(super) backward: TiledMatrix,
-    /// Exponents of 2 of `forward`'s entries, −inf for zero.
+    /// Base-2 exponents of the entries of `forward`, −inf for zero.
     pub(super) exponents: TiledMatrix,
 }
 
 impl<'a> LinearModel<'a> {
     pub(super) fn new(model: &'a GaussianHmm) -> Self {
         let n = model.states;
-        let raised = |p: f64| if p > 0.0 { larger(p, LEAST_TRANSITION) } else { 0.0 };
+        let raised = |p: f64| if p > 0.0 { larger(p, MIN_TRANSITION) } else { 0.0 };
         let forward = TiledMatrix::new(n, |from, to| raised(model.transition[from * n + to]));
         LinearModel {
             tiles: tiles_for(n),
@@ -50,10 +48,10 @@ impl<'a> LinearModel<'a> {
         }
     }
 
-    /// Writes the densities of a sample, `tiles` of them, relative to a power of 2, whose exponent is returned; the
-    /// largest is then about 1, and those under 2^[`LEAST_DENSITY`] are raised to it.
+    /// Writes the densities of a sample relative to a power of 2 and returns that power's exponent. The largest is then
+    /// about 1, and those below 2^[`MIN_LOG2_DENSITY`] are raised to it.
     ///
-    /// `None` where the sample is so far from all states that f64 can tell their densities no longer apart.
+    /// `None` if the sample is so far from all states that f64 can no longer tell their densities apart.
     #[inline(always)]
     pub(super) fn densities(&self, sample: &[f64], out: &mut [Tile]) -> Option<f64> {
         let mut largest = [f64::NEG_INFINITY; WIDTH];
@@ -67,15 +65,15 @@ impl<'a> LinearModel<'a> {
         }
         let reference = (largest + ROUNDER) - ROUNDER;
         for out in out {
-            // The comparison turns NaN, infinity minus infinity far out, into the least density.
-            *out = map(*out, |exponent| exp2(larger(exponent - reference, LEAST_DENSITY)));
+            // The comparison turns NaN (infinity minus infinity) into the smallest density.
+            *out = map(*out, |exponent| exp2(larger(exponent - reference, MIN_LOG2_DENSITY)));
         }
         Some(reference)
     }
 }
 
-/// A square matrix by tiles of columns, without the rows that are zero in all of a tile's columns before its first and
-/// after its last other one, as far as these fill tiles: half of a left-to-right model.
+/// A square matrix stored by tiles of columns. In each tile, leading and trailing rows that are all zero are left out in
+/// whole tiles, which saves half of a left-to-right model.
 #[derive(Clone)]
 pub(super) struct TiledMatrix {
     spans: Vec<Span>,
@@ -87,7 +85,7 @@ pub(super) struct TiledMatrix {
 pub(super) struct Span {
     /// Of the matrix.
     pub(super) rows: Range<usize>,
-    /// In the list of all tiles' rows.
+    /// In the list of the rows of all tiles.
     pub(super) places: Range<usize>,
 }
 
@@ -114,7 +112,7 @@ impl TiledMatrix {
         TiledMatrix { spans, rows }
     }
 
-    /// A matrix of the same shape.
+    /// The matrix with a function applied to its entries.
     fn map(&self, entry: impl Fn(f64) -> f64) -> Self {
         TiledMatrix {
             spans: self.spans.clone(),
@@ -133,7 +131,7 @@ impl TiledMatrix {
     pub(super) fn weighted_sum(&self, tile: usize, weights: &[f64]) -> Tile {
         let span = &self.spans[tile];
         let (rows, weights) = (&self.rows[span.places.clone()], &weights[span.rows.clone()]);
-        // Two sums hide the latency of addition.
+        // Two independent sums hide the latency of addition.
         let (mut even, mut odd) = ([0.0; WIDTH], [0.0; WIDTH]);
         for (row, weight) in rows.as_chunks::<WIDTH>().0.iter().zip(weights.as_chunks::<WIDTH>().0) {
             even = zip(even, row[0], |sum, entry| sum + entry * weight[0]);
@@ -144,10 +142,10 @@ impl TiledMatrix {
         add(even, odd)
     }
 
-    /// Fills `self` with the entries of `plain`, of the same shape, times 2^(change(row, column)), where `exponents` are
-    /// those of the states (tiles of integers) and the change is the row's less the column's, or the negative of that.
+    /// Fills `self` with the entries of `plain`, which has the same shape, times 2^(sign · (e_row − e_column)), where
+    /// `exponents` holds the integer exponent e of each state.
     ///
-    /// Entries other than 0 are raised to [`LEAST_TRANSITION`].
+    /// Nonzero entries are raised to at least [`MIN_TRANSITION`].
     #[inline(always)]
     pub(super) fn rescale(&mut self, plain: &TiledMatrix, exponents: &[Tile], sign: f64) {
         let of_rows = exponents.as_flattened();
@@ -158,8 +156,8 @@ impl TiledMatrix {
                 .zip(&plain.rows[span.places.clone()]);
             for ((out, plain), of_row) in rows.zip(&of_rows[span.rows.clone()]) {
                 *out = zip(*plain, of_columns, |entry, of_column| {
-                    let change = larger(sign * (of_row - of_column), LOG2_LEAST_TRANSITION);
-                    let scaled = larger(entry * integer_power_of_two(change), LEAST_TRANSITION);
+                    let change = larger(sign * (of_row - of_column), LOG2_MIN_TRANSITION);
+                    let scaled = larger(entry * integer_power_of_two(change), MIN_TRANSITION);
                     if entry > 0.0 { scaled } else { 0.0 }
                 });
             }

@@ -1,15 +1,15 @@
-//! The expectation step on plain numbers with powers of 2 put aside: fast, and sure of its own exactness.
+//! The expectation step with scaled plain numbers: fast, and able to tell when its result is not exact.
 //!
-//! Forward weights α of states are kept near 2^[`TOP`] at their largest, each state's with an exponent of its own that
-//! follows it every [`BLOCK`] samples: in a left-to-right model early states fall behind for good, by thousands of powers
-//! of 2. What falls under 2^−[`TOP`] all the same, and densities and transitions under 2^−500, is *raised* to that bound:
-//! nothing is ever subnormal, and every α is an upper bound of the true one.
+//! The largest forward weight α of a sample is kept near 2^[`TOP`]. Each state has its own exponent, updated every
+//! [`BLOCK`] samples, because in a left-to-right model early states fall behind permanently, by thousands of powers of 2.
+//! Weights that still fall below 2^−[`TOP`], and densities and transitions below 2^−500, are *raised* to that bound. So
+//! nothing is ever subnormal, and every α is an upper bound of its true value.
 //!
-//! Backwards run the probabilities γ of states given the whole sequence, not weights: of state j's probability at
-//! one sample the share α_i a_ij / Σ_k α_k a_kj came from state i. An error of γ therefore never grows. And since the
-//! share of a path that starts where a weight was raised is at most γ there, the result is exact where γ is next to
-//! nothing at all weights near the bound. Where it is not, as the data to come favour a state that the data before have
-//! all but ruled out, the sequence is left to log space.
+//! The backward pass propagates γ, the probability of each state given the whole sequence, instead of weights: of state j's
+//! probability at one sample, the share α_i a_ij / Σ_k α_k a_kj came from state i. Errors of γ therefore never grow. A path
+//! that starts where a weight was raised contributes at most its γ there, so the result is exact if γ is negligible
+//! wherever a weight is near the bound. If it is not, because later data favour a state that earlier data all but ruled
+//! out, the sequence is left to the log-space pass.
 
 mod backward;
 
@@ -21,39 +21,39 @@ use crate::hmm::tile::{
     Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, power_of_two, scale, sum, zip,
 };
 
-/// Largest weights have about this exponent of 2, smallest ones its negative.
+/// The largest weight has about this base-2 exponent, the smallest its negative.
 const TOP: i64 = 250;
 /// 2^−[`TOP`].
-const LEAST_WEIGHT: f64 = 5.527147875260445e-76;
-/// 2^−150: what raising may have added to a weight over it is under 2^−90 of the weight.
+const MIN_WEIGHT: f64 = 5.527147875260445e-76;
+/// 2^−150: raising changes a weight above this by less than 2^−90 of its value.
 const SOUND_WEIGHT: f64 = 7.006492321624085e-46;
-/// Exponent of 2 that an unsound weight never passes by a change of its state's exponent, so that it stays unsound.
+/// A change of a state's exponent never lifts an unsound weight above this base-2 exponent, so that it stays unsound.
 const UNSOUND: i64 = -152;
-/// 2^−80: a state of unsound weight must not be more probable.
-const NEXT_TO_NOTHING: f64 = 8.271806125530277e-25;
-/// 2^−500: sums under it are raised, so that their product with a density is not subnormal.
-const LEAST_SUM: f64 = 3.054936363499605e-151;
-/// 2^−300: smaller probabilities of a state at a sample count as 0.
-const LEAST_PROBABILITY: f64 = 4.909093465297727e-91;
-/// Samples between changes of the states' exponents.
+/// 2^−80: the largest probability that a state with an unsound weight may have.
+const NEGLIGIBLE: f64 = 8.271806125530277e-25;
+/// 2^−500: smaller sums are raised to this, so that their product with a density is not subnormal.
+const MIN_SUM: f64 = 3.054936363499605e-151;
+/// 2^−300: smaller state probabilities count as 0.
+const MIN_PROBABILITY: f64 = 4.909093465297727e-91;
+/// Samples between updates of the states' exponents.
 const BLOCK: usize = 16;
 
-/// Forward-backward over one sequence after the other, with the sums over all of them.
+/// Forward-backward over one sequence at a time, and the sums over all sequences.
 pub(super) struct Pass {
     states: usize,
-    /// Transitions between states with exponents of their own.
+    /// Transitions, rescaled by the states' exponents.
     forward: TiledMatrix,
     /// Its transpose.
     backward: TiledMatrix,
-    /// Samples × tiles: densities, then γ over the sum of weights that came in.
+    /// Samples × tiles: densities, later γ over the sum of incoming weights.
     ahead: Vec<Tile>,
-    /// Samples × tiles: α, as it goes into the next sample.
+    /// Samples × tiles: α as used for the next sample.
     weight: Vec<Tile>,
-    /// Samples × tiles: one over the sum of weights that came in.
+    /// Samples × tiles: one over the sum of incoming weights.
     per_sum: Vec<Tile>,
     /// Samples × tiles: γ.
     probability: Vec<Tile>,
-    /// One a sample: weights over it are sound.
+    /// One per sample: weights above this are sound.
     sound: Vec<f64>,
     /// Blocks × tiles: the states' exponents.
     exponents: Vec<Tile>,
@@ -64,7 +64,7 @@ pub(super) struct Pass {
     first: Vec<Tile>,
     /// D × D × tiles.
     second: Vec<Tile>,
-    /// Expected transitions, laid out as `backward`: of all sequences, and of the one at hand.
+    /// Expected transitions, laid out as `backward`: over all sequences, and of the current one.
     transitions: Vec<Tile>,
     own_transitions: Vec<Tile>,
 }
@@ -91,13 +91,13 @@ impl Pass {
         }
     }
 
-    /// Counts one sequence; its log-likelihood, or `None` and nothing counted where plain numbers will not do.
+    /// Counts one sequence and returns its log-likelihood, or `None` without counting if the result would not be exact.
     #[inline(always)]
     pub(super) fn count(&mut self, model: &LinearModel, sequence: &Observations) -> Option<f64> {
         let samples = sequence.sample_count();
         let log2_scale = self.forward(model, sequence)?;
         let log_likelihood = self.end(model, samples, log2_scale);
-        if self.backward(model, samples) > NEXT_TO_NOTHING {
+        if self.backward(model, samples) > NEGLIGIBLE {
             return None;
         }
         self.count_samples(model, sequence);
@@ -107,7 +107,7 @@ impl Pass {
         Some(log_likelihood)
     }
 
-    /// Fills `weight`, `per_sum`, `sound` and `exponents`; the exponent of 2 of all weights.
+    /// Fills `weight`, `per_sum`, `sound` and `exponents`, and returns the common base-2 exponent of all weights.
     #[inline(always)]
     fn forward(&mut self, model: &LinearModel, sequence: &Observations) -> Option<f64> {
         let (tiles, samples) = (model.tiles, sequence.sample_count());
@@ -142,14 +142,14 @@ impl Pass {
                     0 => model.initial[tile],
                     _ => self.forward.weighted_sum(tile, before),
                 };
-                let sum = raise(sum, LEAST_SUM);
+                let sum = raise(sum, MIN_SUM);
                 *per_sum = map(sum, |sum| 1.0 / sum);
-                *weight = raise(multiply(sum, scale(*density, factor)), LEAST_WEIGHT);
+                *weight = raise(multiply(sum, scale(*density, factor)), MIN_WEIGHT);
                 highest = zip(*weight, highest, larger);
             }
             top = exponent(largest(highest));
-            // Raising sums adds more than raising weights does where the weights before were small.
-            self.sound[sample] = SOUND_WEIGHT * larger(factor * LEAST_WEIGHT, 1.0);
+            // After small weights, raising sums adds more than raising weights does.
+            self.sound[sample] = SOUND_WEIGHT * larger(factor * MIN_WEIGHT, 1.0);
             if (sample + 1) % BLOCK == 0 && sample + 1 < samples {
                 self.follow(model, sample, top);
             }
@@ -157,7 +157,7 @@ impl Pass {
         Some(log2_scale)
     }
 
-    /// Lets the exponents follow the weights after the last sample of a block.
+    /// Updates the states' exponents from the weights after the last sample of a block.
     #[inline(always)]
     fn follow(&mut self, model: &LinearModel, sample: usize, top: i64) {
         let tiles = model.tiles;
@@ -181,7 +181,7 @@ impl Pass {
                 after[lane] = before[lane] + by_weight.max(by_sum).min(0) as f64;
             }
         }
-        // No exponent may be so low that a transition into its state would be over 1.
+        // No exponent may be so low that a rescaled transition into its state would exceed 1.
         loop {
             let mut raised = false;
             for (tile, span) in model.exponents.spans().iter().enumerate() {
@@ -199,12 +199,12 @@ impl Pass {
         }
         for ((weight, after), before) in weights.iter_mut().zip(&*after).zip(before) {
             let change = zip(*before, *after, |before, after| integer_power_of_two(before - after));
-            *weight = raise(multiply(*weight, change), LEAST_WEIGHT);
+            *weight = raise(multiply(*weight, change), MIN_WEIGHT);
         }
         self.forward.rescale(&model.forward, after, 1.0);
     }
 
-    /// Fills γ of the last sample; the log-likelihood.
+    /// Fills γ of the last sample and returns the log-likelihood.
     #[inline(always)]
     fn end(&mut self, model: &LinearModel, samples: usize, log2_scale: f64) -> f64 {
         let tiles = model.tiles;
@@ -234,14 +234,14 @@ impl Pass {
     }
 }
 
-/// Numbers not under `least`.
+/// Raises numbers to at least `min`.
 #[inline(always)]
-fn raise(numbers: Tile, least: f64) -> Tile {
-    map(numbers, |number| larger(number, least))
+fn raise(numbers: Tile, min: f64) -> Tile {
+    map(numbers, |number| larger(number, min))
 }
 
-/// A probability, 0 where it is negligible.
+/// A probability, or 0 if it is negligible.
 #[inline(always)]
 fn probability(number: f64) -> f64 {
-    if number < LEAST_PROBABILITY { 0.0 } else { number }
+    if number < MIN_PROBABILITY { 0.0 } else { number }
 }

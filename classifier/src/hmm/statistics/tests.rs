@@ -5,7 +5,7 @@ use super::*;
 use crate::hmm::tile::tests::BASELINE_ONLY;
 use crate::hmm::{HmmParameters, ScoreKind, Scorer, Topology};
 
-/// A model of the authors' start topology over 0 … 3 N, with narrow and wide states.
+/// A model with the authors' initial transitions over 0 … 3 N, with narrow and wide states.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
     let mean = |state: usize, rng: &mut ChaCha8Rng| -> Vec<f64> {
         (0..dimension)
@@ -30,7 +30,7 @@ fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8R
     .unwrap()
 }
 
-/// A press that rises, holds and, every other time, gives way, with noise.
+/// A noisy press that increases, holds and, every other time, decreases.
 fn press(samples: usize, dimension: usize, number: usize, rng: &mut ChaCha8Rng) -> Observations {
     let values = (0..samples).flat_map(|t| {
         let rise = (0.2 * t as f64).min(2.9);
@@ -57,11 +57,12 @@ fn exactly(model: &GaussianHmm, sequence: &Observations) -> Statistics {
     exact
 }
 
+/// Pins every expected count of the scaled pass against the log-space pass, for one and two features, padded and full tiles,
+/// and sequences of 1 to 20 000 samples; and that the scaled pass handles nearly all of them. The tolerance is 1e-9
+/// (absolute below 1, else relative) up to 2000 samples. Beyond that the log-space pass itself is off by about 1e-8,
+/// because it subtracts numbers of size 1e7.
 #[test]
-fn plain_numbers_count_what_log_space_counts() {
-    // Pins every expected count against the log-space pass where plain numbers are used, one and two features, padded and
-    // full tiles, sequences of 1 to 20 000 samples; and that they are used nearly always. Within 1e-9 (of 1 or of its
-    // size) up to 2000 samples; then the log-space pass itself is off by some 1e-8, as it takes differences of 1e7.
+fn the_scaled_pass_counts_what_log_space_counts() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     let (mut counted, mut tried) = (0, 0);
     for (states, topology, dimension) in [
@@ -84,7 +85,7 @@ fn plain_numbers_count_what_log_space_counts() {
             pass.add_to(&mut found, &model);
             let expected = exactly(&model, &sequence);
             let tolerance = if samples > 2000 { 1e-6 } else { 1e-9 };
-            // What log space cannot show: probabilities that add up to the samples.
+            // The probabilities add up to the samples more precisely than in log space.
             let total: f64 = found.occupancy.iter().sum();
             assert!(
                 (total / samples as f64 - 1.0).abs() < 1e-12,
@@ -115,10 +116,10 @@ fn plain_numbers_count_what_log_space_counts() {
     assert!(10 * counted >= 9 * tried, "{counted} of {tried}");
 }
 
+/// Pins that the scaled pass declines a sequence whose likely path runs through a weight below its range: narrow states
+/// without a transition back, and data that rule out the right state by 10 000 nats and then all others by 20 000.
 #[test]
-fn what_was_ruled_out_and_comes_back_is_left_to_log_space() {
-    // Pins that plain numbers refuse a sequence whose likely path runs through a weight under their reach: narrow states
-    // without a way back, data that rule the right state out by 10 000 nats and then rule all others out by 20 000.
+fn a_state_ruled_out_that_returns_is_left_to_log_space() {
     let variance = 1e-4;
     let model = GaussianHmm::new(HmmParameters {
         initial: vec![0.5, 0.5],
@@ -134,7 +135,7 @@ fn what_was_ruled_out_and_comes_back_is_left_to_log_space() {
     };
     assert!(count(&[0.0, 0.0, 0.01, 0.0]).is_some());
     assert_eq!(count(&[0.0, 0.0, 1.0, 1.0, 1.0]), None);
-    // The whole of training still counts it, exactly.
+    // The expectation step as a whole still counts it exactly.
     let sequence = Observations::new(1, vec![0.0, 0.0, 1.0, 1.0, 1.0]).unwrap();
     let statistics = Statistics::collect(&model, &[sequence]).ok().unwrap();
     let peak = -0.5 * (std::f64::consts::TAU * variance).ln();
@@ -143,10 +144,10 @@ fn what_was_ruled_out_and_comes_back_is_left_to_log_space() {
     assert!((statistics.occupancy[1] - 5.0).abs() < 1e-9);
 }
 
+/// Pins that code with and without this processor's vector instructions gives the same scores and counts to the last bit,
+/// on data of the model and on data that no state fits.
 #[test]
 fn every_processor_gets_the_same_bits() {
-    // Pins that the code for any processor and that for this one's vector instructions, where it has them, give the same
-    // scores and counts to the last bit, on data of the model and on such that no state fits.
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for (states, dimension) in [(10, 1), (7, 2)] {
         let model = model(states, Topology::LeftToRight, dimension, &mut rng);

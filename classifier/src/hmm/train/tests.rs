@@ -35,9 +35,9 @@ fn univariate(initial: &[f64], transition: &[&[f64]], mean: &[f64], variance: &[
     }
 }
 
+/// Pins that training on 400 × 100 samples of a known model recovers every parameter within 5 % (0.05 for probabilities).
 #[test]
 fn known_parameters_are_recovered() {
-    // Pins that training on 400 × 100 samples of a known model finds every parameter within 5 % (of 1 for probabilities).
     let truth = univariate(&[0.7, 0.3], &[&[0.9, 0.1], &[0.25, 0.75]], &[1.0, 4.0], &[0.25, 0.64]);
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let sequences: Vec<_> = (0..400).map(|_| sample(&truth, 100, &mut rng)).collect();
@@ -66,9 +66,9 @@ fn known_parameters_are_recovered() {
     }
 }
 
+/// Pins the update of every parameter against expected counts from an enumeration of all state paths.
 #[test]
 fn one_iteration_matches_counting_by_hand() {
-    // Pins the update of every parameter against expected counts from an enumeration of all state paths.
     let start = univariate(&[0.6, 0.4], &[&[0.7, 0.3], &[0.2, 0.8]], &[0.0, 1.0], &[0.5, 0.3]);
     let sequences = [[0.1, 0.9, 1.2, -0.3], [1.1, 0.8, 0.2, 0.4]];
     let (mut first, mut moves) = ([0.0; 2], [[0.0; 2]; 2]);
@@ -126,10 +126,10 @@ fn one_iteration_matches_counting_by_hand() {
     }
 }
 
+/// Pins that zero transitions of the left-to-right start stay zero, and that no eigenvalue ends below the floor while the
+/// likelihood still increases in every iteration, although quantized samples push the variance down.
 #[test]
 fn zeros_stay_zero_and_the_floor_holds() {
-    // Pins that training opens no transition of the left-to-right start, and that no eigenvalue ends under the floor,
-    // with the likelihood still rising at each step although quantized samples press the variance down.
     let quantized = |values: &[f64]| {
         values
             .iter()
@@ -196,9 +196,9 @@ fn zeros_stay_zero_and_the_floor_holds() {
     );
 }
 
+/// Pins each reason to stop: a gain above or below the tolerance, any decrease however small, and tolerance 0.
 #[test]
-fn a_fall_is_never_convergence() {
-    // Pins how each reason to stop is told: gain over, under the tolerance, a fall however small, and tolerance 0.
+fn a_decrease_is_never_convergence() {
     assert_eq!(judge(-100.0, -99.0, 3, 1e-4), None);
     assert_eq!(judge(-100.0, -99.995, 3, 1e-4), Some(Stop::Converged { iteration: 3 }));
     assert_eq!(judge(-100.0, -100.0, 3, 1e-4), Some(Stop::Converged { iteration: 3 }));
@@ -211,9 +211,9 @@ fn a_fall_is_never_convergence() {
     assert_eq!(judge(-100.0, -101.0, 3, 0.0), None);
 }
 
+/// Pins that a state that no sample supports keeps its parameters and is reported.
 #[test]
 fn an_empty_state_is_named_and_kept() {
-    // Pins that a state out of reach of all samples keeps its parameters and is reported.
     let start = univariate(&[1.0, 0.0], &[&[1.0, 0.0], &[0.5, 0.5]], &[0.0, 9.0], &[1.0, 2.0]);
     let sequences = [Observations::new(1, vec![0.1, 0.3, 0.2]).unwrap()];
     let options = TrainingOptions {
@@ -230,9 +230,9 @@ fn an_empty_state_is_named_and_kept() {
     assert!((parameters.mean[0][0] - 0.2).abs() < 1e-15);
 }
 
+/// Pins the errors for no sequences, mixed dimensions, invalid options and samples that no state can produce.
 #[test]
-fn senseless_requests_are_refused() {
-    // Pins the errors for no sequences, mixed dimensions, bad options and values that no state can give.
+fn invalid_requests_are_refused() {
     let model = GaussianHmm::new(univariate(&[1.0], &[&[1.0]], &[0.0], &[1.0])).unwrap();
     let options = TrainingOptions::default();
     let one = Observations::new(1, vec![0.0, 1.0]).unwrap();
@@ -270,7 +270,7 @@ fn senseless_requests_are_refused() {
 }
 
 proptest! {
-    // Pins that no step makes a sequence less likely, whatever the start, extreme ones included.
+    // Pins that no iteration makes a sequence less likely, whatever the start, including extreme ones.
     #[test]
     fn training_never_falls((parameters, samples) in small_problem()) {
         let observations = Observations::new(parameters.mean[0].len(), samples).unwrap();

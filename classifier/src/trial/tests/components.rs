@@ -2,9 +2,9 @@
 
 use super::*;
 
+/// Pins 4-connectivity (no diagonals), wrap-around by the layout, and its override.
 #[test]
 fn components_wrap_around_only_where_asked() {
-    // Pins 4-connectivity (no diagonals), wrap-around by the layout, and its override.
     let recording = recording(&[(
         0.0,
         &[(0, 1.0, Some(0)), (5, 2.0, Some(0)), (7, 3.0, Some(0)), (14, 4.0, None)],
@@ -21,9 +21,9 @@ fn components_wrap_around_only_where_asked() {
     assert_eq!(largest(Some(false)), [1.0, 2.0, 3.0, 4.0]);
 }
 
+/// Pins both features: taxels 7, 8 (centre column 1.5) then 7, 8, 9 (centre column 2), the patch 1 mm further on.
 #[test]
 fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
-    // Pins both features: taxels 7, 8 (centre column 1.5) then 7, 8, 9 (centre column 2), the patch 1 mm further on.
     let recording = recording(&[
         (0.000, &[(7, 0.5, None), (8, 0.9, None)]),
         (0.001, &[(7, 0.4, Some(1)), (8, 0.8, Some(1)), (9, 1.1, None)]),
@@ -57,9 +57,9 @@ fn without_wrap(frames: &[Drawn]) -> Vec<ContactTrial> {
     component_trials(&recording(frames), &options).unwrap()
 }
 
+/// Pins merging: columns 0–1 and column 3 become 0–3 (centre 1.5): the first was 10 mm away, the second 15 mm.
 #[test]
 fn of_two_merging_components_the_nearer_goes_on() {
-    // Pins merging: columns 0–1 and column 3 become 0–3 (centre 1.5): the first was 10 mm away, the second 15 mm.
     let trials = without_wrap(&[APART, TOGETHER]);
     assert_eq!(
         trials.iter().map(forces).collect::<Vec<_>>(),
@@ -68,9 +68,9 @@ fn of_two_merging_components_the_nearer_goes_on() {
     assert_eq!(motions_mm(&trials[0]), [0.0, 10.0]);
 }
 
+/// Pins splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm off) and 3 (15 mm off), which starts from zero motion.
 #[test]
 fn of_a_splitting_component_the_nearer_piece_goes_on() {
-    // Pins splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm off) and 3 (15 mm off), which starts from zero motion.
     let trials = without_wrap(&[TOGETHER, APART]);
     assert_eq!(
         trials.iter().map(forces).collect::<Vec<_>>(),
@@ -79,10 +79,10 @@ fn of_a_splitting_component_the_nearer_piece_goes_on() {
     assert_eq!(motions_mm(&trials[1]), [0.0]);
 }
 
+/// Pins association: a patch that slides 10 mm in x under a fixed contact moves it by one column at rest in the
+/// world; a contact that jumps farther than allowed ends and begins anew.
 #[test]
 fn tracking_is_greedy_by_world_distance() {
-    // Pins association: a patch that slides 10 mm in x under a fixed contact moves it by one column at rest in the
-    // world; a contact that jumps farther than allowed ends and begins anew.
     let recording = recording(&[
         (0.00, &[(1, 1.0, Some(0)), (4, 5.0, Some(1))]),
         (-0.01, &[(2, 2.0, Some(0)), (5, 6.0, Some(1))]),
@@ -99,10 +99,10 @@ fn tracking_is_greedy_by_world_distance() {
     assert_eq!(motions_mm(&trials[0]), [0.0; 3]);
 }
 
+/// Pins taxels, largest force and sum of the region that a taxel is part of, at each instant, in taxel and in component
+/// trials: 1, 2 and 8 hang together in a grid of rows of six, 11 stands alone; then 2 breaks and parts the others.
 #[test]
 fn samples_know_their_contact_region() {
-    // Pins taxels, largest force and sum of the region that a taxel is part of, at each instant, in taxel and in component
-    // trials: 1, 2 and 8 hang together in a grid of rows of six, 11 stands alone; then 2 breaks and parts the others.
     let recording = recording(&[
         (
             0.0,

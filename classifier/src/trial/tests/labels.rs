@@ -1,10 +1,10 @@
-//! What a trial is told to be.
+//! Labels of trials.
 
 use super::*;
 
+/// Pins the majority vote, that samples without object have no vote, and no category without any.
 #[test]
 fn truth_is_the_object_of_most_samples() {
-    // Pins the majority vote, that samples without object have no vote, and no category without any.
     let recording = recording(&[
         (0.0, &[(0, 1.0, None), (5, 1.0, None)]),
         (0.0, &[(0, 1.0, None)]),
@@ -20,10 +20,10 @@ fn truth_is_the_object_of_most_samples() {
     assert_eq!((trials[1].object, &trials[1].trial.category), (None, &None));
 }
 
+/// Pins labels: by contact a trial without an object has none; by environment it has that of the only category, foam
+/// blocks aside; in mixed clutter both label alike.
 #[test]
 fn the_environment_labels_what_nothing_touched() {
-    // Pins labels: by contact a trial without an object has none; by environment it has that of the only category, foam
-    // blocks aside; in mixed clutter both label alike.
     let touched: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1)), (9, 1.0, None)];
     let mut reach = recording(&[(0.0, touched), (0.0, touched)]);
     let labels = |reach: &Recording, labels| -> Vec<Option<String>> {
@@ -40,7 +40,7 @@ fn the_environment_labels_what_nothing_touched() {
 }
 
 /// Pins that a trial knows in which samples an object truly pressed: by taxel the taxel's own, by component any of its
-/// taxels'; a sensed force without a true one (a stray, creep) is untouched, also where the environment labels it; and a
+/// taxels'; a sensed force without a true one (a spurious reading, creep) is untouched, also where the environment labels it; and a
 /// recording without objects knows nothing.
 #[test]
 fn a_trial_knows_when_it_was_touched() {

@@ -3,8 +3,10 @@
 mod components;
 mod labels;
 
-use glam::DQuat;
-use underbrush_recording::{Audit, Category, Frame, Grid, Patch, Pose, SkinLayout, Taxel, TaxelReading};
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3};
+use underbrush_recording::{Audit, Category, Frame, Grid, ObjectRecord, Patch, Pose, SkinLayout, Taxel, TaxelReading};
 
 use super::*;
 
@@ -117,9 +119,9 @@ fn motions_mm(contact: &ContactTrial) -> Vec<f64> {
         .collect()
 }
 
+/// Pins cutting at contact and break, motion in the world frame from each contact's own start, order and numbers.
 #[test]
 fn a_taxel_makes_one_trial_per_contact() {
-    // Pins cutting at contact and break, motion in the world frame from each contact's own start, order and numbers.
     let recording = recording(&[
         (0.000, &[(7, 0.5, Some(0))]),
         (0.003, &[(2, 0.1, None), (7, 0.6, Some(0))]),
@@ -154,9 +156,9 @@ fn a_taxel_makes_one_trial_per_contact() {
     assert_eq!(trials[1].trial.samples[0].time_s, 0.01);
 }
 
+/// Pins that a force equal to the threshold is no contact, and that short trials go.
 #[test]
 fn threshold_and_length_leave_out_trials() {
-    // Pins that a force equal to the threshold is no contact, and that short trials go.
     let recording = recording(&[
         (0.0, &[(0, 0.2, Some(0)), (3, 0.9, Some(0))]),
         (0.0, &[(0, 0.3, Some(0)), (3, 0.2, Some(0))]),
@@ -188,9 +190,9 @@ fn threshold_and_length_leave_out_trials() {
     );
 }
 
+/// Pins the errors for unknown patches, missing grids, bad options and frames that do not fit.
 #[test]
 fn bad_input_is_named() {
-    // Pins the errors for unknown patches, missing grids, bad options and frames that do not fit.
     let sound = recording(&[(0.0, &[(0, 1.0, Some(0))])]);
     let unknown = TrialOptions {
         patch: Some("elbow".into()),
@@ -245,9 +247,9 @@ fn bad_input_is_named() {
     }
 }
 
+/// Pins that the paper's trials have a sample for each of the 20 time slices of its largest models, and none fewer.
 #[test]
 fn the_papers_trials_fill_twenty_slices() {
-    // Pins that the paper's trials have a sample for each of the 20 time slices of its largest models, and none fewer.
     let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];
     let count = |frames: usize| {
         let reach = recording(&vec![(0.0, lit); frames]);
@@ -256,9 +258,9 @@ fn the_papers_trials_fill_twenty_slices() {
     assert_eq!((count(19), count(20)), (0, 1));
 }
 
+/// Pins that a taxel carried 3 mm there and back has travelled 6 mm, while its distance from the start is 0.
 #[test]
 fn motion_is_the_length_of_the_path() {
-    // Pins that a taxel carried 3 mm there and back has travelled 6 mm, while its distance from the start is 0.
     let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];
     let reach = recording(&[(0.0, lit), (0.003, lit), (0.0, lit)]);
     let trials = taxel_trials(&reach, &any_force()).unwrap();

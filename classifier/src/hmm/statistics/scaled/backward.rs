@@ -1,21 +1,22 @@
-//! The way back: probabilities of states and transitions, and the sums over them.
+//! Backward pass: probabilities of states and transitions, and their sums.
 
 use std::ops::Range;
 
-use super::{BLOCK, LEAST_SUM, Pass, probability, raise};
+use super::{BLOCK, MIN_SUM, Pass, probability, raise};
 use crate::feature::Observations;
 use crate::hmm::model::GaussianHmm;
 use crate::hmm::statistics::Statistics;
 use crate::hmm::statistics::linear::LinearModel;
 use crate::hmm::tile::{Tile, WIDTH, add, larger, largest, map, multiply, zip};
 
-/// 2^−500: probabilities over sums of weights under it count as 0.
-const LEAST_RATIO: f64 = LEAST_SUM;
-/// 2^−700: sums of those ratios under it are raised, so that their product with a weight is not subnormal.
-const LEAST_RATIO_SUM: f64 = 1.901_093_488_999_021_5e-211;
+/// 2^−500: smaller ratios of a probability to a sum of weights count as 0.
+const MIN_RATIO: f64 = MIN_SUM;
+/// 2^−700: smaller sums of those ratios are raised to this, so that their product with a weight is not subnormal.
+const MIN_RATIO_SUM: f64 = 1.901_093_488_999_021_5e-211;
 
 impl Pass {
-    /// Fills `probability` with γ, `ahead` with γ over sums and `own_transitions`; the largest γ of an unsound weight.
+    /// Fills `probability` with γ, `ahead` with γ over sums, and `own_transitions`. Returns the largest γ of an unsound
+    /// weight.
     #[inline(always)]
     pub(super) fn backward(&mut self, model: &LinearModel, samples: usize) -> f64 {
         let tiles = model.tiles;
@@ -29,7 +30,7 @@ impl Pass {
                 let (from, to) = ((sample - 1) * tiles, sample * tiles);
                 let ratios = self.ahead[to..to + tiles].as_flattened();
                 for tile in 0..tiles {
-                    let sum = raise(self.backward.weighted_sum(tile, ratios), LEAST_RATIO_SUM);
+                    let sum = raise(self.backward.weighted_sum(tile, ratios), MIN_RATIO_SUM);
                     self.probability[from + tile] = map(multiply(self.weight[from + tile], sum), probability);
                 }
                 worst = self.settle(tiles, sample - 1, worst);
@@ -39,7 +40,7 @@ impl Pass {
         largest(worst)
     }
 
-    /// Where γ of a sample is known: its ratios to the sums that came in, and γ of unsound weights.
+    /// From γ of a sample, fills its ratios to the incoming sums and updates `worst`, the largest γ of unsound weights.
     #[inline(always)]
     fn settle(&mut self, tiles: usize, sample: usize, worst: Tile) -> Tile {
         let here = sample * tiles..(sample + 1) * tiles;
@@ -49,7 +50,7 @@ impl Pass {
         let states = self.probability[here.clone()].iter().zip(&self.weight[here]);
         for ((ratio, per_sum), (probability, weight)) in ratios.zip(states) {
             *ratio = map(multiply(*probability, *per_sum), |ratio| {
-                if ratio < LEAST_RATIO { 0.0 } else { ratio }
+                if ratio < MIN_RATIO { 0.0 } else { ratio }
             });
             let unsound = zip(
                 *probability,
@@ -63,7 +64,7 @@ impl Pass {
         worst
     }
 
-    /// Adds the expected transitions into the samples of a block, for which `backward` holds the probabilities.
+    /// Adds the expected transitions into the samples of a block, for which `backward` is rescaled.
     #[inline(always)]
     fn count_transitions(&mut self, tiles: usize, into: Range<usize>) {
         if into.is_empty() {
@@ -90,7 +91,7 @@ impl Pass {
         }
     }
 
-    /// Adds the probabilities of states, and with them the moments about the old means.
+    /// Adds the state probabilities and the moments about the old means.
     #[inline(always)]
     pub(super) fn count_samples(&mut self, model: &LinearModel, sequence: &Observations) {
         let (tiles, d) = (model.tiles, model.gaussians.dimension());
@@ -123,14 +124,14 @@ impl Pass {
         }
     }
 
-    /// Adds everything counted to `statistics`.
+    /// Adds all counts to `statistics`.
     pub(in crate::hmm::statistics) fn add_to(&self, statistics: &mut Statistics, model: &GaussianHmm) {
         let (n, d) = (self.states, model.dimension);
         let padded = self.occupancy.len() * WIDTH;
         let (initial, occupancy) = (self.initial.as_flattened(), self.occupancy.as_flattened());
         let (first, second) = (self.first.as_flattened(), self.second.as_flattened());
         for state in 0..n {
-            // Raised weights must not open a door that the model keeps closed.
+            // Raised weights must not give an impossible initial state a count.
             if model.initial[state] > 0.0 {
                 statistics.initial[state] += initial[state];
             }

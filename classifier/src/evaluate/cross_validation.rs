@@ -1,0 +1,145 @@
+//! Classifiers tested on trials: a given one, or those fitted in cross-validation.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+use underbrush_recording::Trial;
+
+use super::error::EvaluateError;
+use super::evaluation::Evaluation;
+use super::fold::Folds;
+use super::prediction::Prediction;
+use crate::decision::Decision;
+use crate::estimator::{Classifier, Estimator};
+use crate::hmm::TrainingHistory;
+use crate::model_set::is_trained;
+
+/// Evaluates a given classifier on trials; those without ground truth are skipped.
+///
+/// # Errors
+/// [`EvaluateError`] if no trial has ground truth, a trial lacks a feature, or the decision does not fit the categories.
+pub fn evaluate(
+    classifier: &dyn Classifier,
+    trials: &[Trial],
+    decision: &Decision,
+) -> Result<Evaluation, EvaluateError> {
+    let predictions = predict(classifier, trials.iter(), decision, 0)?;
+    Evaluation::of(predictions, &classifier.categories(), Vec::new())
+}
+
+/// Cross-validation (paper, section V-A: two folds): each fold is tested with a classifier fitted on the others.
+///
+/// Trials without a category, blocks and outliers are left out. Folds run in parallel; the result does not depend on the
+/// number of threads.
+///
+/// # Errors
+/// [`EvaluateError`] if a category is too small for the folds, or fitting or scoring fails.
+pub fn cross_validate(
+    trials: &[Trial],
+    estimator: &dyn Estimator,
+    folds: Folds,
+    decision: &Decision,
+) -> Result<Evaluation, EvaluateError> {
+    let outcome = across_folds(trials, estimator, folds, 1, |classifier, fold, tested| {
+        predict(classifier, tested.iter().copied(), decision, fold)
+    })?;
+    Evaluation::of(outcome.results, &outcome.categories, outcome.training)
+}
+
+/// The results of all folds together.
+pub(super) struct AcrossFolds<T> {
+    /// One per trial that was not left out, in the order of the table.
+    pub(super) results: Vec<T>,
+    pub(super) categories: Vec<String>,
+    pub(super) training: Vec<BTreeMap<String, TrainingHistory>>,
+}
+
+/// For each fold, fits on the other folds and runs `test` on this one, which returns one result per trial, in order.
+///
+/// Only trials of at least `min_training_samples` samples are used for fitting.
+pub(super) fn across_folds<T: Send>(
+    trials: &[Trial],
+    estimator: &dyn Estimator,
+    folds: Folds,
+    min_training_samples: usize,
+    test: impl Fn(&dyn Classifier, usize, &[&Trial]) -> Result<Vec<T>, EvaluateError> + Sync,
+) -> Result<AcrossFolds<T>, EvaluateError> {
+    let used: Vec<&Trial> = trials
+        .iter()
+        .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
+        .collect();
+    if used.is_empty() {
+        return Err(EvaluateError::NoTruth);
+    }
+    let assignment = folds.assign(&used)?;
+    let of = |fold: usize, inside: bool| {
+        let pairs = used.iter().zip(&assignment);
+        pairs
+            .filter(move |(_, own)| (**own == fold) == inside)
+            .map(|(trial, _)| *trial)
+            .collect::<Vec<_>>()
+    };
+    let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
+        .into_par_iter()
+        .map(|fold| {
+            let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
+            let (long_enough, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
+            let categories: BTreeSet<&str> = long_enough
+                .iter()
+                .filter_map(|trial| trial.category.as_deref())
+                .collect();
+            let mut unlearned = short.iter().filter_map(|trial| trial.category.as_deref());
+            if let Some(category) = unlearned.find(|category| !categories.contains(category)) {
+                return Err(EvaluateError::TooShort {
+                    category: category.to_owned(),
+                    fold,
+                    samples: min_training_samples,
+                });
+            }
+            let classifier = estimator.fit(&long_enough)?;
+            let results = test(classifier.as_ref(), fold, &of(fold, true))?;
+            Ok((classifier.categories(), results, classifier.training().cloned()))
+        })
+        .collect();
+    let mut by_fold = Vec::new();
+    let (mut categories, mut training) = (Vec::new(), Vec::new());
+    for outcome in outcomes {
+        let (names, results, history) = outcome?;
+        categories = names;
+        by_fold.push(results.into_iter());
+        training.extend(history);
+    }
+    // Restores the order of the table; each fold's results are already in that order.
+    let results = assignment.iter().filter_map(|&fold| by_fold[fold].next()).collect();
+    Ok(AcrossFolds {
+        results,
+        categories,
+        training,
+    })
+}
+
+pub(super) fn predict<'a>(
+    classifier: &dyn Classifier,
+    trials: impl Iterator<Item = &'a Trial>,
+    decision: &Decision,
+    fold: usize,
+) -> Result<Vec<Prediction>, EvaluateError> {
+    let judge = decision.prepare(&classifier.categories())?;
+    let (trials, categories): (Vec<&Trial>, Vec<String>) = trials
+        .filter_map(|trial| trial.category.clone().map(|category| (trial, category)))
+        .unzip();
+    let scores = classifier.scores_of_all(&trials)?;
+    let predictions = trials.iter().zip(categories).zip(scores);
+    Ok(predictions
+        .map(|((trial, category), scores)| Prediction {
+            trial: trial.trial,
+            reach: trial.reach,
+            category,
+            fold,
+            samples: trial.samples.len(),
+            touched: trial.touched(),
+            verdict: judge.verdict(judge.choose(&scores)),
+            scores,
+        })
+        .collect())
+}

@@ -1,0 +1,60 @@
+//! Why an evaluation fails.
+
+use thiserror::Error;
+
+use crate::decision::DecisionError;
+use crate::model_set::ModelError;
+
+/// Why an evaluation fails.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EvaluateError {
+    /// A classifier cannot be fitted or applied.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Priors or thresholds are invalid.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// Cross-validation needs at least two folds.
+    #[error("{found} folds; cross-validation needs at least 2")]
+    FoldCount {
+        /// The number asked for.
+        found: usize,
+    },
+    /// A category is too small to be in every fold.
+    #[error(
+        "category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data{}",
+        if *unit == "reaches" { ", or group by position" } else { "" }
+    )]
+    TooFew {
+        /// The category.
+        category: String,
+        /// How many there are.
+        found: usize,
+        /// What was counted: trials or reaches.
+        unit: &'static str,
+        /// Folds requested.
+        folds: usize,
+    },
+    /// Folds by reach need every trial's reach.
+    #[error("trial {trial} names no reach; fill the column reach, or group by position")]
+    NoReach {
+        /// Number of the trial in its table.
+        trial: u64,
+    },
+    /// A fold leaves no trial of a category that is long enough to fit on.
+    #[error(
+        "outside fold {fold} (counted from 0), no trial of category {category} has the {samples} samples required for \
+         fitting; lower the required length or use more data"
+    )]
+    TooShort {
+        /// The category.
+        category: String,
+        /// The fold that is tested, counted from 0.
+        fold: usize,
+        /// Samples required of a trial for fitting.
+        samples: usize,
+    },
+    /// There is nothing to evaluate on.
+    #[error("none of the trials has a category; use trials with ground truth")]
+    NoTruth,
+}

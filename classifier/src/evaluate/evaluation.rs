@@ -1,0 +1,77 @@
+//! Predictions, and the figures that follow from them.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::confusion::{AccuracyByTouch, CategoryFigures, ConfusionMatrix};
+use super::error::EvaluateError;
+use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach, wilson};
+use super::prediction::Prediction;
+use crate::hmm::TrainingHistory;
+
+/// Verdicts on trials with ground truth, and figures computed from them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// One per trial, in the order of the table.
+    pub predictions: Vec<Prediction>,
+    /// Counts of true category against verdict.
+    pub confusion: ConfusionMatrix,
+    /// Fraction of trials with the right verdict; see [`super::Accuracy::accuracy`] for what counts as wrong. After
+    /// cross-validation the held-out trials of all folds are pooled, and each counts once.
+    pub accuracy: f64,
+    /// See [`super::Accuracy::majority_baseline`]; over the same trials as the accuracy.
+    pub majority_baseline: f64,
+    /// See [`super::Accuracy::balanced_accuracy`]; over the same trials as the accuracy.
+    pub balanced_accuracy: Option<f64>,
+    /// The same, separately for trials with and without a true contact; `None` if this is unknown for all trials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_touch: Option<AccuracyByTouch>,
+    /// Wilson's 95 % interval of the accuracy, which assumes independent trials. They are not independent: one contact
+    /// activates several taxels.
+    pub accuracy_interval_by_trial: Interval,
+    /// 95 % bootstrap interval of the accuracy over whole reaches; `None` if a trial names no reach.
+    pub accuracy_interval_by_reach: Option<Interval>,
+    /// Figures by true category.
+    pub categories: Vec<CategoryFigures>,
+    /// For each fold, how the models were trained, by category. Empty for given models and for classifiers that are not
+    /// trained iteratively.
+    pub training: Vec<BTreeMap<String, TrainingHistory>>,
+}
+
+impl Evaluation {
+    /// The classifier's categories, in the order of [`Prediction::scores`].
+    pub fn known_categories(&self) -> &[String] {
+        // The last two verdicts are uncertain and outlier.
+        let verdicts = &self.confusion.verdict;
+        &verdicts[..verdicts.len() - 2]
+    }
+
+    /// Summarizes predictions of a classifier with these categories, whatever folds or trials they come from.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NoTruth`] if there are no predictions.
+    pub fn of(
+        predictions: Vec<Prediction>,
+        models: &[String],
+        training: Vec<BTreeMap<String, TrainingHistory>>,
+    ) -> Result<Self, EvaluateError> {
+        let confusion = ConfusionMatrix::of(&predictions, models);
+        let Some(accuracy) = confusion.accuracy() else {
+            return Err(EvaluateError::NoTruth);
+        };
+        let correct = predictions.iter().filter(|prediction| prediction.is_correct()).count();
+        Ok(Evaluation {
+            accuracy: accuracy.accuracy,
+            majority_baseline: accuracy.majority_baseline,
+            balanced_accuracy: accuracy.balanced_accuracy,
+            by_touch: AccuracyByTouch::of(&predictions, models),
+            accuracy_interval_by_trial: wilson(correct, predictions.len()),
+            accuracy_interval_by_reach: bootstrap_by_reach(&predictions, BOOTSTRAP_RESAMPLES, 0),
+            categories: confusion.figures(),
+            confusion,
+            predictions,
+            training,
+        })
+    }
+}

@@ -1,0 +1,140 @@
+//! Trials that are still in contact, and the list of those that ended.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use underbrush_recording::{Category, ObjectRecord, Recording, Sample, Trial};
+
+use super::travel::Travel;
+use super::{Labels, TrialError, TrialOptions};
+
+/// A trial and the object that caused it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactTrial {
+    /// The trial. Trials are numbered from 0 within a recording, by first frame and then by taxel. The category follows
+    /// [`TrialOptions::labels`].
+    pub trial: Trial,
+    /// Index in [`Recording::objects`] of the object that was the true contact in most samples, in a tie the smallest such
+    /// index; `None` if no sample has an object.
+    pub object: Option<u16>,
+}
+
+/// The single category of a recording's objects apart from foam blocks; `None` if there are several or none.
+fn environment(recording: &Recording) -> Option<Category> {
+    let categories = recording.objects.iter().map(|object| object.category);
+    let mut categories = categories.filter(|category| *category != Category::BLOCK);
+    let first = categories.next()?;
+    categories.all(|category| category == first).then_some(first)
+}
+
+/// Whether a recording contains ground truth. A recording of a real robot lists no objects and does not.
+pub(super) fn knows_truth(recording: &Recording) -> bool {
+    !recording.objects.is_empty()
+}
+
+/// A trial that is still in contact.
+#[derive(Clone, Debug)]
+pub(super) struct OpenTrial {
+    first_frame: usize,
+    taxel: usize,
+    pub(super) travel: Travel,
+    samples: Vec<Sample>,
+    /// Samples by object.
+    votes: BTreeMap<u16, usize>,
+}
+
+impl OpenTrial {
+    pub(super) fn new(first_frame: usize, taxel: usize, start_world: DVec3) -> Self {
+        OpenTrial {
+            first_frame,
+            taxel,
+            travel: Travel::from(start_world),
+            samples: Vec::new(),
+            votes: BTreeMap::new(),
+        }
+    }
+
+    /// Adds a sample and its true object.
+    pub(super) fn push(&mut self, sample: Sample, object: Option<u16>) {
+        self.samples.push(sample);
+        if let Some(object) = object {
+            *self.votes.entry(object).or_default() += 1;
+        }
+    }
+
+    /// The object with the most samples; in a tie, the smallest index.
+    fn object(&self) -> Option<u16> {
+        let max = self.votes.values().max()?;
+        self.votes
+            .iter()
+            .find(|(_, count)| *count == max)
+            .map(|(object, _)| *object)
+    }
+}
+
+/// The trials that have ended.
+pub(super) struct TrialList<'a> {
+    recording: &'a Recording,
+    options: &'a TrialOptions,
+    patch: String,
+    /// The category of all trials, if they are labelled by environment.
+    environment: Option<Category>,
+    /// Each with its sort key: first frame, taxel.
+    closed: Vec<((usize, usize), ContactTrial)>,
+}
+
+impl<'a> TrialList<'a> {
+    pub(super) fn new(recording: &'a Recording, options: &'a TrialOptions, patch: &str) -> Self {
+        TrialList {
+            recording,
+            options,
+            patch: patch.to_owned(),
+            environment: (options.labels == Labels::Environment)
+                .then(|| environment(recording))
+                .flatten(),
+            closed: Vec::new(),
+        }
+    }
+
+    pub(super) fn close(&mut self, trial: Option<OpenTrial>) -> Result<(), TrialError> {
+        let Some(trial) = trial.filter(|trial| trial.samples.len() >= self.options.min_samples.max(1)) else {
+            return Ok(());
+        };
+        let object = trial.object();
+        let record: Option<&ObjectRecord> = match object {
+            None => None,
+            Some(index) => {
+                let objects = &self.recording.objects;
+                Some(objects.get(usize::from(index)).ok_or_else(|| TrialError::BadFrame {
+                    frame: trial.first_frame,
+                    found: format!("object {index} as ground truth of a contact that starts here"),
+                    allowed: format!("indices of the recording's {} objects", objects.len()),
+                })?)
+            }
+        };
+        let key = (trial.first_frame, trial.taxel);
+        let trial = Trial {
+            trial: 0,
+            category: self
+                .environment
+                .or(record.map(|record| record.category))
+                .map(|category| category.name().to_owned()),
+            reach: Some(self.recording.reach_index),
+            patch: Some(self.patch.clone()),
+            taxel: u32::try_from(trial.taxel).ok(),
+            samples: trial.samples,
+        };
+        self.closed.push((key, ContactTrial { trial, object }));
+        Ok(())
+    }
+
+    pub(super) fn finish(mut self) -> Vec<ContactTrial> {
+        self.closed.sort_by_key(|(key, _)| *key);
+        let mut trials: Vec<ContactTrial> = self.closed.into_iter().map(|(_, trial)| trial).collect();
+        trials
+            .iter_mut()
+            .zip(0..)
+            .for_each(|(contact, number)| contact.trial.trial = number);
+        trials
+    }
+}
