@@ -1,10 +1,10 @@
-//! How far the physics of one reach was from what it should be.
+//! Residuals of the physics of one reach.
 
 use serde::{Deserialize, Serialize};
 
-/// The worst figures of one reach, all at least 0; all 0 where nothing was audited, as in recordings of a robot.
+/// The worst residuals of one reach. None is negative, and all are 0 if nothing was audited, as on a robot.
 ///
-/// What each is, how it is measured and which bound it should keep is said where the simulator fills it in.
+/// The simulator's auditor documents how each is measured and which bound it should keep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Audit {
     /// Largest relative difference, over all frames and patches, between the vector sum of the true taxel forces and
@@ -16,46 +16,46 @@ pub struct Audit {
     /// Largest relative difference, over the frames in which the arm rests against something, between the springs'
     /// torques K (φ − q) and those of the contacts, −Σ Jᵀ f.
     pub largest_static_residual: f64,
-    /// How many frames those were; without any the static residual is 0.
+    /// The number of those frames; without any, the static residual is 0.
     pub rest_frames: u32,
-    /// How many steps the controller made.
+    /// Number of controller steps.
     pub controller_steps: u32,
-    /// In how many of them no change of the equilibrium angles kept all bounds, so that they stayed as they were.
+    /// Number of those in which no change of the equilibrium angles met all constraints, so that the angles stayed.
     pub infeasible_controller_steps: u32,
-    /// In how many of them the controller's program could not be solved, so that the equilibrium angles stayed.
+    /// Number of those in which the controller's quadratic program could not be solved, so that the angles stayed.
     pub failed_controller_steps: u32,
-    /// What the balance of the arm's energy leaves unexplained at the end of the reach, over the work that its actuators
-    /// exchanged with it.
+    /// Unexplained rest of the arm's energy balance at the end of the reach, relative to the work exchanged with its
+    /// actuators.
     pub energy_residual: f64,
-    /// What the implicit integrator takes away by its own damping, by estimate, over the same work.
+    /// Estimated numerical damping of the implicit integrator, relative to the same work.
     pub integrator_energy_share: f64,
-    /// Deepest penetration of a link and an object that press on each other, m.
+    /// Deepest penetration between a link and an object in contact, m.
     pub deepest_penetration_m: f64,
-    /// Largest change of the contact force on a link from one 10 ms mean to the next, N.
+    /// Largest change of the contact force on a link from one frame's mean to the next, N.
     pub largest_frame_force_jump_n: f64,
     /// The same from one engine step to the next, N.
     pub largest_step_force_jump_n: f64,
 }
 
-/// One figure of an [`Audit`].
+/// One residual of an [`Audit`].
 #[derive(Clone, Copy, Debug)]
 pub struct AuditField {
-    /// Its name, also of its column in data sets.
+    /// Its name, which is also that of its column in data sets.
     pub name: &'static str,
-    /// Its value.
+    /// Reads it.
     pub get: fn(&Audit) -> f64,
-    /// Its place.
+    /// Sets it.
     pub set: fn(&mut Audit, f64),
 }
 
 /// One count of an [`Audit`].
 #[derive(Clone, Copy, Debug)]
 pub struct AuditCount {
-    /// Its name, also of its column in data sets.
+    /// Its name, which is also that of its column in data sets.
     pub name: &'static str,
-    /// Its value.
+    /// Reads it.
     pub get: fn(&Audit) -> u32,
-    /// Its place.
+    /// Sets it.
     pub set: fn(&mut Audit, u32),
 }
 
@@ -78,7 +78,7 @@ impl Audit {
         failed_controller_steps,
     ];
 
-    /// All figures that are no counts.
+    /// All residuals.
     pub const FIELDS: [AuditField; 8] = fields![
         AuditField: largest_force_residual,
         largest_moment_residual_m,

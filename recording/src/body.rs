@@ -1,26 +1,26 @@
-//! The rigid bodies of a reach: their shapes, where they stand at rest and where they are while they move, so that a
-//! reach can be drawn without simulating it again.
+//! The rigid bodies of a reach: their shapes, their poses at rest and their motion, so that a reach can be drawn
+//! without simulating it again.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::Pose;
 
-/// Stored positions are multiples of this, m. Choice: an eighth of a millimetre cannot be seen in a picture of the
-/// arm, and numbers with so few digits take a quarter of the space. A power of two, so that they are exact in single
+/// Stored positions are rounded to multiples of this, m. Choice: an eighth of a millimetre is invisible in a picture of
+/// the arm, and rounding cuts the stored size to a quarter. A power of two, so that the values are exact in single
 /// precision.
 pub const POSITION_STEP_M: f64 = 1.0 / 8192.0;
-/// Stored components of quaternions are multiples of this. Choice: the end of a body half a metre long is then as far
-/// off as its origin.
+/// Stored components of quaternions are rounded to multiples of this. Choice: the rounding then moves the end of a body
+/// half a metre long about as far as its origin.
 pub const ORIENTATION_STEP: f64 = 1.0 / 8192.0;
 
-/// How far a stored position can be from the true one, m: half a step along each axis.
+/// Largest error of a stored position, m: half a step along each axis.
 pub const POSITION_TOLERANCE_M: f64 = 0.87 * POSITION_STEP_M;
-/// How far a stored orientation can be turned from the true one, rad: four components that are half a step off make a
-/// quaternion that is one step off, and an angle is twice that between its quaternions.
+/// Largest error of a stored orientation, rad: half a step in each of four components is one step of the quaternion,
+/// and the rotation angle is twice the angle between quaternions.
 pub const ORIENTATION_TOLERANCE_RAD: f64 = 2.01 * ORIENTATION_STEP;
 
-/// What a body is part of.
+/// The link or object that a body belongs to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyOwner {
@@ -30,7 +30,7 @@ pub enum BodyOwner {
     Object(u16),
 }
 
-/// A collision shape, centred on its frame; a cylinder and a capsule lie along z.
+/// A convex collision shape, centred on its frame. Cylinders and capsules lie along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyShape {
@@ -66,7 +66,7 @@ pub enum BodyShape {
 }
 
 impl BodyShape {
-    /// All lengths and coordinates, m.
+    /// All lengths and coordinates of the shape, m.
     pub fn numbers(&self) -> Vec<f64> {
         match self {
             BodyShape::Sphere { radius_m } => vec![*radius_m],
@@ -88,36 +88,36 @@ pub struct BodyPart {
     pub pose_body: Pose,
 }
 
-/// Where a body is from one frame on, in steps of [`POSITION_STEP_M`] and [`ORIENTATION_STEP`].
+/// The pose of a body from one frame on, rounded to [`POSITION_STEP_M`] and [`ORIENTATION_STEP`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
-    /// The first frame in which the body is there.
+    /// The first frame with this pose.
     pub frame: u32,
     /// Origin of the body, m, world frame.
     pub position_world_m: [f32; 3],
-    /// Rotation from the body's to the world frame (quaternion x y z w); of unit length but for the rounding.
+    /// Rotation from the body's to the world frame (quaternion x y z w), of unit length up to rounding.
     pub orientation_world: [f32; 4],
 }
 
 /// One rigid body: a link of the arm, or a part of an object that moves as one piece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Body {
-    /// What it is part of.
+    /// The link or object that it belongs to.
     pub owner: BodyOwner,
     /// Its collision shapes.
     pub parts: Vec<BodyPart>,
-    /// Where it stands before the reach begins: an object as it was built, a link in the arm's start posture.
+    /// Pose before the reach begins: that of an object as built, or of a link in the arm's start posture.
     pub rest_pose_world: Pose,
-    /// Where it moves, by frame; it stays where it is between two points.
+    /// Its motion: each pose holds until the next point.
     #[serde(skip)]
     pub track: Vec<TrackPoint>,
 }
 
 impl TrackPoint {
-    /// A pose rounded to the steps. Of the two quaternions of a rotation it takes the one nearer to `near`, so that the
-    /// numbers of a body that turns steadily do not jump.
+    /// Rounds a pose. Of the two quaternions of a rotation it takes the one nearer to `near`, so that the numbers do
+    /// not jump while a body rotates steadily.
     fn new(frame: u32, pose: &Pose, near: DQuat) -> Self {
-        // Adding zero turns −0 into 0.
+        // Adding 0 turns −0 into 0.
         let round = |number: f64, step: f64| ((number / step).round() * step + 0.0) as f32;
         let sign = if pose.orientation.dot(near) < 0.0 { -1.0 } else { 1.0 };
         TrackPoint {
@@ -144,7 +144,7 @@ impl TrackPoint {
 }
 
 impl Body {
-    /// Takes the pose in a frame; call it frame after frame. It is kept where it differs from the last one by a step.
+    /// Records the pose in a frame; call it for each frame in order. A pose equal to the last one is not stored again.
     pub fn observe(&mut self, frame: u32, pose: &Pose) {
         let last = self.track.last().copied();
         let last = last.unwrap_or_else(|| TrackPoint::new(0, &self.rest_pose_world, self.rest_pose_world.orientation));
@@ -156,7 +156,7 @@ impl Body {
         }
     }
 
-    /// Where the body is in a frame, within [`POSITION_TOLERANCE_M`] and [`ORIENTATION_TOLERANCE_RAD`].
+    /// The pose of the body in a frame, within [`POSITION_TOLERANCE_M`] and [`ORIENTATION_TOLERANCE_RAD`].
     pub fn pose_world(&self, frame: u32) -> Pose {
         let points = self.track.partition_point(|point| point.frame <= frame);
         points

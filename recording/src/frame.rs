@@ -84,21 +84,21 @@ impl Mul for Pose {
     }
 }
 
-/// What one taxel feels in one frame; taxels for which everything is zero are left out of a frame.
+/// Force on one taxel in one frame, true and sensed. A frame leaves out taxels for which everything is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TaxelReading {
     /// Index of the patch in the layout.
     pub patch: u16,
     /// Index of the taxel in its patch.
     pub taxel: u16,
-    /// Ground truth: force along the inward normal before the sensor, N, never negative.
+    /// Ground truth: force along the inward normal, before the sensor, N; never negative.
     pub true_normal_force_n: f64,
     /// Ground truth: force on the taxel along its two tangents (`tangent`, `normal × tangent`), N.
     pub true_shear_force_n: [f64; 2],
-    /// What the sensor reports for the normal force, N.
+    /// The sensor's reading of the normal force, N.
     pub sensed_force_n: f64,
-    /// Ground truth: index in [`crate::reach::Recording::objects`] of the object that presses most on this taxel;
-    /// `None` where nothing touches it (noise, crosstalk, creep).
+    /// Ground truth: index in [`crate::reach::Recording::objects`] of the object that presses hardest on this taxel.
+    /// `None` if nothing touches it, as when a reading comes from noise, crosstalk or creep.
     pub object: Option<u16>,
 }
 
@@ -111,20 +111,20 @@ pub struct Frame {
     pub joint_angle_rad: Vec<f64>,
     /// Joint velocities, rad/s.
     pub joint_velocity_rad_per_s: Vec<f64>,
-    /// Equilibrium angles φ of the joints' virtual springs, rad.
+    /// Equilibrium angles φ of the joint springs, rad.
     pub equilibrium_angle_rad: Vec<f64>,
     /// Joint torques K(φ − q) − D·q̇, Nm, without gravity compensation.
     pub joint_torque_nm: Vec<f64>,
-    /// Pose of the arm's tip.
+    /// Pose of the end effector.
     pub tip_pose_world: Pose,
-    /// The goal of the moment, m, world frame.
+    /// Current goal of the end effector, m, world frame.
     pub goal_position_world: DVec3,
-    /// Which of the reach's goals that is, from 0.
+    /// Index of that goal in the reach, from 0.
     pub goal_index: u16,
     /// Pose of the link under each patch, in the layout's order.
     pub patch_pose_world: Vec<Pose>,
     /// Ground truth: sum of the solver's contact forces on each patch, N, world frame, in the layout's order.
     pub contact_force_world: Vec<DVec3>,
-    /// Taxels that feel or report anything, sorted by patch, then taxel.
+    /// Taxels with a true or a sensed force, sorted by patch, then taxel.
     pub taxels: Vec<TaxelReading>,
 }

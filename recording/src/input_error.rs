@@ -1,16 +1,16 @@
-//! The one error for bad input: it names the place, what was found there, what is allowed and the remedy.
+//! The error for bad input: where it is, what was found there, what is allowed, and the remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Bad input in a file that a person or another program wrote.
 ///
-/// The binary turns it into text once (with the offending line, where `line` is known) and ends with exit status 2.
+/// The program prints it, with the offending line if `line` is known, and ends with exit status 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError {
     /// The file.
     pub file: PathBuf,
-    /// Line in the file, from 1, where it is known.
+    /// Line in the file, from 1, if known.
     pub line: Option<usize>,
     /// The field, column or key, for instance `leaf.flexural_rigidity_n_m2`.
     pub field: String,
@@ -18,15 +18,15 @@ pub struct InputError {
     pub found: String,
     /// What is allowed there.
     pub allowed: String,
-    /// What to do about it.
+    /// How to mend it.
     pub remedy: String,
 }
 
-/// Longer texts are cut to this many characters, so that the error about a line of a megabyte is no megabyte itself.
+/// Longer texts are cut to this many characters: an error about a line of a megabyte must stay short.
 const LONGEST_TEXT: usize = 400;
 
 impl InputError {
-    /// An error about `field` of `file`, its line not known; see [`InputError::at_line`]. Long texts are shortened.
+    /// An error about `field` of `file`, without a line (see [`InputError::at_line`]). Long texts are shortened.
     pub fn new(
         file: impl AsRef<Path>,
         field: impl Into<String>,
@@ -52,7 +52,7 @@ impl InputError {
     }
 }
 
-/// A text of at most [`LONGEST_TEXT`] characters, and how long it was where that is less than the whole.
+/// A text cut to [`LONGEST_TEXT`] characters, with its original length if it was longer.
 fn shortened(text: String) -> String {
     let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) else {
         return text;
@@ -80,7 +80,7 @@ impl std::error::Error for InputError {}
 mod tests {
     use super::InputError;
 
-    /// Pins that a fault in a cell of a megabyte gives a text of a few lines, cut between characters.
+    /// Pins that an error about a cell of a megabyte is a few lines long, and is cut between characters.
     #[test]
     fn long_texts_are_shortened() {
         let long = "ü".repeat(1_000_000);

@@ -1,4 +1,4 @@
-//! Where the taxels are: patches of skin on links of an arm.
+//! The positions of the taxels: patches of skin on the links of an arm.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ impl SkinLayout {
         self.patches.iter().position(|patch| patch.name == name)
     }
 
-    /// The index of the patch called `name`, or of the first patch where no name is given.
+    /// The index of the patch called `name`, or of the first patch if no name is given.
     pub fn chosen_patch(&self, name: Option<&str>) -> Option<usize> {
         match name {
             Some(name) => self.patch_index(name),
@@ -24,7 +24,7 @@ impl SkinLayout {
         }
     }
 
-    /// Number of taxels of all patches together.
+    /// Total number of taxels.
     pub fn taxel_count(&self) -> usize {
         self.patches.iter().map(|patch| patch.taxels.len()).sum()
     }
@@ -37,20 +37,20 @@ pub struct Patch {
     pub name: String,
     /// The link that carries it.
     pub link: String,
-    /// Rows and columns, where the taxels form a grid.
+    /// Rows and columns, if the taxels form a grid.
     pub grid: Option<Grid>,
-    /// The taxels; index = row · columns + column where there is a grid.
+    /// The taxels. In a grid, index = row · columns + column.
     pub taxels: Vec<Taxel>,
 }
 
-/// A patch's taxels as a grid, for connected components.
+/// The grid of a patch, which connected components need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grid {
     /// Rows (forearm: 16, along the arm).
     pub rows: usize,
     /// Columns (forearm: 24, around the arm).
     pub columns: usize,
-    /// Whether the last column neighbours the first, as on a closed sleeve.
+    /// Whether the last column is a neighbour of the first, as on a closed sleeve.
     pub wraps: bool,
 }
 
@@ -61,7 +61,7 @@ pub struct Taxel {
     pub position_link: DVec3,
     /// Outward unit normal, link frame.
     pub normal_link: DVec3,
-    /// First tangent, unit, link frame; the second is `normal × tangent`. Shear is given along these two.
+    /// First unit tangent, link frame; the second is `normal × tangent`. Shear forces are given along these two.
     pub tangent_link: DVec3,
     /// Sensitive area, m².
     pub area_m2: f64,

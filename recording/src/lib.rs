@@ -1,9 +1,9 @@
-//! What passes between a simulator (or a real robot) and a classifier.
+//! The data that a simulator, or a real robot, hands to a classifier.
 //!
-//! The types here are plain data in SI units: a [`layout::SkinLayout`] says where the taxels are, a [`frame::Frame`]
-//! holds one 100 Hz sample of arm and skin with its ground truth, a [`reach::Recording`] one whole reach, and a
-//! [`trial::Trial`] one taxel's (or component's) stream from contact to break.
-//! The disk formats (Parquet, JSON, CSV) sit apart, behind the feature `disk`.
+//! The types are plain data in SI units. A [`layout::SkinLayout`] says where the taxels are. A [`frame::Frame`] holds
+//! one 100 Hz sample of arm and skin with its ground truth, a [`reach::Recording`] a whole reach, and a
+//! [`trial::Trial`] the samples of one taxel, or one connected component, from the beginning of a contact to its end.
+//! The disk formats (Parquet, JSON, CSV) need the feature `disk`.
 
 pub mod audit;
 pub mod body;

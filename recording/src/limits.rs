@@ -1,20 +1,20 @@
-//! The range that a number in a file must lie in, and the ranges of what a tactile sensor tells.
+//! Ranges for the numbers in files, and the ranges of a tactile sensor's quantities.
 //!
-//! A number outside its range cannot be meant: it is a slip of the keyboard, a wrong unit or damage. Every reader of files
-//! keeps one table of such ranges, each with its reason.
+//! A number outside its range cannot be intended: it is a typing error, a wrong unit or a damaged file. Every reader of
+//! files has one table of such ranges, each with its reason.
 
 use std::fmt;
 
-/// The smallest and the largest value of a number, both allowed.
+/// The smallest and largest allowed value of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// The smallest value.
     pub least: f64,
     /// The largest value.
     pub most: f64,
-    /// One more value, outside the range, that switches off what the number describes.
+    /// A further allowed value outside the range, which switches the effect off.
     pub off: Option<f64>,
-    /// The unit, empty for a plain number.
+    /// The unit; empty for a plain number.
     pub unit: &'static str,
 }
 
@@ -29,13 +29,13 @@ impl Limits {
         }
     }
 
-    /// The same range, with a value besides that switches the effect off.
+    /// The same range with a further value that switches the effect off.
     #[must_use]
     pub const fn or_off_at(self, off: f64) -> Self {
         Limits { off: Some(off), ..self }
     }
 
-    /// Whether a number is allowed; NaN never is.
+    /// Whether a number is allowed. NaN never is.
     pub fn hold(&self, value: f64) -> bool {
         (self.least..=self.most).contains(&value) || self.off == Some(value)
     }
@@ -54,7 +54,7 @@ impl fmt::Display for Limits {
     }
 }
 
-/// A number as text, with an exponent where it would be long without one.
+/// A number as text, with an exponent if it would otherwise be long.
 pub fn short(value: f64) -> String {
     if value == 0.0 || (1e-5..1e7).contains(&value.abs()) {
         value.to_string()
@@ -63,37 +63,37 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// Time from any origin, such as that of Unix time: 300 years. A double still tells 2 µs apart there.
+/// Time from any origin, such as that of Unix time: 300 years either way. The resolution of a double is then 2 µs.
 pub const TIME_S: Limits = Limits::new(-1e10, 1e10, "s");
 
-/// Force on a taxel. Noise and drift of a sensor's zero may read a little below 0, but nothing pulls on skin; 10 kN is the
+/// Force on a taxel. Noise and zero drift may give readings a little below 0, but nothing pulls on skin. 10 kN is the
 /// weight of a tonne, which no tactile skin survives.
 pub const FORCE_N: Limits = Limits::new(-1.0, 1e4, "N");
 
-/// How far a contact has travelled. It is a length, so only noise takes it below 0; an arm on a moving base may draw a
-/// contact along for a kilometre, but not for more.
+/// Path length of a contact. Only noise can make it negative. An arm on a moving base may drag a contact along for up
+/// to a kilometre.
 pub const MOTION_M: Limits = Limits::new(-0.01, 1e3, "m");
 
-/// Taxels of a contact region: at least the taxel itself, at most all that a skin may have.
+/// Number of taxels in a contact region: at least one, at most all of the skin.
 pub const REGION_TAXELS: Limits = Limits::new(1.0, MOST_TAXELS as f64, "taxels");
 
-/// The largest force in a contact region: its taxels are pressed.
+/// Largest force in a contact region. Its taxels are pressed, so it is not negative.
 pub const REGION_LARGEST_FORCE_N: Limits = Limits::new(0.0, FORCE_N.most, "N");
 
-/// The sum of the forces in a contact region: a hundred taxels at the largest force.
+/// Sum of the forces in a contact region: a hundred taxels at the largest force.
 pub const REGION_FORCE_SUM_N: Limits = Limits::new(0.0, 100.0 * FORCE_N.most, "N");
 
-/// Taxels of a skin: frames hold their indices in 16 bits. The largest skins of robots have some thousand.
+/// Number of taxels of a skin. Frames hold their indices in 16 bits; the largest robot skins have a few thousand.
 pub const MOST_TAXELS: usize = 65_536;
 
-/// Patches of a skin: each has columns of its own in a data set.
+/// Number of patches of a skin. Each has its own columns in a data set.
 pub const MOST_PATCHES: usize = 1000;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Pins that both ends and the value for "off" are allowed, and nothing outside, NaN and infinity included.
+    /// Pins that both ends and the value for "off" are allowed, and that all else is refused, with NaN and infinity.
     #[test]
     fn ends_are_inside_and_all_else_is_outside() {
         let limits = Limits::new(1.0, 2.0, "N").or_off_at(0.0);
@@ -107,7 +107,7 @@ mod tests {
         assert!(Limits::new(1.0, 2.0, "").or_off_at(f64::INFINITY).hold(f64::INFINITY));
     }
 
-    /// Pins that no number takes more than some twenty characters, as 1e300 does with all its zeros.
+    /// Pins that numbers stay short as text: 1e300 does not become three hundred zeros.
     #[test]
     fn numbers_are_short() {
         for (value, text) in [

@@ -1,20 +1,20 @@
-//! How goals end, and what ended them.
+//! The outcomes of goals, and the contact that ended an aborted one.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// How a goal, or a whole reach, ended. Data, not an error.
+/// How a goal, or a whole reach, ended. An outcome is data, not an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The tip came within the controller's dead zone of the goal.
+    /// The end effector came within the controller's dead zone of the goal.
     Reached,
-    /// The tip moved less than the controller's bound over its window.
+    /// The end effector moved less than the controller's bound over its time window.
     Stuck,
     /// The time allowed ran out.
     TimedOut,
-    /// A contact force passed the stop force.
+    /// A contact force exceeded the stop force.
     Aborted,
 }
 
@@ -38,16 +38,16 @@ impl Outcome {
     }
 }
 
-/// How many goals ended in which way.
+/// The number of goals with each outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GoalOutcomes {
     /// Goals that were reached.
     pub reached: usize,
-    /// Goals given up because the tip made no headway.
+    /// Goals given up because the end effector made no progress.
     pub stuck: usize,
     /// Goals given up because the time allowed ran out.
     pub timed_out: usize,
-    /// Goals that ended because a contact force passed the stop force; the reach ends with such a goal.
+    /// Goals that ended because a contact force exceeded the stop force; such a goal also ends the reach.
     pub aborted: usize,
 }
 
@@ -57,7 +57,7 @@ impl GoalOutcomes {
         *self.of_mut(outcome) += 1;
     }
 
-    /// The number of goals that ended in this way.
+    /// The number of goals with this outcome.
     pub fn of(&self, outcome: Outcome) -> usize {
         match outcome {
             Outcome::Reached => self.reached,
@@ -67,7 +67,7 @@ impl GoalOutcomes {
         }
     }
 
-    /// The place of that number.
+    /// That number, to change it.
     pub fn of_mut(&mut self, outcome: Outcome) -> &mut usize {
         match outcome {
             Outcome::Reached => &mut self.reached,
@@ -95,7 +95,7 @@ impl std::iter::Sum for GoalOutcomes {
     }
 }
 
-/// For a person: `5 of 7 goals reached, 1 stuck, 1 aborted`.
+/// Readable text: `5 of 7 goals reached, 1 stuck, 1 aborted`.
 impl fmt::Display for GoalOutcomes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let goals = if self.tried() == 1 { "goal" } else { "goals" };
@@ -113,20 +113,20 @@ impl fmt::Display for GoalOutcomes {
     }
 }
 
-/// The contact that ended a goal because its force passed the controller's stop force.
+/// The contact that ended a goal because its force exceeded the controller's stop force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SafetyStop {
     /// Index in [`crate::Recording::objects`].
     pub object: u16,
     /// Name of the link that the object pressed on.
     pub link: String,
-    /// The patch of the layout that felt most of the force, `None` where most of it fell on a part without skin.
+    /// The patch that took most of the force; `None` if most of it fell on a part without skin.
     pub patch: Option<u16>,
     /// Force between the link and the object, N.
     pub force_n: f64,
 }
 
-/// A [`SafetyStop`] with names in the place of indices.
+/// A [`SafetyStop`] with names in place of indices.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedStop {
     /// Index in [`crate::Recording::objects`].
@@ -135,13 +135,13 @@ pub struct NamedStop {
     pub object_kind: String,
     /// Name of the link that the object pressed on.
     pub link: String,
-    /// Name of the patch that felt most of the force, `None` where most of it fell on a part without skin.
+    /// Name of the patch that took most of the force; `None` if most of it fell on a part without skin.
     pub patch: Option<String>,
     /// Force between the link and the object, N.
     pub force_n: f64,
 }
 
-/// For a person: `104 N between trunk (object 3) and link forearm, patch forearm`.
+/// Readable text: `104 N between trunk (object 3) and link forearm, patch forearm`.
 impl fmt::Display for NamedStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let NamedStop {
@@ -166,7 +166,7 @@ impl fmt::Display for NamedStop {
 mod tests {
     use super::*;
 
-    /// Pins that counts add up and that the sentence leaves out what did not happen.
+    /// Pins that counts add up, and that the text leaves out outcomes with a count of zero.
     #[test]
     fn goals_are_counted_by_outcome() {
         let count = |outcomes: &[Outcome]| {

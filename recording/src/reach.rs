@@ -1,4 +1,4 @@
-//! One whole reach: its frames, its objects, its contacts and how it ended.
+//! One whole reach: its frames, objects, contacts and outcome.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,34 +14,34 @@ pub struct ObjectRecord {
     pub kind: String,
     /// Its category.
     pub category: Category,
-    /// Where its foot stands, m, world frame.
+    /// Position of its foot, m, world frame.
     pub position_world: DVec3,
-    /// Its drawn parameters by name, SI units in the names.
+    /// The parameters drawn for it, by name, with SI units in the names.
     pub parameters: BTreeMap<String, f64>,
 }
 
 /// One goal of a reach and how it ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GoalRecord {
-    /// The goal for the tip, m, world frame.
+    /// Goal position of the end effector, m, world frame.
     pub position_world: DVec3,
-    /// When the arm set out for it, s.
+    /// Time at which the arm started towards it, s.
     pub start_time_s: f64,
-    /// When it was given up or reached, s.
+    /// Time at which it was reached or given up, s.
     pub end_time_s: f64,
     /// How it ended.
     pub outcome: Outcome,
-    /// The contact that ended it; only where the outcome is [`Outcome::Aborted`], and there `None` where nobody knows,
-    /// as on a robot that an operator stopped.
+    /// The contact that ended it. Only with [`Outcome::Aborted`], and even then `None` if it is not known, as on a
+    /// robot that an operator stopped.
     pub safety_stop: Option<SafetyStop>,
 }
 
-/// One contact between a patch, or a part of a link without skin, and an object, from the first frame to the last.
+/// One contact of an object with a patch, or with a part of a link without skin, from its first frame to its last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Name of the link; where there is a patch, of the link that carries it.
+    /// Name of the link; for a patch, of the link that carries it.
     pub link: String,
-    /// Patch of the layout, `None` for a part of the link without skin.
+    /// Patch of the layout; `None` for a part of the link without skin.
     pub patch: Option<u16>,
     /// Index in [`Recording::objects`].
     pub object: u16,
@@ -49,13 +49,13 @@ pub struct Contact {
     pub first_frame: u32,
     /// Last frame in contact.
     pub last_frame: u32,
-    /// Largest contact force, N (magnitude of the solver's force of the pair in one frame).
+    /// Largest contact force in any frame, N: the magnitude of the solver's force between the two.
     pub peak_force_n: f64,
-    /// Mean of that force over the contact's frames, N.
+    /// Mean of that force over the frames of the contact, N.
     pub mean_force_n: f64,
 }
 
-/// One reach with everything that was sensed and everything that was true.
+/// One reach: everything that was sensed, and the ground truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scene.
@@ -64,7 +64,7 @@ pub struct Recording {
     pub controller: String,
     /// The campaign's seed.
     pub seed: u64,
-    /// The index of the reach in its campaign; (seed, index) decides everything drawn.
+    /// Index of the reach in its campaign. Seed and index together determine all random draws.
     pub reach_index: u64,
     /// Frames per second.
     pub rate_hz: f64,
@@ -74,15 +74,15 @@ pub struct Recording {
     pub layout: SkinLayout,
     /// The objects of the clutter.
     pub objects: Vec<ObjectRecord>,
-    /// The links of the arm and the bodies of the objects; none where nothing is known of them.
+    /// The links of the arm and the bodies of the objects; empty if they are not known.
     pub bodies: Vec<Body>,
     /// The goals in the order in which they were tried.
     pub goals: Vec<GoalRecord>,
-    /// Contacts sorted by first frame, then patch, then link, then object.
+    /// Contacts, sorted by first frame, then patch, link and object.
     pub contacts: Vec<Contact>,
     /// The samples.
     pub frames: Vec<Frame>,
-    /// How far the physics was from what it should be.
+    /// Residuals of the physics.
     pub audit: Audit,
 }
 
@@ -94,7 +94,7 @@ impl Recording {
         further.into_iter().collect()
     }
 
-    /// How the reach as a whole ended: the worst of its goals' outcomes.
+    /// The outcome of the whole reach: the worst outcome of its goals.
     pub fn outcome(&self) -> Outcome {
         self.goals
             .iter()
@@ -103,7 +103,7 @@ impl Recording {
             .unwrap_or(Outcome::Reached)
     }
 
-    /// How many of the goals tried ended in which way.
+    /// The number of goals with each outcome.
     pub fn goal_outcomes(&self) -> GoalOutcomes {
         let mut counts = GoalOutcomes::default();
         for goal in &self.goals {
@@ -112,7 +112,7 @@ impl Recording {
         counts
     }
 
-    /// What ended the reach, where a force passed the controller's stop force.
+    /// The contact that ended the reach, if a force exceeded the controller's stop force.
     pub fn safety_stop(&self) -> Option<NamedStop> {
         let stop = self.goals.iter().find_map(|goal| goal.safety_stop.as_ref())?;
         let object = self.objects.get(usize::from(stop.object))?;
@@ -126,8 +126,8 @@ impl Recording {
         })
     }
 
-    /// For each patch, by name, the number of frames in which an object truly pressed on it. What the sensor reported
-    /// does not matter: strays and creep are no contact. All are 0 where ground truth is not known, as on a robot.
+    /// The number of frames in which an object truly pressed on each patch, by the patch's name. Sensor readings do not
+    /// count, since spurious readings and creep are not contact. All are 0 if ground truth is unknown, as on a robot.
     pub fn touched_frames(&self) -> BTreeMap<String, u32> {
         let frames_of = |patch: usize| {
             let mut spans: Vec<(u32, u32)> = self
@@ -140,7 +140,7 @@ impl Recording {
             spans.sort_unstable();
             let (mut frames, mut next) = (0, 0);
             for (first, last) in spans {
-                // Frames in which two objects pressed on the patch count once.
+                // A frame in which two objects press on the patch counts once.
                 let first = first.max(next);
                 if first <= last {
                     frames = (last - first).saturating_add(1).saturating_add(frames);

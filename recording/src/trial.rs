@@ -1,4 +1,4 @@
-//! One contact trial: what one taxel (or one connected component) felt from contact to break.
+//! One contact trial: the samples of one taxel, or one connected component, from the beginning of a contact to its end.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,40 +7,40 @@ use crate::limits::{self, Limits, short};
 /// One sample of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// Time, s; since the start of the reach in data sets, any origin in foreign tables.
+    /// Time, s: since the start of the reach in data sets, from any origin in tables of other programs.
     pub time_s: f64,
-    /// Sensed force, N: of the taxel, or the largest in the component.
+    /// Sensed force of the taxel, or the largest in the component, N.
     pub force_n: f64,
-    /// Contact motion, m: how far the contact has travelled in the world frame since it began, along its path. `None`
-    /// where a table has none.
+    /// Contact motion, m: length of the path that the contact has travelled in the world frame since it began. `None`
+    /// if a table does not have it.
     pub motion_m: Option<f64>,
-    /// The contact region that this sample is part of. `None` where a table has none, or the patch has no grid.
+    /// The contact region of this sample. `None` if a table does not have it, or the patch has no grid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<Region>,
-    /// Ground truth: whether an object truly pressed the taxel, or one of the component's taxels, in this sample. A
-    /// sensor also reports forces where nothing touches it (noise, crosstalk, creep). `None` where unknown, as in tables
-    /// of real robots. No model sees it.
+    /// Ground truth: whether an object truly pressed the taxel, or a taxel of the component, in this sample. Noise,
+    /// crosstalk and creep give readings without contact. `None` if unknown, as in tables of real robots. Never an
+    /// input of a classifier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub touched: Option<bool>,
 }
 
-/// A contact region (paper, section III) at one instant: the taxels in contact that hang together, whatever presses them.
+/// A contact region (paper, section III) at one instant: connected taxels in contact, whichever objects press them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Region {
-    /// Number of its taxels.
+    /// Number of taxels.
     pub taxels: u32,
-    /// The largest sensed force of its taxels, N.
+    /// Largest sensed force of a taxel, N.
     pub largest_force_n: f64,
-    /// The sum of the sensed forces of its taxels, N.
+    /// Sum of the sensed forces, N.
     pub force_sum_n: f64,
 }
 
-/// How far the sum of a region's forces may miss what its parts allow, relative: some hundred forces added up in single
-/// precision, or printed with five digits.
+/// Relative tolerance for the sum of a region's forces: room for some hundred forces added in single precision, or
+/// printed with five digits.
 const ROUNDING: f64 = 1e-4;
 
 impl Sample {
-    /// What is wrong with the numbers, if anything: the column in a trials table, what was found and what is allowed.
+    /// The first number that is out of range: its column in a trials table, what was found and what is allowed.
     pub fn fault(&self) -> Option<(&'static str, String, String)> {
         let numbers: [(&'static str, Option<f64>, Limits); 3] = [
             ("time_s", Some(self.time_s), limits::TIME_S),
@@ -61,7 +61,7 @@ impl Sample {
 }
 
 impl Region {
-    /// What is wrong with the numbers, if anything: the column in a trials table and what is allowed there.
+    /// The first number that is out of range: its column in a trials table, and what is allowed there.
     pub fn fault(&self) -> Option<(&'static str, String)> {
         let taxels = f64::from(self.taxels);
         let (largest, sum) = (self.largest_force_n, self.force_sum_n);
@@ -78,7 +78,7 @@ impl Region {
         let holds = sum >= largest * (1.0 - ROUNDING) && sum <= most * (1.0 + ROUNDING);
         (!holds).then(|| {
             let allowed = format!(
-                "{} to {} N: the largest force alone, or as much on each of the {} taxels",
+                "{} to {} N: between the largest force and {} times that, one for each taxel",
                 short(largest),
                 short(most),
                 self.taxels
@@ -88,26 +88,26 @@ impl Region {
     }
 }
 
-/// One trial (paper, sections IV-C and IV-D): the unit that is trained on and classified.
+/// One trial (paper, sections IV-C and IV-D): the unit of training and classification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Number of the trial in its table.
     pub trial: u64,
-    /// Ground truth; any name in foreign tables, `None` where unknown.
+    /// Ground truth. Any name in tables of other programs; `None` if unknown.
     pub category: Option<String>,
-    /// Index of the reach it comes from, for splits by reach.
+    /// Index of the reach that it comes from, for grouping by reach.
     pub reach: Option<u64>,
     /// Name of the skin patch.
     pub patch: Option<String>,
-    /// Index of the taxel in its patch; for a component, of its strongest taxel at first contact.
+    /// Index of the taxel in its patch. For a component: of the taxel with the largest force at first contact.
     pub taxel: Option<u32>,
-    /// The samples in time order, never empty.
+    /// The samples in order of time; never empty.
     pub samples: Vec<Sample>,
 }
 
 impl Trial {
-    /// Ground truth: whether an object truly pressed during at least one sample. `None` where that is unknown: where no
-    /// sample is known to be touched and at least one is not known to be untouched.
+    /// Ground truth: whether there was true contact in at least one sample. `None` if that is unknown: no sample is
+    /// known to be in contact, and for at least one it is not known.
     pub fn touched(&self) -> Option<bool> {
         let mut touched = Some(false);
         for sample in &self.samples {

@@ -11,7 +11,7 @@ use crate::Category;
 
 /// One column of a table, or several whose names differ only in `x`, `y`, `z` or in the name of a patch.
 pub(super) struct Column {
-    /// Name. It ends in `PATCH` where every patch has such a column, and has `{xyz}` or `{xyzw}` where every axis has one.
+    /// Name. `PATCH` at its end stands for the name of each patch, `{xyz}` or `{xyzw}` for each axis.
     pub(super) name: &'static str,
     /// Type and width, as a reader of the file sees them.
     pub(super) kind: &'static str,
@@ -143,14 +143,14 @@ pub(super) const TRUTH_BODIES: Table = Table {
 pub(super) const TRUTH_POSES: Table = Table {
     name: "truth_poses",
     path: "truth/poses",
-    row: "a body in a frame where its pose differs from the previous frame; the pose holds until the body's next row, and \
-          before its first row the pose is that of `truth/bodies`",
+    row: "a body in a frame where its pose differs from the previous frame; the pose holds until the body's next row. \
+          Before its first row a body has the pose of `truth/bodies`",
     columns: columns! { [EPISODE]
         "body_index", "int32", "", "the body, as in `truth/bodies`";
         "frame_index", "int64", "", "index of the frame in its reach, from 0";
         "position_world_{xyz}_m", "float32", "m", "origin of the body, world frame, in steps of 1/8192 m (0.12 mm)";
-        "orientation_world_{xyzw}", "float32", "1", "rotation from the body's frame to the world, quaternion, in steps of \
-            1/8192; normalize it before use";
+        "orientation_world_{xyzw}", "float32", "1", "rotation from the body's frame to the world, quaternion, in \
+            steps of 1/8192; normalize it before use";
     },
 };
 
@@ -179,7 +179,7 @@ pub(super) const TRUTH_GOALS: Table = Table {
         "start_time_s", "float64", "s", "time at which the arm started towards it";
         "end_time_s", "float64", "s", "time at which it was reached or given up";
         "outcome", "text", "", "`reached`, `stuck`, `timed_out` or `aborted`";
-        "stop_object_index", "int32", "", "the object whose force ended the goal, a row of `truth/objects`; otherwise null";
+        "stop_object_index", "int32", "", "object whose force ended the goal, a row of `truth/objects`; otherwise null";
         "stop_link", "text", "", "name of the link that this object pressed; otherwise null";
         "stop_patch", "text", "", "name of the patch that took most of the force; null if there is no skin there";
         "stop_force_n", "float64", "N", "that force; null if no force ended the goal";
@@ -301,8 +301,8 @@ impl Column {
 }
 
 impl Table {
-    /// The metadata of a column's field: `description`, and `unit` and `codes` (a JSON object) if it has any. `None` for a
-    /// column that the table does not have.
+    /// The metadata of a column's field: `description`, and `unit` and `codes` (a JSON object) if it has any. `None` if
+    /// the table has no such column.
     pub(super) fn metadata(&self, name: &str) -> Option<HashMap<String, String>> {
         let column = self.columns.iter().find(|column| column.covers(name))?;
         let mut metadata = HashMap::from([("description".to_string(), column.what.to_string())]);

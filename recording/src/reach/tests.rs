@@ -39,8 +39,8 @@ fn contact(patch: Option<u16>, object: u16, [first_frame, last_frame]: [u32; 2],
     }
 }
 
-/// Pins that frames with true contact are counted by patch, each frame once, and that contacts of bare links and contacts
-/// without force are left out.
+/// Pins that frames with true contact are counted by patch, each frame once, without contacts on bare links and
+/// contacts without force.
 #[test]
 fn only_true_contact_counts() {
     let recording = recording(vec![
