@@ -1,4 +1,4 @@
-//! Errors become text here, once, and exit statuses: 1 the run failed, 2 bad usage or input.
+//! Turns errors into text and an exit status: 1 if the run failed, 2 for bad usage or input.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -14,7 +14,7 @@ use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_sim::campaign::CampaignError;
 
-/// Why a command ended without its result.
+/// The reason why a command ended without a result.
 #[derive(Debug)]
 pub struct Failure {
     text: String,
@@ -24,7 +24,7 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Bad usage or input that no file holds.
+    /// Bad usage, or bad input that is not in a file.
     pub fn usage(text: impl Into<String>) -> Self {
         Failure {
             text: text.into(),
@@ -42,15 +42,15 @@ impl Failure {
         }
     }
 
-    /// A fault of this program, which [`record_panics`] has noted.
+    /// A bug in this program, as recorded by [`record_panics`].
     pub fn panic(last_panic: &Mutex<String>) -> Self {
         let what = last_panic.lock().map_or(String::new(), |what| what.clone());
         Failure::run(format!(
-            "broke off inside the program: {what}; report it with the command line and the files that it reads"
+            "internal error: {what}; please report it with the command line and the input files"
         ))
     }
 
-    /// The same failure, naming the file that it is about where it does not do so yet.
+    /// The same failure with the file that it is about, unless it names one already.
     #[must_use]
     pub fn about(self, path: &Path) -> Self {
         if self.input.is_some() {
@@ -62,7 +62,7 @@ impl Failure {
         }
     }
 
-    /// Standard output that could not be written.
+    /// A failure to write to standard output.
     pub fn output(error: std::io::Error) -> Self {
         let closed_pipe = error.kind() == std::io::ErrorKind::BrokenPipe;
         Failure {
@@ -71,7 +71,7 @@ impl Failure {
         }
     }
 
-    /// Whether the reader of the output simply went away (`| head`), which is no failure.
+    /// Whether the reader of the output closed the pipe, as `| head` does. That is not a failure.
     pub fn is_closed_pipe(&self) -> bool {
         self.closed_pipe
     }
@@ -81,7 +81,7 @@ impl Failure {
         self.status
     }
 
-    /// The text for a person, with the offending line where the place in a file is known.
+    /// The text to print, with the offending line of the file if it is known.
     pub fn report(&self) -> Report {
         let Some(input) = &self.input else {
             return Report::new(MietteDiagnostic::new(self.text.clone()));
@@ -106,16 +106,16 @@ impl Failure {
     }
 }
 
-/// Longer lines are not shown beside an error, nor are their neighbours: nobody reads them, and a line may be the whole of
-/// a file of many megabytes.
-const LONGEST_LINE_BYTES: usize = 1000;
+/// Longer lines are not shown with an error, nor are their neighbours: nobody reads them, and a line may be a whole
+/// file of many megabytes.
+const MAX_LINE_BYTES: usize = 1000;
 
-/// Whether a text has this line (from 1), and it and its two neighbours, which are shown with it, are short enough.
+/// Whether a text has this line (from 1), and the line and its neighbours, which are shown too, are short enough.
 fn can_be_shown(text: &str, line: usize) -> bool {
     let shown = text.split_inclusive('\n').skip(line.saturating_sub(2)).take(3);
     line >= 1
         && text.split_inclusive('\n').nth(line - 1).is_some()
-        && shown.into_iter().all(|line| line.len() <= LONGEST_LINE_BYTES)
+        && shown.into_iter().all(|line| line.len() <= MAX_LINE_BYTES)
 }
 
 impl From<InputError> for Failure {
@@ -132,7 +132,7 @@ impl From<DiskError> for Failure {
     fn from(error: DiskError) -> Self {
         match error {
             DiskError::Input(input) => input.into(),
-            // The operating system's refusal and a failure to encode are the run's; all else is a bad folder or file.
+            // Here the run failed. All other errors mean a bad folder or file.
             DiskError::Io { .. } | DiskError::Encode { .. } | DiskError::Unwritable { .. } => {
                 Failure::run(error.to_string())
             }
@@ -179,7 +179,7 @@ impl From<ExperimentError> for Failure {
     }
 }
 
-/// Errors of the classifier's other parts: all of them are about what was given to a command.
+/// Other errors of the classifier crate. All are about arguments or input.
 macro_rules! bad_usage {
     ($($error:ty),*) => {
         $(impl From<$error> for Failure {
@@ -191,10 +191,10 @@ macro_rules! bad_usage {
 }
 bad_usage!(TrialError, EvaluateError, ThresholdError, DecisionError, OnlineError);
 
-/// Notes each panic instead of printing it.
+/// Records panics instead of printing them.
 ///
-/// A damaged file can make the Parquet decoder panic, and a wild scene the physics engine; both are caught where they
-/// happen and become errors, beside which a panic's own text on stderr would only frighten.
+/// A damaged file can make the Parquet decoder panic, and an extreme scene the physics engine. Both panics are caught
+/// where they happen and become errors, so the panic's own message on stderr would only confuse.
 pub fn record_panics() -> &'static Mutex<String> {
     static LAST: Mutex<String> = Mutex::new(String::new());
     std::panic::set_hook(Box::new(|panic| {

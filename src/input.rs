@@ -1,4 +1,4 @@
-//! What a command is given to read: a data set, a recording or a table of trials.
+//! Reading the input of a command: a data set, a recording or a table of trials.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ use crate::failure::Failure;
 use crate::progress;
 pub use crate::trial_arguments::{TrialArguments, Unit, cut};
 
-/// Reads the trials of a data set, a recording or a table, for a command that is nothing without any.
+/// Reads the trials of a data set, a recording or a table; an error if there are none.
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     let trials = trials(path, arguments)?;
     if trials.is_empty() {
         let patch = arguments.patch();
         let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
         return Err(Failure::usage(format!(
-            "{}: no contact on {patch} above {} N of {} samples or more; lower --threshold-n or --min-samples, or \
+            "{}: no contact on {patch} above {} N with {} samples or more; lower --threshold-n or --min-samples, or \
              generate more reaches",
             path.display(),
             arguments.threshold_n(),
@@ -28,8 +28,8 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
     Ok(trials)
 }
 
-/// Refuses a path at which there is nothing, before its name is taken for the wrong kind of file; `allowed` is what a
-/// command takes.
+/// An error if there is no file or folder at `path`; otherwise its name would be taken for the wrong kind of file.
+/// `allowed` is what the command accepts.
 pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
     if path.exists() {
         return Ok(());
@@ -51,7 +51,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
         let mut trials = Vec::new();
         for episode in 0..reaches {
             let mut found = cut(&dataset.read_reach(episode)?, trials.len() as u64)?;
-            // Reaches of different scenes may share an index; the episode's number is theirs alone.
+            // Reaches of different scenes may share an index, but the episode number is unique.
             found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
             trials.extend(found);
             bar.inc(1);
@@ -68,7 +68,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
     }
 }
 
-/// Categories of a recording's objects, by index.
+/// The categories of a recording's objects, by index.
 pub fn object_categories(recording: &Recording) -> Vec<Category> {
     recording.objects.iter().map(|object| object.category).collect()
 }

@@ -1,21 +1,21 @@
-//! What happens when a signal asks the program to end: temporary files are removed, and a person learns how to go on.
+//! Handles signals that ask the program to end: removes temporary files and prints how to continue.
 
 use std::sync::OnceLock;
 
 use crate::output;
 
-/// How to go on after an interruption, where that is possible.
+/// How to continue after an interruption, if that is possible.
 static HINT: OnceLock<String> = OnceLock::new();
 
-/// Says how work that an interruption cuts off can be continued. The first hint of a process holds.
+/// Sets the hint that is printed after an interruption. Only the first hint of a process counts.
 pub fn hint(text: impl Into<String>) {
     let _ = HINT.set(text.into());
 }
 
-/// Waits for SIGINT and SIGTERM in a thread of its own.
+/// Waits for SIGINT and SIGTERM in a separate thread.
 ///
-/// The program then ends by the same signal: a shell reports 130 or 143, and a script that ran the program stops at
-/// Ctrl-C, which it would not if the program merely exited with 130.
+/// The program then ends by the same signal, so that a shell reports 130 or 143 and a script that runs the program
+/// stops at Ctrl-C; it would go on if the program just exited with 130.
 #[cfg(unix)]
 pub fn watch() {
     use std::sync::Arc;
@@ -26,13 +26,13 @@ pub fn watch() {
 
     let first_came = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        // The second signal ends the program at once, should the first one hang on a disk or a terminal. This is
-        // registered before the flag is set by the same signal, so the first one passes.
+        // A second signal ends the program at once, in case the first hangs on a disk or a terminal. The order
+        // matters: the flag is still false when the first signal gets here.
         let _ = signal_hook::flag::register_conditional_default(signal, Arc::clone(&first_came));
         let _ = signal_hook::flag::register(signal, Arc::clone(&first_came));
     }
     let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
-        // Signals then do what they do by default: they end the program, and leftovers are removed by the next run.
+        // Signals then end the program, as they do by default, and the next run removes leftover files.
         return;
     };
     std::thread::spawn(move || {
@@ -47,6 +47,6 @@ pub fn watch() {
     });
 }
 
-/// Elsewhere the system ends the program; leftovers are removed by the next run.
+/// On other systems a signal just ends the program, and the next run removes leftover files.
 #[cfg(not(unix))]
 pub fn watch() {}

@@ -1,4 +1,4 @@
-//! The command line of underbrush: one file a subcommand, no physics, no statistics.
+//! The command line of underbrush. Each subcommand is one file; physics and statistics are in the libraries.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
@@ -15,13 +15,31 @@ mod trial_arguments;
 
 use failure::Failure;
 
-/// A testbed for incidental contact: a compliant arm with tactile skin reaches through simulated foliage, and hidden
-/// Markov models learn from its taxels to tell leaf from trunk.
-///
-/// Start with `underbrush reproduce --quick`, or look at one reach: `underbrush reach scenes/mixed.toml --picture reach.svg`.
-/// Results go to stdout, everything else to stderr.
+/// Shown after the list of commands: what to try first, and what a script has to know.
+const FIRST_STEPS: &str = "\
+First steps:
+  underbrush reach scenes/mixed.toml --picture reach.svg    Simulate one reach and draw it
+  underbrush reproduce --quick                              Repeat the paper's experiments on little data
+
+From data to a classifier:
+  underbrush generate scenes/leaf.toml scenes/trunk.toml --reaches 10 --out my-set
+  underbrush evaluate my-set                                Cross-validated accuracy
+  underbrush train my-set --out model.json
+  underbrush reach scenes/mixed.toml --out reach.parquet
+  underbrush classify model.json reach.parquet --online     Verdicts after every frame
+
+`underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to
+standard error. Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
+
+/// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell from
+/// the skin's forces what each taxel touches: leaf or trunk.
 #[derive(Parser)]
-#[command(name = "underbrush", version = underbrush_experiments::dataset::PROGRAM_VERSION, max_term_width = 100)]
+#[command(
+    name = "underbrush",
+    version = underbrush_experiments::dataset::PROGRAM_VERSION,
+    max_term_width = 100,
+    after_help = FIRST_STEPS
+)]
 struct Cli {
     #[command(flatten)]
     shared: Shared,
@@ -29,53 +47,53 @@ struct Cli {
     command: Command,
 }
 
-/// Options of every subcommand.
+/// Options of all subcommands.
 #[derive(Args, Clone, Copy)]
 struct Shared {
-    /// Print the result as one JSON object.
+    /// Print the result as one JSON object
     #[arg(long, global = true)]
     json: bool,
-    /// Threads to use, at most 1024; all cores if not given. Results do not depend on it.
+    /// Number of threads, at most 1024 [default: all cores]. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = jobs)]
     jobs: Option<usize>,
 }
 
-/// Most threads. Choice: more than any machine has cores that share memory, about 800 today; each thread keeps the
-/// reach that it runs in memory, and more threads than cores only cost time.
-const MOST_JOBS: usize = 1024;
+/// Largest number of threads. Choice: more than any machine has cores, about 800 today. Threads beyond the number of
+/// cores do not help, and each holds a reach in memory.
+const MAX_JOBS: usize = 1024;
 
 fn jobs(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(jobs) if (1..=MOST_JOBS).contains(&jobs) => Ok(jobs),
+        Ok(jobs) if (1..=MAX_JOBS).contains(&jobs) => Ok(jobs),
         _ => Err(format!(
-            "must be a number from 1 to {MOST_JOBS}: more threads than cores only cost memory, a reach each"
+            "must be a number from 1 to {MAX_JOBS}; more threads than cores do not help, and each takes memory"
         )),
     }
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// Make the paper's data, train its models, print its tables beside the published ones
+    /// Repeat the paper's experiments, and write a report with its tables beside the published ones
     Reproduce(command::reproduce::Options),
-    /// Run one reach through a scene and print how it went
+    /// Simulate one reach through a scene
     Reach(command::reach::Options),
-    /// Make a data set of many reaches
+    /// Simulate many reaches and write them as a data set
     Generate(command::generate::Options),
     /// Train one hidden Markov model per category
     Train(command::train::Options),
-    /// Say what each trial touched: leaf, trunk, uncertain or outlier
+    /// Classify contact trials: leaf, trunk, uncertain or outlier
     Classify(command::classify::Options),
-    /// Cross-validate models on trials with ground truth
+    /// Cross-validate classifiers on trials with ground truth
     Evaluate(command::evaluate::Options),
-    /// Write the contact trials of a data set as a table, one row a sample
+    /// Write the contact trials of a data set as a table with one row per sample
     Trials(command::trials::Options),
     /// Print the log-likelihood of each trial under each model, as CSV
     Score(command::score::Options),
-    /// Run the physics checks and print closed form, simulation, residual and tolerance
+    /// Check the simulated physics against closed-form solutions
     Validate(command::validate::Options),
-    /// Say what is in a scene, data set, recording, trials table or model, and check it
+    /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(command::inspect::Options),
-    /// Print the JSON Schema of scene, arm or skin files, for editors
+    /// Print the JSON Schema of scene, arm or skin files, for use in an editor
     Schema(command::schema::Options),
 }
 

@@ -1,4 +1,4 @@
-//! Results on stdout, everything else on stderr: the only place that prints.
+//! All printing: results on stdout, everything else on stderr.
 
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -28,32 +28,31 @@ pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
     stdout.flush().map_err(Failure::output)
 }
 
-/// A remark for a person on stderr.
+/// Prints a remark on stderr.
 pub fn remark(text: impl AsRef<str>) {
     say(text.as_ref());
 }
 
-/// Remarks for a person on stderr, one a line.
+/// Prints remarks on stderr, one per line.
 pub fn remarks(texts: impl IntoIterator<Item = String>) {
     texts.into_iter().for_each(remark);
 }
 
-/// The hint of an interrupted program on stderr, on a line of its own: a bar, or the terminal's `^C`, may stand there.
+/// Prints the hint of an interrupted program on stderr, on a new line, because a progress bar or `^C` may be there.
 pub fn interruption(hint: &str) {
     let line_break = if std::io::stderr().is_terminal() { "\n" } else { "" };
     say(&format!("{line_break}interrupted: {hint}"));
 }
 
-/// Prints a line on stderr if that is possible. A closed or full stderr changes neither the result nor the exit status,
-/// and there is no other place to complain.
+/// Prints a line on stderr. Errors are ignored: a closed or full stderr must not change the result or the exit status.
 fn say(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// An error on stderr.
+/// Prints an error on stderr.
 pub fn error(failure: &Failure) {
     if !std::io::stderr().is_terminal() {
-        // In a log nothing may break a path in two: it would be found by no search.
+        // No line breaks in a log, because a path that is broken in two cannot be searched for.
         let unwrapped = miette::set_hook(Box::new(|_| {
             Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
         }));
@@ -62,7 +61,7 @@ pub fn error(failure: &Failure) {
     say(&format!("{:?}", failure.report()));
 }
 
-/// Writes a file whole or not at all, and the folders above it.
+/// Writes a file completely or not at all, and creates its parent folders.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| {
@@ -83,7 +82,7 @@ pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Resu
     stdout.flush().map_err(Failure::output)
 }
 
-/// The bytes of a CSV file. Names are quoted where they have to be: a category may be any text in a foreign table.
+/// The bytes of a CSV file. Cells are quoted if needed: a category in a table of another program may be any text.
 pub fn csv_bytes(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<Vec<u8>, Failure> {
     let refused = |error: csv::Error| Failure::run(format!("cannot write CSV: {error}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -96,7 +95,7 @@ pub fn csv_bytes(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -
         .map_err(|error| Failure::run(format!("cannot write CSV: {error}")))
 }
 
-/// A path as text in a result. Bytes that are not UTF-8 are replaced: only what is shown suffers.
+/// A path as text in a result. Bytes that are not UTF-8 are replaced, which affects only what is shown.
 pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(&path.display())
 }

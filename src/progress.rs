@@ -1,4 +1,4 @@
-//! A bar on stderr for long work: things done, time left, goals reached. None where stderr is no terminal.
+//! Progress bars on stderr for long work: items done, time left, goals reached. Hidden unless stderr is a terminal.
 
 use std::sync::Mutex;
 
@@ -8,7 +8,7 @@ use underbrush_recording::GoalOutcomes;
 
 use crate::output;
 
-/// Shows stages and remarks as lines on stderr, and counts as bars.
+/// Shows stages and remarks as lines on stderr, and counts as progress bars.
 pub struct Shown;
 
 impl Progress for Shown {
@@ -31,7 +31,7 @@ impl Progress for Shown {
     }
 }
 
-/// A bar with the outcomes of all goals so far.
+/// A progress bar with the outcomes of all goals so far.
 struct Bar {
     bar: ProgressBar,
     goals: Mutex<GoalOutcomes>,
@@ -57,7 +57,7 @@ impl Drop for Bar {
     }
 }
 
-/// A bar that counts `length` things of a kind.
+/// A progress bar for `length` items.
 pub fn bar(length: u64, things: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
     let template = format!("{{bar:30}} {{pos}}/{{len}} {things}, {{eta}} left  {{msg}}");

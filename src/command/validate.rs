@@ -1,4 +1,4 @@
-//! `underbrush validate`: the physics checks with their residuals.
+//! `underbrush validate`: runs the physics checks and prints their residuals.
 
 use std::path::PathBuf;
 
@@ -18,40 +18,40 @@ mod text;
 /// Options of `underbrush validate`.
 #[derive(Args)]
 pub struct Options {
-    /// Run this check only; may be repeated
+    /// Run only this check; may be given several times
     #[arg(long, value_name = "NAME", value_parser = names())]
     only: Vec<String>,
-    /// Multiply every tolerance by this; 0 makes every comparison fail
+    /// Multiply every tolerance by this factor; 0 makes every comparison fail
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = scale)]
     tolerance_scale: f64,
-    /// Run every check with parameters that are wrong on purpose, one at a time, and demand that each of its comparisons
-    /// fails under at least one
+    /// Test the checks themselves: run each with parameters that are wrong on purpose, one at a time. Every comparison
+    /// must fail for at least one of them
     #[arg(long)]
     falsify: bool,
-    /// Folder for pictures: the skin under the edge of a leaf, a trunk and a foam roll, and the roll's loop (SVG)
+    /// Folder for pictures (SVG): the skin under the edge of a leaf, a trunk and a foam roll, and the roll's hysteresis
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
 }
 
-/// What the checks found.
+/// The result of the checks.
 #[derive(Serialize)]
 struct Report {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every check passes, if only within a known shortfall.
+    /// Whether every check passes, or misses only by a known shortfall.
     sound: bool,
     checks: Vec<Outcome>,
 }
 
-/// What the checks found with parameters that are wrong on purpose.
+/// The result of the checks with parameters that are wrong on purpose.
 #[derive(Serialize)]
 struct FalsifiedReport {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every comparison is broken, and every wrong parameter breaks what it must.
+    /// Whether every comparison fails at least once, and every wrong parameter is noticed by the right ones.
     sound: bool,
     comparisons: usize,
-    /// How many of them fail under at least one wrong parameter.
+    /// Number of comparisons that fail with at least one wrong parameter.
     broken: usize,
     checks: Vec<FalsifiedOutcome>,
 }
@@ -71,7 +71,7 @@ fn scale(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs the checks and prints what they found.
+/// Runs the checks and prints the result.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let chosen = |check: &&Check| options.only.is_empty() || options.only.iter().any(|name| name == check.name);
     let checks: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
@@ -131,7 +131,7 @@ fn run_falsified(checks: &[&Check], tolerance_scale: f64, json: bool) -> Result<
         return Ok(());
     }
     Err(Failure::run(format!(
-        "a wrong parameter is not noticed as it should be in these checks: {unsound}"
+        "these checks do not notice a wrong parameter as they should: {unsound}"
     )))
 }
 

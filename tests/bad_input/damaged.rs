@@ -6,7 +6,7 @@ use super::{Fault, assert_empty};
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::underbrush;
 
-const PARTS: [&str; 3] = ["Parquet: found", "a whole Parquet file", "copy the file again"];
+const PARTS: [&str; 3] = ["Parquet: found", "a complete Parquet file", "copy the file again"];
 
 /// Demands that everything that reads the file refuses it, and writes nothing.
 #[track_caller]

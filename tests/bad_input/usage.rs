@@ -53,7 +53,7 @@ fn folder_that_holds_something() {
         arguments.extend(resume.map(Into::into));
         let parts = [
             &folder.path().display().to_string(),
-            "holds files that are no data set",
+            "is not empty and holds no data set",
             "a new folder",
         ];
         crate::support::call(arguments, "").refused(&parts);
@@ -136,7 +136,8 @@ fn numbers_out_of_range() {
 
 #[test]
 fn nothing_to_learn_from() {
-    // Pins: a threshold above every force leaves no trial, and the text says so rather than that categories are missing.
+    // Pins: a threshold above every force leaves no trial, and the text says so rather than that categories are
+    // missing.
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (set, out) = (fixture.dataset(), outputs.path().join("out.csv"));

@@ -75,7 +75,7 @@ fn unnoticed_mistakes_are_an_error() {
     ];
     assert_eq!(answer.status, 1, "{}", answer.stderr);
     for part in [
-        "0 of 3 comparisons are broken",
+        "0 of 3 comparisons fail as they should",
         "HOLDS",
         "3 comparisons of 1 checks under 1 wrong parameters",
     ] {
@@ -84,8 +84,8 @@ fn unnoticed_mistakes_are_an_error() {
     assert!(answer.stderr.contains("resting-load"), "{}", answer.stderr);
 }
 
-/// Pins that every comparison of every check fails at scale 0, that the table is still printed, and that the exit status
-/// is 1.
+/// Pins that every comparison of every check fails at scale 0, that the table is still printed, and that the exit
+/// status is 1.
 #[test]
 fn a_scale_of_zero_fails_everything() {
     let answer = underbrush!["validate", "--tolerance-scale", "0", "--json"];

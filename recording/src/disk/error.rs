@@ -1,4 +1,4 @@
-//! What can go wrong between memory and disk.
+//! Errors of reading and writing files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,20 +7,20 @@ use parquet::errors::ParquetError;
 
 use crate::InputError;
 
-/// An error of [`crate::disk`]; every text names the file and the remedy.
+/// An error of [`crate::disk`]. The message names the file and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum DiskError {
-    /// A file that was read holds something that is not allowed there.
+    /// A file that was read has content that is not allowed.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The operating system refused to read or write.
+    /// The operating system failed to read or write.
     #[error("{}: cannot {action}: {source}; check the path, its permissions and the free space", .path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
         /// What was tried, as a verb (`read`, `write`).
         action: &'static str,
-        /// The refusal.
+        /// The cause.
         source: io::Error,
     },
     /// Parquet could not be encoded or written.
@@ -31,7 +31,7 @@ pub enum DiskError {
         /// The cause.
         source: ParquetError,
     },
-    /// Something handed over to be written breaks a rule of its type.
+    /// A value to be written breaks a rule of its type.
     #[error("{}: not written: {field} is {found}; allowed: {allowed}", .path.display())]
     Unwritable {
         /// The file that was to be written.
@@ -43,8 +43,8 @@ pub enum DiskError {
         /// The rule.
         allowed: String,
     },
-    /// The folder for a new data set already holds something else.
-    #[error("{}: holds files that are no data set; choose an empty or a new folder", .dir.display())]
+    /// The folder for a new data set already holds other files.
+    #[error("{}: is not empty and holds no data set; choose an empty or a new folder", .dir.display())]
     FolderNotEmpty {
         /// The folder.
         dir: PathBuf,
@@ -55,35 +55,35 @@ pub enum DiskError {
         /// The folder.
         dir: PathBuf,
     },
-    /// The folder holds a data set whose making was interrupted.
+    /// The folder holds an interrupted data set.
     #[error("{}: holds an unfinished data set; run with --resume to finish it, or delete the folder", .dir.display())]
     Unfinished {
         /// The folder.
         dir: PathBuf,
     },
-    /// The unfinished data set in the folder was begun with another plan.
+    /// The unfinished data set in the folder was started with another plan.
     #[error(
-        "{}: was begun with another plan: {field} was {stored}, now {given}; resume with the same scenes, arms, \
+        "{}: was started with another plan: {field} was {stored}, now {given}; resume with the same scenes, arms, \
          seed and options, or choose another folder", .dir.display()
     )]
     PlanDiffers {
         /// The folder.
         dir: PathBuf,
-        /// Path of the first field that differs, for instance `provenance.seed`; list entries are called by their names.
+        /// Path of the first field that differs, such as `provenance.seed`. List entries are named if they have a name.
         field: String,
         /// Its value in the stored plan.
         stored: String,
-        /// Its value in the plan given now.
+        /// Its value in the new plan.
         given: String,
     },
     /// Another process is writing this data set.
-    #[error("{}: another process is writing this data set; wait for its end, or choose another folder", .dir.display())]
+    #[error("{}: another process is writing this data set; wait, or choose another folder", .dir.display())]
     InUse {
         /// The folder.
         dir: PathBuf,
     },
     /// A data set cannot be finished while reaches are missing.
-    #[error("{}: {count} reaches are missing, the first at position {first}; run them, then finish", .dir.display())]
+    #[error("{}: {count} reaches are missing, the first at position {first}; run them before finishing", .dir.display())]
     ReachesMissing {
         /// The folder.
         dir: PathBuf,
@@ -92,12 +92,12 @@ pub enum DiskError {
         /// The first missing position in the plan, from 0.
         first: usize,
     },
-    /// A position or an index lies outside the data set.
+    /// There is no reach with this index or position.
     #[error("{}: there is no reach {index}; give an index below {count}", .dir.display())]
     NoSuchReach {
         /// The folder.
         dir: PathBuf,
-        /// What was asked for.
+        /// The index or position.
         index: usize,
         /// How many reaches there are.
         count: usize,
@@ -105,13 +105,13 @@ pub enum DiskError {
 }
 
 impl DiskError {
-    /// For `map_err` on calls of the operating system.
+    /// For `map_err` after calls of the operating system.
     pub(super) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> DiskError {
         let path = path.to_path_buf();
         move |source| DiskError::Io { path, action, source }
     }
 
-    /// For `map_err` on calls of the Parquet writer.
+    /// For `map_err` after calls of the Parquet writer.
     pub(super) fn encode(path: &Path) -> impl FnOnce(ParquetError) -> DiskError {
         let path = path.to_path_buf();
         move |source| DiskError::Encode { path, source }

@@ -1,4 +1,4 @@
-//! The columns of frames: names, types and widths, as LeRobotDataset v3.0 calls for them.
+//! The columns of frames: names, types and widths as LeRobotDataset v3.0 requires.
 
 use std::sync::Arc;
 
@@ -9,19 +9,19 @@ use parquet::errors::ParquetError;
 use super::dictionary::{FRAMES, RECORDING_TRUTH};
 use crate::SkinLayout;
 
-/// What the numbers of a pose column are.
+/// Names of the numbers in a pose column.
 const POSE_NAMES: [&str; 7] = ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"];
 
-/// One column: a number or a fixed number of numbers a row.
+/// One column, with one or several numbers per row.
 #[derive(Clone, Debug)]
 pub(super) struct Feature {
-    /// Name of the column; never holds a "/".
+    /// Name of the column, without "/".
     pub(super) name: String,
     /// Type of one number.
     pub(super) number: DataType,
-    /// How many numbers a row; 1 is a plain column.
+    /// Numbers per row; 1 is a plain column.
     pub(super) width: usize,
-    /// What each number is, where that is not a taxel index.
+    /// Names of the numbers, unless they are taxels.
     pub(super) names: Option<Vec<String>>,
 }
 
@@ -57,8 +57,8 @@ impl Feature {
     }
 }
 
-/// The columns of the frames of a data set and of a recording in file order: what a robot could know. `frames.rs` fills
-/// them in the same order.
+/// The columns of frames in data sets and recordings, in file order: what a robot could know. `frames.rs` fills them in
+/// the same order.
 pub(super) fn features(joint_names: &[String], layout: &SkinLayout) -> Vec<Feature> {
     use DataType::{Float32, Float64, Int32, Int64};
     let joints = joint_names.len();
@@ -88,7 +88,7 @@ pub(super) fn features(joint_names: &[String], layout: &SkinLayout) -> Vec<Featu
     features
 }
 
-/// The columns of ground truth that follow in the file of a single recording; `truth_columns.rs` fills them in the same
+/// The columns of ground truth that follow in the file of a single recording. `truth_columns.rs` fills them in the same
 /// order.
 pub(super) fn truth_features(layout: &SkinLayout) -> Vec<Feature> {
     use DataType::{Float64, Int8, Int16};
@@ -106,7 +106,7 @@ pub(super) fn truth_features(layout: &SkinLayout) -> Vec<Feature> {
     patches.collect()
 }
 
-/// The columns that every patch has.
+/// The columns of each patch.
 #[derive(Clone, Copy)]
 pub(super) enum PatchFeature {
     /// Pose of the patch's link, world frame.
@@ -158,7 +158,7 @@ pub(super) struct ColumnBuilder {
 }
 
 impl ColumnBuilder {
-    /// Begins with the first of the features.
+    /// Starts with the first feature.
     pub(super) fn new(features: Vec<Feature>) -> Self {
         ColumnBuilder {
             columns: Vec::with_capacity(features.len()),
@@ -185,12 +185,12 @@ impl ColumnBuilder {
         Ok(())
     }
 
-    /// Adds the next column of double precision from its numbers, row by row.
+    /// Adds the next column in double precision from its numbers, row by row.
     pub(super) fn push_f64(&mut self, numbers: impl IntoIterator<Item = f64>) -> Result<(), ParquetError> {
         self.push(Float64Array::from_iter_values(numbers))
     }
 
-    /// The arrays.
+    /// The finished arrays.
     pub(super) fn finish(self) -> Vec<ArrayRef> {
         self.columns
     }

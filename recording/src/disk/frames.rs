@@ -1,7 +1,7 @@
-//! Frames as rows of columns and back: what a robot could know.
+//! Converts frames to columns and back: the part that a robot could know.
 //!
-//! A frame lists only the taxels that feel or report something; a column holds every taxel of its patch, with 0 N for the
-//! others. What they truly feel is stored beside the frames (`truth_columns.rs` in a recording, `truth/` in a data set).
+//! A frame lists only taxels with a force, while a column holds every taxel of its patch, with 0 N for the others. True
+//! forces are stored separately (`truth_columns.rs` in a recording, `truth/` in a data set).
 
 use arrow_array::types::{Float64Type, Int32Type, Int64Type};
 use arrow_array::{ArrayRef, Float32Array, Float64Array, Int32Array, Int64Array};
@@ -13,7 +13,7 @@ use super::features::{ColumnBuilder, PatchFeature, features};
 use super::table::{Columns, Rows};
 use crate::{Frame, Pose, Recording, TaxelReading};
 
-/// Where a reach has its place among others; the default is that of a reach alone.
+/// The position of a reach in a data set; the default is that of a single reach.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Numbering {
     /// The episode.
@@ -30,7 +30,7 @@ fn pose_numbers(pose: &Pose) -> [f64; 7] {
     [x, y, z, qx, qy, qz, qw]
 }
 
-/// The columns of a run of frames of a checked recording.
+/// The columns of a range of frames of a checked recording.
 pub(super) fn frame_columns(
     recording: &Recording,
     first: usize,
@@ -40,7 +40,7 @@ pub(super) fn frame_columns(
     let mut builder = ColumnBuilder::new(features(&recording.joint_names, &recording.layout));
     let frames = &recording.frames[first..first + count];
     let index = |start: usize| Int64Array::from_iter_values((start..start + count).map(|index| index as i64));
-    // LeRobot defines the time stamp by the frame rate; the measured time stands beside it in full precision.
+    // LeRobot computes the time stamp from the frame rate. The measured time has its own column, in full precision.
     let timestamps = (first..first + count).map(|index| (index as f64 / recording.rate_hz) as f32);
     builder.push(Float32Array::from_iter_values(timestamps))?;
     builder.push(index(first))?;
@@ -92,8 +92,8 @@ fn pose(numbers: &[f64]) -> Pose {
     }
 }
 
-/// Appends the rows of a batch to the frames of a recording whose other fields are known. They have no ground truth yet:
-/// only taxels that report a force, without object and true force.
+/// Appends the rows of a batch to the frames of a recording whose other fields are known. The frames have no ground
+/// truth yet: only taxels with a sensed force, without object and true force.
 pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Result<(), DiskError> {
     let joints = recording.joint_names.len();
     let wide = |name: &str, width: usize| Rows::new::<Float64Type>(columns, name, width);
@@ -114,7 +114,7 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
     let patches = patches.collect::<Result<Vec<_>, DiskError>>()?;
     for row in 0..columns.batch.num_rows() {
         if usize::try_from(frame_index[row]) != Ok(recording.frames.len()) {
-            let allowed = format!("{}: rows in the order of the frames", recording.frames.len());
+            let allowed = format!("{}, as rows are in the order of the frames", recording.frames.len());
             return Err(columns.error("frame_index", frame_index[row].to_string(), allowed));
         }
         let goal_index = u16::try_from(goal_index[row])
@@ -124,7 +124,7 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
             for (taxel, &sensed_force_n) in sensed.row(row).iter().enumerate() {
                 if !is_nothing(sensed_force_n) {
                     taxels.push(TaxelReading {
-                        // The layout was checked: both fit.
+                        // Both fit, as the layout was checked.
                         patch: patch as u16,
                         taxel: taxel as u16,
                         true_normal_force_n: 0.0,
@@ -152,12 +152,12 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
     Ok(())
 }
 
-/// Whether a number is what a column holds for a taxel that is not listed: 0, but not −0, so that the way back is exact.
+/// Whether a number is the one stored for taxels that a frame does not list: 0, but not −0, so that reading is exact.
 pub(super) fn is_nothing(number: f64) -> bool {
     number.to_bits() == 0
 }
 
-/// What is true of one taxel in one frame.
+/// Ground truth of one taxel in one frame.
 pub(super) struct TaxelTruth {
     /// Patch and taxel by index.
     pub(super) place: (u16, u16),
@@ -165,12 +165,12 @@ pub(super) struct TaxelTruth {
     pub(super) normal_force_n: f64,
     /// Force along the two tangents, N.
     pub(super) shear_force_n: [f64; 2],
-    /// The object that presses most.
+    /// The object that presses hardest.
     pub(super) object: Option<u16>,
 }
 
 impl TaxelTruth {
-    /// Of a reading, where there is anything to tell.
+    /// Of a reading, if it has any ground truth.
     pub(super) fn of(reading: &TaxelReading) -> Option<Self> {
         let [first_shear, second_shear] = reading.true_shear_force_n;
         let forces = [reading.true_normal_force_n, first_shear, second_shear];

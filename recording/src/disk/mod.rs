@@ -1,15 +1,15 @@
-//! How recordings, data sets and trial tables lie on disk (feature `disk`).
+//! Recordings, data sets and tables of trials on disk (feature `disk`).
 //!
 //! * a single reach: one Parquet file, [`write_recording`] and [`read_recording`];
 //! * a data set of many reaches: a folder in the LeRobotDataset v3.0 layout, [`DatasetWriter`] and [`Dataset`];
-//! * contact trials: a CSV or Parquet table with one row a sample, [`read_trials`] and [`write_trials`].
+//! * contact trials: a CSV or Parquet table with one row per sample, [`read_trials`] and [`write_trials`].
 //!
-//! All tables with their columns, units and codes are listed in `dictionary.rs`, which also makes the card of a data set,
-//! the metadata of the columns and `docs/data.md`. The frames of a data set hold what a robot could know; ground truth lies
-//! in tables of its own. A single recording holds both in one file.
+//! `dictionary.rs` lists all tables with their columns, units and codes, and is the source of the card of a data set,
+//! the metadata of the columns and `docs/data.md`. The frames of a data set hold what a robot could know; ground
+//! truth is in separate tables. A single recording holds both in one file.
 //!
-//! Every file appears under its name only when it is whole (temporary name, sync, rename), and the same input gives
-//! the same bytes: nothing about the run (date, machine, threads) is stored.
+//! A file gets its name only when it is complete (temporary name, sync, rename). The same input gives the same bytes:
+//! nothing about the run (date, machine, threads) is stored.
 
 mod check;
 mod dataset;

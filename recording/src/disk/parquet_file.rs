@@ -1,4 +1,4 @@
-//! Parquet files as this crate writes and reads them.
+//! Reading and writing Parquet files.
 
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,15 +20,14 @@ use super::whole_file::{self, TemporaryFile};
 use super::{DiskError, seal};
 use crate::InputError;
 
-/// Rows that are encoded or decoded together: 453 taxels make about 15 MB of dense columns of them.
+/// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
 pub(super) const ROWS_PER_BATCH: usize = 1024;
 
-/// The column that says which episode a row belongs to.
+/// The column with the episode of a row.
 pub(super) const EPISODE_COLUMN: &str = "episode_index";
 
-/// How the columns of a schema are encoded before they are compressed: whole numbers, which are mostly counted up, as
-/// differences; text by dictionary, as it repeats; numbers in single precision, which are poses that change little from
-/// row to row, byte by byte.
+/// How the columns are encoded before compression: integers, which mostly count up, as differences; text by dictionary,
+/// because it repeats; single precision, which is used for poses that change little from row to row, by byte streams.
 fn encodings(schema: &SchemaRef) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder();
     for field in schema.fields() {
@@ -51,16 +50,16 @@ fn encodings(schema: &SchemaRef) -> WriterPropertiesBuilder {
     builder
 }
 
-/// A Parquet file (zstd) in the making; it appears under its name when closed.
+/// A Parquet file (zstd) that is being written. It gets its name when it is closed.
 pub(super) struct ParquetFile {
     path: PathBuf,
     writer: ArrowWriter<TemporaryFile>,
-    /// Whether it gets a hash of itself.
+    /// Whether it will contain its own hash.
     sealed: bool,
 }
 
 impl ParquetFile {
-    /// Opens it with key-value metadata; with [`seal::unsealed`] among them it gets a hash of itself.
+    /// Creates it with key-value metadata. With [`seal::unsealed`] among them it will contain its own hash.
     pub(super) fn create(
         path: &Path,
         schema: SchemaRef,
@@ -73,13 +72,13 @@ impl ParquetFile {
         let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
         let properties = encodings(&schema)
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
-            // Columns are forces and angles that hardly repeat but for zeros, which zstd takes care of.
+            // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
             .set_dictionary_enabled(false)
-            // Least and largest value of a column of lists help no reader, and take time and room in the footer. Those of
-            // the episode let a reader skip all row groups but the one that it wants.
+            // The minimum and maximum of a list column do not help a reader, and take time and space. Those of the
+            // episode column let a reader skip all row groups but one.
             .set_statistics_enabled(EnabledStatistics::None)
             .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
-            // Row groups end where the caller ends them, so that one holds one episode however long.
+            // The caller ends row groups, so that each episode is within one, however long it is.
             .set_max_row_group_row_count(None)
             .set_key_value_metadata(Some(key_values))
             .build();
@@ -97,7 +96,7 @@ impl ParquetFile {
         self.writer.write(batch).map_err(DiskError::encode(&self.path))
     }
 
-    /// Ends the row group.
+    /// Ends the current row group.
     pub(super) fn end_row_group(&mut self) -> Result<(), DiskError> {
         self.writer.flush().map_err(DiskError::encode(&self.path))
     }
@@ -123,20 +122,20 @@ pub(super) fn write_table(
     file.close()
 }
 
-/// The error for bytes that are no whole Parquet file.
+/// The error for a file that is not a complete Parquet file.
 pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
     InputError::new(
         path,
         "Parquet",
         cause.to_string(),
-        "a whole Parquet file, uncompressed or compressed with zstd or snappy",
+        "a complete Parquet file, uncompressed or compressed with zstd or snappy",
         "copy the file again, or write it again with zstd or snappy",
     )
     .into()
 }
 
-/// Runs a step of the Parquet decoder. Some damaged files (a negative offset in the footer) make it panic instead of
-/// returning an error, and input must never end the program.
+/// Runs a step of the Parquet decoder. Some damaged files (with a negative offset in the footer, for example) make it
+/// panic instead of returning an error, and bad input must never end the program.
 fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
     match catch_unwind(AssertUnwindSafe(step)) {
         Ok(result) => result.map_err(|error| broken(path, error)),
@@ -160,14 +159,14 @@ pub(super) fn open(
     })
 }
 
-/// The rows of an opened file, batch by batch, up to the first error.
+/// The rows of an open file, batch by batch, up to the first error.
 pub(super) struct Batches {
     path: PathBuf,
     reader: Option<ParquetRecordBatchReader>,
 }
 
 impl Batches {
-    /// Begins to read.
+    /// Starts to read.
     pub(super) fn new(path: &Path, builder: ParquetRecordBatchReaderBuilder<File>) -> Result<Self, DiskError> {
         let reader = decode(path, || builder.with_batch_size(ROWS_PER_BATCH).build())?;
         Ok(Batches {
@@ -203,7 +202,7 @@ pub(super) fn key_value(
         .find(|pair| pair.key == key)
         .and_then(|pair| pair.value.clone())
         .ok_or_else(|| {
-            let remedy = "give a file written by underbrush; other programs drop the metadata when they rewrite it";
+            let remedy = "give a file written by underbrush; other programs drop its metadata when they rewrite it";
             InputError::new(
                 path,
                 key,

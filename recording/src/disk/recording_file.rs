@@ -1,4 +1,4 @@
-//! One recording in one Parquet file: one row a frame; what is not per frame as JSON in the metadata.
+//! A single recording as a Parquet file with one row per frame. The rest is JSON in the metadata.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,10 +22,10 @@ use crate::{InputError, Recording};
 const FORMAT_KEY: &str = "underbrush.format";
 /// The version that this program writes and reads.
 const FORMAT: &str = "underbrush-recording/4";
-/// Metadata key of everything that is not per frame: a [`Recording`] without frames, as JSON.
+/// Metadata key of a [`Recording`] without its frames, as JSON.
 const RECORDING_KEY: &str = "underbrush.recording";
 
-/// Everything in a recording but its frames.
+/// A recording without its frames.
 fn without_frames(recording: &Recording) -> Recording {
     Recording {
         scene: recording.scene.clone(),
@@ -45,14 +45,15 @@ fn without_frames(recording: &Recording) -> Recording {
     }
 }
 
-/// Writes one reach to a Parquet file (zstd), exact to the last bit of every force and angle.
+/// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
 ///
-/// The file appears under its name only when it is whole, and holds a hash of itself. Columns are those of a data set
-/// (LeRobotDataset v3.0), with episode 0 and task 0; `timestamp` is frame index / rate in single precision, `time_s` the exact time.
+/// The file gets its name only when it is complete, and contains its own hash. Its columns are those of a data set
+/// (LeRobotDataset v3.0), with episode 0 and task 0. `timestamp` is frame index / rate in single precision, `time_s`
+/// the exact time.
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
-/// order); [`DiskError::Io`] and [`DiskError::Encode`] when the disk refuses.
+/// order); [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<(), DiskError> {
     let path = path.as_ref();
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
@@ -85,14 +86,14 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     file.close()
 }
 
-/// Whether a file is a recording rather than some other Parquet or CSV table; `false` also where it cannot be told.
+/// Whether a file is a recording and not some other table. `false` also if the file cannot be read.
 pub fn is_recording(path: impl AsRef<Path>) -> bool {
     let path = path.as_ref();
     path.extension().is_some_and(|extension| extension == "parquet")
         && open(path, ArrowReaderOptions::default()).is_ok_and(|builder| key_value(path, &builder, FORMAT_KEY).is_ok())
 }
 
-/// Opens a recording: everything but its frames, and the batches that hold them.
+/// Opens a recording: everything except its frames, and the batches that hold them.
 fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
     let builder = open(path, ArrowReaderOptions::default())?;
     let format = key_value(path, &builder, FORMAT_KEY)?;
@@ -114,11 +115,11 @@ fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
     Ok((header, Batches::new(path, builder)?))
 }
 
-/// Reads one reach back, equal to what [`write_recording`] was given.
+/// Reads a reach, equal to the one given to [`write_recording`].
 ///
 /// # Errors
-/// [`DiskError::Input`] for a file that is torn, changed in any bit, absent, of another format or version, or whose
-/// content breaks a rule of [`Recording`]; [`DiskError::Io`] where it cannot be read.
+/// [`DiskError::Input`] for a file that is truncated, changed in any bit, missing, of another format or version, or
+/// whose content breaks a rule of [`Recording`]; [`DiskError::Io`] if it cannot be read.
 pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
     let path = path.as_ref();
     let (mut recording, batches) = open_recording(path)?;

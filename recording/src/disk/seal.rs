@@ -1,8 +1,8 @@
-//! The hash that a Parquet file holds of itself.
+//! The checksum inside a Parquet file.
 //!
-//! A data set has a list of checksums; a single file has nothing beside it. Parquet's page checksums would leave out the
-//! footer, and the library writes none. So the key-value metadata hold the BLAKE3 hash of the whole file, taken with
-//! zeros in place of the hash's own 64 digits: every bit of the file is covered.
+//! A data set has a list of checksums, but a single file stands alone. Parquet's page checksums do not cover the
+//! footer, and the library does not write them. Therefore the key-value metadata contain the BLAKE3 hash of the whole
+//! file, computed with zeros in place of its own 64 digits, so that it covers every bit.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -18,13 +18,13 @@ pub(super) const SEAL_KEY: &str = "underbrush.blake3";
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;
 
-/// The metadata entry of a file that is to be sealed: zeros where the hash will stand.
+/// The metadata entry of a file that is to be sealed: zeros in place of the hash.
 pub(super) fn unsealed() -> (&'static str, String) {
     (SEAL_KEY, "0".repeat(DIGITS))
 }
 
-/// Where the digits stand: behind the last entry of the key, as Parquet's footer encodes it, with the type and the
-/// length of the value in one byte each.
+/// The position of the digits: after the last occurrence of the key as Parquet's footer encodes it, followed by one
+/// byte each for type and length of the value.
 fn place(bytes: &[u8]) -> Option<Range<usize>> {
     let entry = [SEAL_KEY.as_bytes(), &[0x18, DIGITS as u8]].concat();
     let start = bytes.windows(entry.len()).rposition(|window| window == entry)? + entry.len();
@@ -39,7 +39,7 @@ fn hash(bytes: &[u8], digits: &Range<usize>) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Puts the hash into a file that was written with [`unsealed`] among its metadata.
+/// Writes the hash into a file that was written with [`unsealed`] among its metadata.
 pub(super) fn seal(file: &mut File) -> io::Result<()> {
     let mut bytes = Vec::new();
     file.rewind()?;
@@ -50,7 +50,7 @@ pub(super) fn seal(file: &mut File) -> io::Result<()> {
     file.write_all(hash.as_bytes())
 }
 
-/// Checks a file against its hash of itself, if it has one; whether it has.
+/// Checks the hash inside a file, if there is one. Returns whether there is.
 pub(super) fn check_if_sealed(path: &Path) -> Result<bool, DiskError> {
     let mut bytes = Vec::new();
     open_input(path)?
@@ -69,17 +69,17 @@ pub(super) fn check_if_sealed(path: &Path) -> Result<bool, DiskError> {
     Err(InputError::new(path, "checksum", found, stored, remedy).into())
 }
 
-/// Demands that a file has a hash of itself and matches it.
+/// Checks the hash inside a file. A file without one is refused.
 pub(super) fn check(path: &Path) -> Result<(), DiskError> {
     if check_if_sealed(path)? {
         return Ok(());
     }
-    let remedy = "copy the file again; other programs drop the checksum when they rewrite it";
+    let remedy = "copy the file again; other programs drop the checksum when they rewrite the file";
     Err(InputError::new(
         path,
         SEAL_KEY,
         "no checksum",
-        "a file with a checksum of itself",
+        "a file with its own checksum",
         remedy,
     )
     .into())

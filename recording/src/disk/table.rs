@@ -1,4 +1,4 @@
-//! Tables of named, typed columns: built for writing, looked into after reading.
+//! Tables of named, typed columns: building them for writing, and access after reading.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,9 +15,9 @@ use super::DiskError;
 use super::dictionary::Table;
 use crate::InputError;
 
-/// Columns for a table; all are nullable, so that the schema does not depend on the rows.
+/// Collects the columns of a table. All are nullable, so that the schema does not depend on the rows.
 pub(super) struct TableBuilder {
-    /// Where the columns are described.
+    /// The description of the columns.
     table: Option<&'static Table>,
     fields: Vec<Field>,
     columns: Vec<ArrayRef>,
@@ -112,14 +112,14 @@ impl<'a> Columns<'a> {
         Ok(array)
     }
 
-    /// A column of numbers without nulls, one a row.
+    /// A column of numbers without nulls, one per row.
     pub(super) fn numbers<T: ArrowPrimitiveType>(&self, name: &str) -> Result<&'a [T::Native], DiskError> {
         Ok(self
             .whole::<PrimitiveArray<T>>(name, &T::DATA_TYPE.to_string())?
             .values())
     }
 
-    /// A column of numbers, nulls allowed, one a row.
+    /// A column of numbers, nulls allowed, one per row.
     pub(super) fn numbers_or_null<T: ArrowPrimitiveType>(
         &self,
         name: &str,
@@ -127,7 +127,7 @@ impl<'a> Columns<'a> {
         self.typed(name, &T::DATA_TYPE.to_string())
     }
 
-    /// A column of `width` numbers a row, one row after the other; width 1 is a plain column.
+    /// A column with `width` numbers per row, row after row; width 1 is a plain column.
     pub(super) fn rows<T: ArrowPrimitiveType>(&self, name: &str, width: usize) -> Result<&'a [T::Native], DiskError> {
         if width == 1 {
             return self.numbers::<T>(name);
@@ -177,7 +177,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// One column with its width, read row by row.
+/// A column with several numbers per row, read row by row.
 pub(super) struct Rows<'a, T> {
     numbers: &'a [T],
     width: usize,

@@ -1,5 +1,5 @@
-//! The ground truth of each frame in the file of a single recording: dense columns of taxels, and lists of the bodies
-//! that moved.
+//! Ground truth per frame in the file of a single recording: dense columns for taxels, and lists for the bodies that
+//! moved.
 
 use arrow_array::builder::{Float32Builder, Int32Builder, ListBuilder};
 use arrow_array::cast::AsArray;
@@ -17,11 +17,11 @@ use crate::{Recording, TrackPoint};
 
 /// "No object" and "no category".
 const NONE: i8 = -1;
-/// Column of the bodies that moved, and of where they are.
+/// Columns of the bodies that moved, and of their poses.
 const MOVED_BODY: &str = "truth.moved_body";
 const MOVED_POSE: &str = "truth.moved_pose";
 
-/// The columns of the true forces in a run of frames of a checked recording.
+/// The columns of true forces in a range of frames of a checked recording.
 pub(super) fn taxel_columns(recording: &Recording, first: usize, count: usize) -> Result<Vec<ArrayRef>, ParquetError> {
     let mut builder = ColumnBuilder::new(truth_features(&recording.layout));
     let frames = &recording.frames[first..first + count];
@@ -74,7 +74,7 @@ impl<'a> PatchColumns<'a> {
     }
 }
 
-/// Adds the true forces to the frames from `first` on, which the rows of a batch belong to.
+/// Adds the true forces of a batch to its frames, the first of which is `first`.
 pub(super) fn add_taxel_truth(columns: &Columns, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
     for index in 0..recording.layout.patches.len() {
         let patch = PatchColumns::new(columns, &recording.layout.patches[index])?;
@@ -100,7 +100,7 @@ pub(super) fn add_taxel_truth(columns: &Columns, recording: &mut Recording, firs
     Ok(())
 }
 
-/// The object of an index, whose category must be the one stored.
+/// The object with an index. Its category must be the one stored.
 fn object_of(
     columns: &Columns,
     recording: &Recording,
@@ -127,7 +127,7 @@ fn object_of(
     Ok(known)
 }
 
-/// The fields of the lists of bodies that moved.
+/// The Arrow fields of the lists of bodies that moved.
 pub(super) fn moved_fields() -> [Field; 2] {
     [(MOVED_BODY, DataType::Int32), (MOVED_POSE, DataType::Float32)].map(|(name, number)| {
         let metadata = RECORDING_TRUTH.metadata(name).unwrap_or_default();
@@ -141,12 +141,12 @@ pub(super) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
     let mut moves: Vec<_> = bodies
         .flat_map(|(body, found)| found.track.iter().map(move |point| (body, *point)))
         .collect();
-    // Stable: within a frame, bodies stay in their order.
+    // A stable sort keeps the order of bodies within a frame.
     moves.sort_by_key(|(_, point)| point.frame);
     moves
 }
 
-/// The columns of the bodies that moved in a run of frames.
+/// The columns of the bodies that moved in a range of frames.
 pub(super) fn moved_columns(moves: &[(usize, TrackPoint)], first: usize, count: usize) -> [ArrayRef; 2] {
     let mut bodies = ListBuilder::new(Int32Builder::new());
     let mut poses = ListBuilder::new(Float32Builder::new());
@@ -167,7 +167,7 @@ pub(super) fn moved_columns(moves: &[(usize, TrackPoint)], first: usize, count: 
     ]
 }
 
-/// Adds the points of a batch, whose first row is frame `first`, to the tracks of the bodies.
+/// Adds the poses of a batch, whose first row is frame `first`, to the tracks of the bodies.
 pub(super) fn add_moves(columns: &Columns, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
     let list = |name: &str| {
         let array = columns
@@ -176,7 +176,7 @@ pub(super) fn add_moves(columns: &Columns, recording: &mut Recording, first: usi
             .and_then(|array| array.as_list_opt::<i32>());
         array
             .filter(|lists| lists.null_count() == 0 && lists.values().null_count() == 0)
-            .ok_or_else(|| columns.error(name, "no column of lists without nulls", "lists of numbers"))
+            .ok_or_else(|| columns.error(name, "no list column without nulls", "lists of numbers"))
     };
     let (bodies, poses) = (list(MOVED_BODY)?, list(MOVED_POSE)?);
     for row in 0..columns.batch.num_rows() {

@@ -1,19 +1,20 @@
-//! The temporary files that this process has open, so that they can be removed when a signal ends it.
+//! The list of temporary files of this process, so that they can be removed when a signal ends it.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A signal ends the whole process, so the list is the process's own.
+/// Global, because a signal ends the whole process.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// A panic cannot leave the set in pieces: it is only inserted into and removed from.
+/// A poisoned lock is fine: a panic cannot leave the set in an inconsistent state, as it is only inserted into and
+/// removed from.
 fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A temporary file in the list, until this is dropped.
+/// Keeps a temporary file in the list until dropped.
 pub(super) struct Registered(PathBuf);
 
 impl Registered {
@@ -29,9 +30,9 @@ impl Drop for Registered {
     }
 }
 
-/// Removes all files that this process has begun and not finished, for the moment before it ends without unwinding.
+/// Removes all unfinished files of this process, just before it ends without unwinding.
 ///
-/// From then on the process cannot begin or finish another: whoever tries waits for the end.
+/// Afterwards no file can be started or finished: any attempt blocks until the process ends.
 pub fn abandon_unfinished_files() {
     let files = unfinished();
     for path in files.iter() {

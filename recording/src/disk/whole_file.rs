@@ -1,4 +1,4 @@
-//! Files that appear under their final name only when they are whole: temporary name, sync, rename.
+//! Files that get their final name only when they are complete: temporary name, sync, rename.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -11,10 +11,10 @@ use tempfile::NamedTempFile;
 use super::DiskError;
 use super::unfinished::Registered;
 
-/// Start of the names of unfinished files, so that what a crash leaves behind is recognized.
+/// Prefix of the names of unfinished files, by which leftovers of a crash are recognized.
 pub(super) const TEMPORARY_PREFIX: &str = ".underbrush-unfinished-";
 
-/// The folder of a path; the current one for a bare file name.
+/// The folder of a path; the current folder for a bare file name.
 fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
@@ -22,23 +22,23 @@ fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Start of the names of unfinished files for this output. A hash instead of the name itself: with the prefix a long
-/// name could pass the file system's limit.
+/// Prefix of the names of unfinished files for this output. It has a hash instead of the name, because prefix and name
+/// together could exceed the file system's limit.
 fn prefix_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or(OsStr::new(""));
     let hash = blake3::hash(name.as_encoded_bytes()).to_hex();
     format!("{TEMPORARY_PREFIX}{}-", &hash[..16])
 }
 
-/// A file under a temporary name. It is removed when dropped before [`commit`], and when a signal ends the process (see
-/// [`super::unfinished`]); while its process lives, it is locked.
+/// A file with a temporary name. It is removed when dropped before [`commit`], and when a signal ends the process (see
+/// [`super::unfinished`]). It stays locked while its process lives.
 pub(super) struct TemporaryFile {
     file: NamedTempFile,
     _registered: Registered,
 }
 
 impl TemporaryFile {
-    /// The file itself, to change what is written already.
+    /// The file itself, to change what has been written.
     pub(super) fn as_file_mut(&mut self) -> &mut File {
         self.file.as_file_mut()
     }
@@ -54,25 +54,25 @@ impl Write for TemporaryFile {
     }
 }
 
-/// Opens a temporary file beside `path`. What is there and no file, such as a folder or `/dev/null`, is not replaced.
+/// Creates a temporary file beside `path`. A folder or a device such as `/dev/null` at `path` is not replaced.
 pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
     if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-        let cause = io::Error::new(io::ErrorKind::AlreadyExists, "there is something that is no file");
+        let cause = io::Error::new(io::ErrorKind::AlreadyExists, "it exists and is not a regular file");
         return Err(DiskError::io(path, "write")(cause));
     }
     let folder = folder_of(path);
     let prefix = prefix_of(path);
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
-    // Temporary files are private by default; results get the permissions that any new file gets.
+    // Temporary files are private by default, but results should get the usual permissions of new files.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
         let file = builder.tempfile_in(&folder).map_err(DiskError::io(path, "write"))?;
         let registered = Registered::new(file.path());
-        // A file system without locks keeps leftovers, but that is no reason to write nothing.
+        // On a file system without locks leftovers stay, but writing still works.
         let locked = file.as_file().lock().is_ok();
-        // Between its creation and its lock another process may have taken it for a leftover.
+        // Before it was locked, another process may have taken it for a leftover and removed it.
         if !locked || file.path().exists() {
             return Ok(TemporaryFile {
                 file,
@@ -91,8 +91,8 @@ pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<(), DiskEr
     sync_folder(&folder_of(path))
 }
 
-/// Removes the temporary files that killed processes have left behind while writing `path`; those of living processes
-/// are locked, and stay. What cannot be removed is left: it is in nobody's way.
+/// Removes temporary files for `path` that killed processes have left behind. Those of living processes are locked and
+/// stay. Files that cannot be removed are ignored, since they do no harm.
 pub fn remove_leftovers(path: &Path) {
     let prefix = prefix_of(path);
     let Ok(entries) = fs::read_dir(folder_of(path)) else {
@@ -112,16 +112,16 @@ pub fn remove_leftovers(path: &Path) {
     }
 }
 
-/// Writes a file whole or not at all, after removing what killed processes have left of it.
+/// Writes a file completely or not at all, after removing leftovers of killed processes.
 ///
 /// # Errors
-/// [`DiskError::Io`] when the disk refuses.
+/// [`DiskError::Io`] if the file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     remove_leftovers(path);
     write_bytes(path, bytes)
 }
 
-/// Makes renames in a folder survive a power cut; other systems than Unix cannot open folders for that.
+/// Makes renames in a folder survive a power failure. Only Unix systems can open folders for this.
 pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
     if cfg!(unix) {
         File::open(folder)
@@ -131,7 +131,7 @@ pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
     Ok(())
 }
 
-/// Writes a small file in one go.
+/// Writes a small file at once.
 pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     let mut temporary = begin(path)?;
     temporary.write_all(bytes).map_err(DiskError::io(path, "write"))?;
@@ -145,7 +145,7 @@ pub(super) fn json_bytes<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>
     Ok(bytes)
 }
 
-/// Creates a folder with all its parents and syncs the one that holds it.
+/// Creates a folder with all its parents and syncs its parent.
 pub(super) fn create_folder(folder: &Path) -> Result<(), DiskError> {
     fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
     sync_folder(&folder_of(folder))

@@ -1,4 +1,4 @@
-//! What `underbrush validate` prints.
+//! The text that `underbrush validate` prints.
 
 use std::fmt::Write;
 
@@ -20,7 +20,7 @@ pub fn described(report: &Report) -> String {
             outcome.summary
         );
         for error in &outcome.errors {
-            let _ = writeln!(text, "Broke off: {error}.");
+            let _ = writeln!(text, "Stopped with an error: {error}.");
         }
         text += &comparisons(outcome, report.tolerance_scale);
         text.push('\n');
@@ -40,14 +40,14 @@ pub fn described(report: &Report) -> String {
     text
 }
 
-/// The checks with what each wrong parameter does to their comparisons.
+/// The checks, with the effect of each wrong parameter on their comparisons.
 pub fn falsified(report: &FalsifiedReport) -> String {
     let mut text = String::new();
     for outcome in &report.checks {
         let broken = outcome.comparisons.iter().filter(|found| found.broken).count();
         let _ = writeln!(
             text,
-            "{} {}: {broken} of {} comparisons are broken\n{}.",
+            "{} {}: {broken} of {} comparisons fail as they should\n{}.",
             outcome.number,
             outcome.name,
             outcome.comparisons.len(),
@@ -65,7 +65,7 @@ pub fn falsified(report: &FalsifiedReport) -> String {
     let runs: usize = report.checks.iter().map(|outcome| outcome.falsifications.len()).sum();
     let _ = write!(
         text,
-        "{} comparisons of {} checks under {runs} wrong parameters: {} broken, {} hold",
+        "{} comparisons of {} checks with {runs} wrong parameters: {} fail as they should, {} hold",
         report.comparisons,
         report.checks.len(),
         report.broken,
@@ -74,8 +74,8 @@ pub fn falsified(report: &FalsifiedReport) -> String {
     text
 }
 
-/// The comparisons of one falsified check, each as it is under the wrong parameter that breaks it, or under the last one
-/// if none does.
+/// The comparisons of one check with wrong parameters. Each is shown with the first parameter that makes it fail, or
+/// with the last one if none does.
 fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> String {
     let row = |found: &Falsified| -> Option<Vec<String>> {
         let breaks = |run: &&underbrush_validation::FalsifiedRun| run.judged.verdict == Verdict::Fail;
@@ -91,11 +91,11 @@ fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> Strin
         Some(cells)
     };
     let rows: Vec<Vec<String>> = outcome.comparisons.iter().filter_map(row).collect();
-    let header = ["", "closed form", "simulated", "residual", "tolerance", "broken by"];
+    let header = ["", "closed form", "simulated", "residual", "tolerance", "fails with"];
     output::table(&header, &rows)
 }
 
-/// The table of one check, with what its tolerances come from and why known shortfalls miss them.
+/// The table of one check, with the reasons for its tolerances and the causes of known shortfalls.
 fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
     if outcome.comparisons.is_empty() {
         return String::new();
@@ -146,7 +146,7 @@ fn values(judged: &Judged, tolerance_scale: f64) -> Vec<String> {
             number(value)
         }
     };
-    // Small relative residuals would all be 0.000 %.
+    // In per cent, small relative residuals would all be 0.000 %.
     let small = |value: f64| {
         if comparison.relative && value < 1e-5 {
             format!("{value:.1e}")
@@ -163,7 +163,7 @@ fn values(judged: &Judged, tolerance_scale: f64) -> Vec<String> {
     ]
 }
 
-/// Six digits, with an exponent where the number is far from 1.
+/// Six digits, with an exponent if the number is far from 1.
 fn number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),

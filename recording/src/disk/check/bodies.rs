@@ -4,7 +4,7 @@ use super::violation::{Violation, finite, pose_numbers, require};
 use crate::Recording;
 use crate::body::{BodyOwner, ORIENTATION_STEP};
 
-/// Checks the bodies: known objects, unit quaternions, tracks that go on frame by frame.
+/// Checks that objects are known, quaternions have unit length, and the frames of tracks increase.
 pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
     for (index, body) in recording.bodies.iter().enumerate() {
         let field = |name: &str| format!("bodies[{index}].{name}");
@@ -37,7 +37,7 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
                 known,
                 || field("track"),
                 found,
-                "the index of a frame after that of the point before",
+                "the index of a later frame than that of the previous point",
             )?;
             next = point.frame + 1;
             let numbers = point.position_world_m.into_iter().chain(point.orientation_world);
@@ -49,7 +49,7 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Checks the length of a quaternion, which is 1 but for the rounding of a track.
+/// Checks that a quaternion has unit length, up to the rounding of tracks.
 fn require_unit(length: f64, field: impl FnOnce() -> String) -> Result<(), Violation> {
     let unit = (length - 1.0).abs() <= 2.0 * ORIENTATION_STEP;
     require(

@@ -14,7 +14,7 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         ("joint_torque_nm", &frame.joint_torque_nm),
     ] {
         let found = || format!("{} numbers for {joints} joints", values.len());
-        require(values.len() == joints, || field(name), found, "one number a joint")?;
+        require(values.len() == joints, || field(name), found, "one number per joint")?;
         finite(values.iter().copied(), || field(name))?;
     }
     let patches = recording.layout.patches.len();
@@ -25,7 +25,7 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         each,
         || field("patch_pose_world and contact_force_world"),
         found,
-        "one a patch",
+        "one per patch",
     )?;
     let numbers = [frame.time_s].into_iter().chain(frame.goal_position_world.to_array());
     finite(numbers.chain(pose_numbers(&frame.tip_pose_world)), || {
@@ -41,12 +41,12 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
     let sorted = frame
         .taxels
         .is_sorted_by(|a, b| (a.patch, a.taxel) < (b.patch, b.taxel));
-    let found = || "out of order or twice the same".to_string();
+    let found = || "out of order, or one twice".to_string();
     require(
         sorted,
         || field("taxels"),
         found,
-        "taxels sorted by patch, then taxel, each once",
+        "each taxel once, sorted by patch, then taxel",
     )?;
     for (position, reading) in frame.taxels.iter().enumerate() {
         let field = || field(&format!("taxels[{position}]"));
@@ -70,7 +70,7 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
             something,
             field,
             || "all zeros".into(),
-            "only taxels that feel or report something",
+            "only taxels with a force or an object",
         )?;
     }
     Ok(())

@@ -3,11 +3,12 @@
 use super::violation::{Violation, finite, require};
 use crate::SkinLayout;
 
-/// Checks a skin layout: patch names usable in column names and unique, taxels in every patch, grids that fit.
+/// Checks a skin layout: unique patch names that can be part of column names, taxels in every patch, and grids that
+/// fit.
 pub(in crate::disk) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
     for (index, patch) in layout.patches.iter().enumerate() {
         let field = |name: &str| format!("layout.patches[{index}].{name}");
-        // LeRobot reads "/" in a feature name as a path.
+        // LeRobot takes "/" in a feature name for a path.
         let named = !patch.name.is_empty() && !patch.name.contains('/');
         require(
             named,
@@ -19,8 +20,8 @@ pub(in crate::disk) fn check_layout(layout: &SkinLayout) -> Result<(), Violation
         require(
             unique,
             || field("name"),
-            || format!("{:?} a second time", patch.name),
-            "names that differ",
+            || format!("{:?} twice", patch.name),
+            "unique names",
         )?;
         let count = patch.taxels.len();
         require(
@@ -46,7 +47,7 @@ pub(in crate::disk) fn check_layout(layout: &SkinLayout) -> Result<(), Violation
     Ok(())
 }
 
-/// Checks what a recording and a whole data set say of the robot: its skin, the rate of its frames, its joints.
+/// Checks what recordings and data sets say about the robot: skin, frame rate and joints.
 pub(in crate::disk) fn check_robot(layout: &SkinLayout, rate_hz: f64, joint_names: &[String]) -> Result<(), Violation> {
     check_layout(layout)?;
     require(

@@ -1,6 +1,6 @@
-//! The rules that a recording keeps, checked before it is written and after it is read.
+//! The rules for recordings, checked before writing and after reading.
 //!
-//! What passes can be laid out in dense columns without loss and indexed without bounds errors.
+//! A recording that passes can be stored in dense columns without loss, and all its indices are valid.
 
 mod bodies;
 mod frames;
@@ -30,11 +30,11 @@ pub(super) fn check_categories(further: &[Category]) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Checks everything in a recording but its frames.
+/// Checks everything in a recording except its frames.
 fn check_header(recording: &Recording) -> Result<(), Violation> {
     check_robot(&recording.layout, recording.rate_hz, &recording.joint_names)?;
     let objects = recording.objects.len();
-    // The per-taxel ground truth holds object indices as 16-bit integers with −1 for "none".
+    // The ground truth of taxels holds object indices as 16-bit integers, with −1 for none.
     require(
         objects <= 32768,
         || "objects".into(),
@@ -63,8 +63,8 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         require(
             goal.outcome == Outcome::Aborted,
             || field(""),
-            || format!("one on a goal that {}", goal.outcome.name()),
-            "none unless the outcome is aborted",
+            || format!("one on a goal with the outcome {}", goal.outcome.name()),
+            "none, unless the outcome is aborted",
         )?;
         check_place(recording, &stop.link, stop.patch, stop.object, field)?;
         finite([stop.force_n], || field(".force_n"))?;
@@ -88,7 +88,8 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Checks where an object pressed on the arm: a patch with its own link, or a link that has a name, and a known object.
+/// Checks the place where an object pressed on the arm: a patch and its link, or a link with a name, and a known
+/// object.
 fn check_place(
     recording: &Recording,
     link: &str,
@@ -141,6 +142,6 @@ pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
         .enumerate()
         .try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
     check_physics(recording)?;
-    // Last: its tracks speak of frames.
+    // Last, because tracks refer to frames.
     check_bodies(recording)
 }

@@ -1,18 +1,17 @@
-//! Rules of physics that the numbers of a recording keep: time goes on at the rate of the frames, orientations are
-//! rotations, and normal forces push.
+//! Physical rules for a recording: time advances at the frame rate, orientations are rotations, and normal forces push.
 
 use super::violation::{Violation, require};
 use crate::{Frame, Pose, Recording};
 
-/// How far the length of a quaternion may be from 1. Choice: ten times the rounding of single precision, in which many
-/// drivers compute.
+/// Tolerance for the length of a quaternion. Choice: ten times the rounding error of single precision, which many
+/// drivers use.
 const QUATERNION_TOLERANCE: f64 = 1e-6;
 
-/// By how much the true rate may differ from the one that a recording names, as a share. Choice: ten times what a
-/// computer's clock is off, and far less than a wrong rate.
+/// Relative tolerance for the frame rate. Choice: ten times the error of a computer's clock, and far less than the
+/// error of a wrong rate.
 const RATE_TOLERANCE: f64 = 1e-3;
 
-/// Checks times, orientations and forces of a recording whose numbers are known to be finite.
+/// Checks times, orientations and forces of a recording. Its numbers must be finite.
 pub(super) fn check_physics(recording: &Recording) -> Result<(), Violation> {
     check_times(recording)?;
     for (index, frame) in recording.frames.iter().enumerate() {
@@ -34,8 +33,8 @@ pub(super) fn check_physics(recording: &Recording) -> Result<(), Violation> {
     Ok(())
 }
 
-/// `timestamp` is defined by index and rate, so the frames' own times may waver but not leave that grid: a frame that a
-/// driver has lost must be filled in.
+/// `timestamp` is computed from index and rate, so the frames' times may jitter but must stay on that grid. A frame
+/// that a driver has dropped must be filled in.
 fn check_times(recording: &Recording) -> Result<(), Violation> {
     let start_s = recording.frames.first().map_or(0.0, |frame| frame.time_s);
     let mut before_s = f64::NEG_INFINITY;
@@ -43,7 +42,7 @@ fn check_times(recording: &Recording) -> Result<(), Violation> {
         let field = || format!("frames[{index}].time_s");
         let found = || format!("{} s", frame.time_s);
         let later = frame.time_s > before_s;
-        require(later, field, found, "a later time than that of the frame before")?;
+        require(later, field, found, "a later time than that of the previous frame")?;
         let frames_since_start = (frame.time_s - start_s) * recording.rate_hz;
         let on_grid = (frames_since_start - index as f64).abs() < 0.5 + RATE_TOLERANCE * index as f64;
         let allowed = "within half a frame of the first frame's time + index / rate";

@@ -8,16 +8,16 @@ use crate::disk::DiskError;
 /// A rule broken by a recording or a trial.
 #[derive(Debug, PartialEq)]
 pub(in crate::disk) struct Violation {
-    /// Where.
+    /// Where it is.
     pub(in crate::disk) field: String,
-    /// What stands there.
+    /// What was found.
     pub(in crate::disk) found: String,
     /// The rule.
     pub(in crate::disk) allowed: &'static str,
 }
 
 impl Violation {
-    /// The error for something that was to be written to a file.
+    /// The error when writing to a file.
     pub(in crate::disk) fn unwritable(self, path: &Path) -> DiskError {
         let Violation { field, found, allowed } = self;
         DiskError::Unwritable {
@@ -28,14 +28,14 @@ impl Violation {
         }
     }
 
-    /// The error for something that was read from a file.
+    /// The error when reading from a file.
     pub(in crate::disk) fn misread(self, path: &Path) -> DiskError {
         let remedy = "write the file again with the program that made it";
         InputError::new(path, self.field, self.found, self.allowed, remedy).into()
     }
 }
 
-/// `Err` with field, found and allowed unless the rule holds.
+/// An error with field, found and allowed, unless the rule holds.
 pub(in crate::disk) fn require(
     holds: bool,
     field: impl FnOnce() -> String,

@@ -1,7 +1,7 @@
-//! How far the putting together of a data set has come (`incomplete/assembled.json`).
+//! Progress of assembling a data set (`incomplete/assembled.json`).
 //!
-//! It is written each time a number of files of all tables is whole. From then on the reaches in them are no longer
-//! needed as staged files, so that finishing a set needs little more room than the set itself.
+//! It is written whenever the current files of all tables are complete. The staged reaches in them are then no longer
+//! needed, so that finishing a set takes little more disk space than the set itself.
 
 use std::fs;
 use std::path::Path;
@@ -17,10 +17,10 @@ use super::table_files::TableFiles;
 use crate::disk::DiskError;
 use crate::disk::whole_file::{json_bytes, write_bytes};
 
-/// Everything about the reaches in whole files that the rest of the set depends on.
+/// Everything about the reaches in complete files that the rest of the set depends on.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Assembled {
-    /// Files of each table that are whole.
+    /// Number of complete files of each table.
     pub(super) files: usize,
     /// The episodes in them.
     pub(super) episodes: Vec<Episode>,
@@ -28,7 +28,7 @@ pub(super) struct Assembled {
     pub(super) total_frames: usize,
     /// Statistics of these frames.
     pub(super) statistics: Statistics,
-    /// Sums of the files.
+    /// Checksums of the files.
     pub(super) checksums: Checksums,
 }
 
@@ -46,7 +46,7 @@ impl Stored {
 }
 
 impl Assembled {
-    /// Nothing yet.
+    /// The state before the first reach.
     pub(super) fn nothing(statistics: Statistics) -> Self {
         Assembled {
             files: 0,
@@ -57,8 +57,8 @@ impl Assembled {
         }
     }
 
-    /// What an interrupted attempt has put together; `None` where there is nothing, or anything of it is damaged: then
-    /// its reaches are missing again.
+    /// The progress of an interrupted attempt. `None` if there is none or any of its files is damaged; its reaches then
+    /// count as missing.
     pub(super) fn read(dir: &Path) -> Option<Self> {
         let bytes = fs::read(dir.join(names::ASSEMBLED)).ok()?;
         let Stored { blake3, state } = serde_json::from_slice(&bytes).ok()?;
@@ -71,8 +71,8 @@ impl Assembled {
         all_whole.then_some(assembled)
     }
 
-    /// Closes the files of the present number and makes the state after them durable: the staged reaches of the
-    /// episodes so far are no longer needed.
+    /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
+    /// needed.
     pub(super) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
         for name in files.close()? {
             let sum = FileSum::of_file(&dir.join(&name))?;

@@ -1,6 +1,6 @@
 //! The card of a data set: `README.md` at its root.
 //!
-//! Its front matter tells Hugging Face's `datasets` which files belong together; without it, `load_dataset` takes all
+//! Its front matter tells Hugging Face's `datasets` which files belong together. Without it, `load_dataset` takes all
 //! Parquet files of the folder for one table and fails.
 
 use std::fmt::Write;
@@ -29,9 +29,9 @@ pub(super) fn card(info: &Info, categories: &[Category]) -> String {
         text,
         "---\n\n# Reaches of {} with tactile skin\n\n\
          {} reaches, {} frames at {} Hz, written by underbrush in the LeRobotDataset {} layout.\n\n\
-         `data/` holds what a robot could know. What is true of the simulated world lies in `truth/` and is not among the \
-         features of `meta/info.json`, so that nothing learns from it by mistake. Rows of `truth/taxels` belong to the \
-         frames with the same `episode_index` and `frame_index`:\n\n\
+         `data/` holds what a robot could know. Ground truth is in `truth/` and is not among the features of \
+         `meta/info.json`, so that no learner reads it by accident. Rows of `truth/taxels` belong to the frames with the \
+         same `episode_index` and `frame_index`:\n\n\
          ```python\n\
          import pandas as pd\n\
          frames = pd.read_parquet(\"data\")\n\
@@ -50,7 +50,7 @@ pub(in crate::disk) fn describe_tables(tables: &[&Table], further: &[Category]) 
     let codes = category_codes(further);
     let codes: Vec<_> = codes.iter().map(|(code, name)| format!("{code} {name}")).collect();
     let mut text = format!(
-        "Category codes: {}. Units and codes also stand in the metadata of the columns in the Parquet files.\n",
+        "Category codes: {}. Units and codes are also in the metadata of the columns in the Parquet files.\n",
         codes.join(", ").replace('-', "−")
     );
     for table in tables {

@@ -12,10 +12,10 @@ use crate::InputError;
 use crate::disk::DiskError;
 use crate::disk::whole_file::{json_bytes, write_bytes};
 
-/// What to do about a damaged data set.
-const REMEDY: &str = "copy the data set again, or make it again from its scenes";
+/// The remedy for a damaged data set.
+const REMEDY: &str = "copy the data set again, or generate it again";
 
-/// The files with their sums by path, relative to the folder, with `/` between names.
+/// Size and hash of each file by its path relative to the folder, with `/` as separator.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub(super) struct Checksums {
@@ -34,13 +34,13 @@ pub(super) struct FileSum {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChecksumFile {
-    /// BLAKE3 of the lines `path bytes blake3`, one a file in the order of the paths, each ended by a newline.
+    /// BLAKE3 of the lines `path bytes blake3`, one per file sorted by path, each ended by a newline.
     blake3: String,
     files: Checksums,
 }
 
 impl FileSum {
-    /// Of bytes in memory.
+    /// For bytes in memory.
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
         FileSum {
             bytes: bytes.len() as u64,
@@ -48,7 +48,7 @@ impl FileSum {
         }
     }
 
-    /// Of a file.
+    /// For a file.
     pub(super) fn of_file(path: &Path) -> Result<Self, DiskError> {
         let mut hasher = blake3::Hasher::new();
         let file = File::open(path).map_err(DiskError::io(path, "read"))?;
@@ -66,7 +66,7 @@ impl Checksums {
         self.files.insert(name.into(), sum);
     }
 
-    /// Adds every file in a folder of the data set and below.
+    /// Adds every file in a folder of the data set and its subfolders.
     pub(super) fn add_folder(&mut self, dir: &Path, folder: &str) -> Result<(), DiskError> {
         for name in files_below(dir, folder)? {
             let sum = FileSum::of_file(&dir.join(&name))?;
@@ -109,7 +109,7 @@ impl Checksums {
         self.files.keys().map(String::as_str)
     }
 
-    /// Checks that every listed file is there with its size, and that no other file lies in the set's folders.
+    /// Checks that every listed file exists with its size, and that the folders hold no other file.
     pub(super) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
         for name in self.names() {
             self.check_size(dir, name)?;
@@ -119,7 +119,7 @@ impl Checksums {
                 continue;
             }
             for name in files_below(dir, folder)? {
-                // Readers of data sets pass over hidden files, and file managers leave some behind.
+                // Readers of data sets ignore hidden files, and file managers leave some behind.
                 let hidden = name.split('/').any(|part| part.starts_with('.'));
                 if !(hidden || name == names::CHECKSUMS || self.files.contains_key(&name)) {
                     let remedy = "remove the file if it is yours, or copy the data set again";
@@ -161,7 +161,7 @@ impl Checksums {
     }
 }
 
-/// Paths of the files in a folder of the data set and below, relative to the set.
+/// Paths of the files in a folder of the data set and its subfolders, relative to the set.
 pub(super) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
     let path = dir.join(folder);
     let mut names = Vec::new();

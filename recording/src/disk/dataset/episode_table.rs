@@ -21,11 +21,11 @@ use crate::{Audit, AuditField, GoalOutcomes, NamedStop, Outcome, Recording};
 /// One reach of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
-    /// What the arm was to do.
+    /// The task, as a sentence.
     pub task: String,
     /// Number of frames.
     pub frames: usize,
-    /// Index of its first frame in the whole data set.
+    /// Index of its first frame in the data set.
     pub first_index: usize,
     /// Chunk (folder) of its data file.
     pub chunk_index: usize,
@@ -39,24 +39,23 @@ pub struct Episode {
     pub reach_index: u64,
     /// Name of the controller.
     pub controller: String,
-    /// How the reach ended: the worst of its goals' outcomes.
+    /// The outcome of the reach: the worst outcome of its goals.
     pub outcome: Outcome,
-    /// How many of the goals tried ended in which way.
+    /// The number of goals with each outcome.
     pub goal_outcomes: GoalOutcomes,
-    /// What ended the reach, where a force passed the controller's stop force.
+    /// The contact that ended the reach, if a force exceeded the controller's stop force.
     pub safety_stop: Option<NamedStop>,
     /// Number of objects in the clutter.
     pub objects: usize,
     /// Number of contacts, with and without skin.
     pub contacts: usize,
-    /// Number of frames in which an object truly pressed on a patch, for each patch by name; see
-    /// [`Recording::touched_frames`].
+    /// Number of frames in which an object truly pressed on each patch, by name; see [`Recording::touched_frames`].
     pub touched_frames: BTreeMap<String, u32>,
-    /// How far the physics was from what it should be.
+    /// Residuals of the physics.
     pub audit: Audit,
 }
 
-/// Where the frames of an episode are; the fields of the same names in [`Episode`].
+/// The place of the frames of an episode, as in the fields of the same names in [`Episode`].
 pub(super) struct Place {
     pub(super) frames: usize,
     pub(super) first_index: usize,
@@ -65,7 +64,7 @@ pub(super) struct Place {
 }
 
 impl Episode {
-    /// The entry of a recording, which need not hold its frames.
+    /// The entry of a recording, which may be without frames.
     pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
         let Place {
             frames,
@@ -93,18 +92,18 @@ impl Episode {
         }
     }
 
-    /// Number of goals tried.
+    /// Number of goals that were tried.
     pub fn goals(&self) -> usize {
         self.goal_outcomes.tried()
     }
 }
 
-/// Column of the number of goals with an outcome.
+/// The column with the number of goals of an outcome.
 fn goals_column(outcome: Outcome) -> String {
     format!("goals_{}", outcome.name())
 }
 
-/// Columns of the frames in which a patch was touched begin so; the patch's name follows.
+/// Prefix of the columns with the number of frames in contact; the patch's name follows.
 const TOUCHED_FRAMES: &str = "touched_frames.";
 
 /// Writes the episodes, in order.
@@ -162,7 +161,7 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
     write_table(path, &table.build(path)?, [])
 }
 
-/// Adds the columns of what ended each reach; null where no force passed the stop force.
+/// Adds the columns of the contact that ended each reach; null if no force exceeded the stop force.
 fn stop_columns(table: TableBuilder, episodes: &[Episode]) -> TableBuilder {
     let stops = || episodes.iter().map(|episode| episode.safety_stop.as_ref());
     let objects = stops().map(|stop| stop.map(|stop| i32::from(stop.object_index)));
@@ -178,7 +177,7 @@ fn stop_columns(table: TableBuilder, episodes: &[Episode]) -> TableBuilder {
         .column("stop_force_n", forces.collect::<Float64Array>())
 }
 
-/// What ended each reach.
+/// Reads the contact that ended each reach.
 fn read_stops(columns: &Columns) -> Result<Vec<Option<NamedStop>>, DiskError> {
     let object = columns.numbers_or_null::<Int32Type>("stop_object_index")?;
     let kind = columns.text_or_null("stop_object_kind")?;
@@ -212,7 +211,7 @@ fn read_stops(columns: &Columns) -> Result<Vec<Option<NamedStop>>, DiskError> {
     (0..columns.batch.num_rows()).map(stop).collect()
 }
 
-/// Reads the episodes back, in order.
+/// Reads the episodes, in order.
 pub(super) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
     let mut episodes = Vec::new();
     for batch in Batches::new(path, open(path, ArrowReaderOptions::default())?)? {
@@ -225,7 +224,7 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
     let count = |name: &str| -> Result<Vec<usize>, DiskError> {
         let numbers = columns.numbers::<Int64Type>(name)?.iter();
         let number = |&n: &i64| {
-            // Within 32 bits, so that no sum of them can overflow.
+            // Within 32 bits, so that their sum cannot overflow.
             let number = u32::try_from(n).ok().and_then(|n| usize::try_from(n).ok());
             number.ok_or_else(|| columns.error(name, n.to_string(), "0 to 4294967295"))
         };
@@ -323,7 +322,7 @@ fn first_tasks(columns: &Columns) -> Result<Vec<String>, DiskError> {
     lists.iter().map(|list| task(list).ok_or_else(error)).collect()
 }
 
-/// The tasks in the order of their first episode, each with its index.
+/// The tasks in the order of their first episodes, with their indices.
 pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {
     let mut numbers = BTreeMap::new();
     for task in tasks {
@@ -333,12 +332,13 @@ pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTre
     numbers
 }
 
-/// What the pandas metadata say of a column.
+/// The entry of a column in the pandas metadata.
 fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
     json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
 }
 
-/// Writes the tasks. LeRobot takes the sentence from the *pandas index*, so the Arrow schema says that `task` is one.
+/// Writes the tasks. LeRobot takes the sentence from the pandas index, so the Arrow schema declares `task` as the
+/// index.
 pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
     let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
     tasks.sort_unstable();

@@ -1,15 +1,16 @@
 //! A data set: many reaches in one folder, in the LeRobotDataset v3.0 layout (plain Parquet and JSON).
 //!
 //! ```text
-//! README.md                                     the card: how to load it; columns, units and codes
-//! data/chunk-000/file-000.parquet …             the frames, one row group an episode: what a robot could know
+//! README.md                                     the card: how to load the set; columns, units and codes
+//! data/chunk-000/file-000.parquet …             the frames, one row group per episode: what a robot could know
 //! truth/TABLE/chunk-000/file-000.parquet …      ground truth: taxels patches objects contacts goals bodies poses
 //! meta/info.json                                features and totals; written last, so a set without it is unfinished
-//! meta/episodes/chunk-000/file-000.parquet      one row an episode: where its frames are, how it ended, its audit
+//! meta/episodes/chunk-000/file-000.parquet      one row per episode: place of its frames, outcome, audit
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics
-//! meta/taxels.parquet                           where every taxel is
-//! meta/provenance.json  meta/checksums.json     where it comes from, with the text of scenes and arms; BLAKE3 of every file
-//! incomplete/                                   only while the set is unfinished: plan.json, finished reaches, assembled.json
+//! meta/taxels.parquet                           the positions of the taxels
+//! meta/provenance.json  meta/checksums.json     origin, with the text of scenes and arms; BLAKE3 of every file
+//! incomplete/                                   only while the set is unfinished: plan.json, finished reaches,
+//! assembled.json
 //! ```
 
 mod assembled;
@@ -44,7 +45,7 @@ pub use writer::DatasetWriter;
 
 /// Paths in the folder of a data set.
 mod names {
-    /// Folders that hold nothing but files of the set.
+    /// Folders that hold only files of the set.
     pub(super) const FOLDERS: [&str; 3] = ["data", "truth", "meta"];
     use crate::disk::dictionary::Table;
 
@@ -61,7 +62,7 @@ mod names {
     pub(super) const ASSEMBLED: &str = "incomplete/assembled.json";
     pub(super) const LOCK: &str = "incomplete/lock";
 
-    /// The path of a file of a table that has many.
+    /// The path of one file of a table with many files.
     pub(super) fn table(table: &Table, chunk: usize, file: usize) -> String {
         format!("{}/chunk-{chunk:03}/file-{file:03}.parquet", table.path)
     }

@@ -1,5 +1,5 @@
-//! Finding the rows of one episode in a table of many: whole row groups are skipped by the least and largest episode in
-//! them, which the footer tells.
+//! Finds the rows of one episode in a table of many. The footer holds the smallest and largest episode of each row
+//! group, so that most row groups are skipped.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -17,8 +17,8 @@ use crate::disk::input_file::open_input;
 use crate::disk::parquet_file::{Batches, EPISODE_COLUMN, broken, read_footer};
 use crate::disk::table::Columns;
 
-/// The footers of the files that were read so far: parsing one again for every reach would take longer the more reaches a
-/// file holds.
+/// The footers of the files read so far. Parsing them again for every reach would take longer the more reaches a file
+/// holds.
 #[derive(Debug, Default)]
 pub(super) struct Footers {
     known: Mutex<HashMap<PathBuf, ArrowReaderMetadata>>,
@@ -39,7 +39,7 @@ impl EpisodeRows {
         })
     }
 
-    /// The batches, for tests that compare them.
+    /// The batches, for tests.
     #[cfg(test)]
     pub(in crate::disk) fn batches(&self) -> &[RecordBatch] {
         &self.batches
@@ -50,7 +50,7 @@ impl EpisodeRows {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    /// An error unless there are as many rows as expected.
+    /// An error unless the number of rows is as expected.
     pub(super) fn expect(self, count: usize) -> Result<Self, DiskError> {
         if self.count() == count {
             return Ok(self);
@@ -76,14 +76,14 @@ pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -
                 within(least, |least, episode| least <= episode)
                     && within(largest, |largest, episode| episode <= largest)
             }
-            // A file that tells nothing has to be read.
+            // Without statistics the row group has to be read.
             _ => true,
         }
     };
     (0..footer.num_row_groups()).filter(may_hold).collect()
 }
 
-/// Reads the rows of an episode from a file whose footer is known: only row groups that may hold any.
+/// Reads the rows of an episode from a file whose footer is known, and only from row groups that may hold any.
 pub(in crate::disk) fn read_rows(
     path: &Path,
     file: File,
@@ -96,7 +96,7 @@ pub(in crate::disk) fn read_rows(
     for batch in Batches::new(path, builder)? {
         let batch = batch?;
         let episodes = Columns { path, batch: &batch }.numbers::<Int64Type>(EPISODE_COLUMN)?;
-        // Rows stand in the order of the episodes.
+        // Rows are sorted by episode.
         let first = episodes.partition_point(|&found| found < episode as i64);
         let end = episodes.partition_point(|&found| found <= episode as i64);
         if first < end {

@@ -1,9 +1,9 @@
-//! Statistics of every number of every column (`meta/stats.json`), gathered in one pass over the frames.
+//! Statistics of every number of every column (`meta/stats.json`), computed in one pass over the frames.
 //!
-//! Mean and standard deviation after Welford (Technometrics 4, 1962); quantiles from a histogram whose bins are the
-//! leading bits of the numbers themselves, which needs no range in advance and no function that differs between
-//! platforms. A quantile is the nearest-rank sample rounded towards zero to 10 bits after the leading one: exact for
-//! whole numbers up to 2047, else less than 0.1 % short.
+//! Mean and standard deviation use Welford's method (Technometrics 4, 1962). Quantiles come from a histogram whose
+//! bins are the leading bits of the numbers, which needs neither a range in advance nor a function that differs
+//! between platforms. A quantile is the nearest-rank sample, rounded towards zero to 10 bits after the leading one:
+//! exact for whole numbers up to 2047, otherwise less than 0.1 % too small.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use crate::disk::features::Feature;
 
 /// The quantiles that LeRobot stores, by name, in percent.
 const PERCENTILES: [(&str, u64); 5] = [("q01", 1), ("q10", 10), ("q50", 50), ("q90", 90), ("q99", 99)];
-/// Bits of a number below its histogram bin: all of the mantissa but 10.
+/// Bits of a number below its histogram bin: all but 10 of the mantissa.
 const BIN_SHIFT: u32 = 42;
 
 /// Statistics of one column, number by number.
@@ -33,7 +33,7 @@ struct Element {
     max: f64,
     mean: f64,
     squares: f64,
-    /// Samples by bin; zeros, which most taxels are full of, are what is missing to the count.
+    /// Samples by bin, without zeros, of which most taxels have many; their number is the rest of the count.
     bins: BTreeMap<i32, u64>,
 }
 
@@ -43,7 +43,7 @@ fn bin(number: f64) -> i32 {
     if number < 0.0 { -magnitude - 1 } else { magnitude }
 }
 
-/// The number of a bin that is nearest to zero.
+/// The number in a bin that is nearest to zero.
 fn smallest_in(bin: i32) -> f64 {
     let magnitude = |bin: i32| f64::from_bits((bin as u64) << BIN_SHIFT);
     if bin < 0 {
@@ -110,7 +110,7 @@ impl Element {
         let above = self.bins.range(0..);
         let zero = std::iter::once((0.0, zeros));
         let mut bins = below.map(pair).chain(zero).chain(above.map(pair));
-        // The nearest rank: the first sample that at least this share of the samples does not exceed.
+        // The nearest rank: the smallest sample that at least this share of the samples does not exceed.
         let mut rank = (percent * count).div_ceil(100);
         let sample = bins.find_map(|(number, samples)| {
             let found = rank <= samples;
@@ -125,14 +125,14 @@ fn pair((bin, samples): (&i32, &u64)) -> (f64, u64) {
     (smallest_in(*bin), *samples)
 }
 
-/// Statistics of all columns; once a row was added, they come back from JSON as they were.
+/// Statistics of all columns. Once a row has been added, they survive a round trip through JSON unchanged.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Statistics {
     columns: Vec<(String, ColumnStatistics)>,
 }
 
 impl Statistics {
-    /// Nothing gathered yet.
+    /// Statistics without any row.
     pub(super) fn new(features: &[Feature]) -> Self {
         let column = |feature: &Feature| (feature.name.clone(), ColumnStatistics::new(feature.width));
         Statistics {
@@ -149,7 +149,7 @@ impl Statistics {
         }
     }
 
-    /// What `meta/stats.json` holds: one list a statistic, one entry a number.
+    /// The content of `meta/stats.json`: one list per statistic, with one entry per number.
     pub(super) fn summary(&self) -> BTreeMap<&str, Value> {
         self.columns
             .iter()
@@ -194,7 +194,7 @@ mod tests {
                 1..300,
             ),
         ) {
-            // Pins: against a full sort, every quantile is short by less than 2⁻¹⁰ and never long.
+            // Pins that, compared with a full sort, quantiles are too small by less than 2⁻¹⁰ and never too large.
             let mut column = ColumnStatistics::new(1);
             column.add(&samples);
             let mut sorted = samples.clone();
@@ -213,7 +213,7 @@ mod tests {
         fn mean_and_deviation_match_two_passes(
             rows in prop::collection::vec([-1e3..1e3f64, -1e-3..1e-3f64], 1..100),
         ) {
-            // Pins: one pass gives each element of a list column its own textbook (population) figures.
+            // Pins that one pass gives the textbook (population) statistics of each element of a list column.
             let mut column = ColumnStatistics::new(2);
             let (first, second) = rows.split_at(rows.len() / 2);
             column.add(&first.concat());
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_keep_their_value() {
-        // Pins: codes such as −1 ("no object") are not rounded.
+        // Pins that codes such as −1 ("no object") are not rounded.
         for number in (-2047..=2047).map(f64::from) {
             assert_eq!(smallest_in(bin(number)), number);
         }

@@ -1,4 +1,5 @@
-//! The skin of a data set: `meta/taxels.parquet`, one row a taxel; links and grids of the patches in its metadata.
+//! The skin of a data set: `meta/taxels.parquet` with one row per taxel, and links and grids of the patches in its
+//! metadata.
 
 use std::path::Path;
 
@@ -67,7 +68,7 @@ pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
     write_table(path, &batch, [(PATCHES_KEY, patches)])
 }
 
-/// Reads the skin back.
+/// Reads the skin.
 pub(super) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
     let builder = open(path, ArrowReaderOptions::default())?;
     let patches: Vec<Patch> = serde_json::from_str(&key_value(path, &builder, PATCHES_KEY)?)

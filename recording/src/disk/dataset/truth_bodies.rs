@@ -1,5 +1,5 @@
-//! The bodies of a reach: the tables `truth/bodies`, one row for each collision shape, and `truth/poses`, one row for each
-//! frame in which a body moves.
+//! The bodies of a reach: the tables `truth/bodies`, with one row per collision shape, and `truth/poses`, with one
+//! row per frame in which a body moves.
 
 use std::path::Path;
 
@@ -43,7 +43,7 @@ fn length_m(shape: &BodyShape) -> Option<f64> {
     }
 }
 
-/// One row: a shape of a body, or a body without any.
+/// One row: a shape of a body, or a body without shapes.
 type Row<'a> = (usize, &'a Body, Option<&'a BodyPart>);
 
 /// The rows of all bodies.
@@ -134,7 +134,7 @@ pub(super) fn body_rows(path: &Path, episode: usize, recording: &Recording) -> R
         .build(path)
 }
 
-/// The columns of a shape, which are null where it does not have such a number.
+/// The columns of a shape, null for numbers that it does not have.
 struct ShapeColumns<'a> {
     columns: &'a Columns<'a>,
     shape: &'a StringArray,
@@ -213,7 +213,7 @@ impl<'a> ShapeColumns<'a> {
     }
 }
 
-/// The bodies of an episode, which do not move yet.
+/// Reads the bodies of an episode, without their motion.
 pub(super) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
     let mut bodies: Vec<Body> = Vec::new();
     for columns in rows.columns() {
@@ -229,7 +229,7 @@ pub(super) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
             let next = bodies.len();
             let same = next > 0 && usize::try_from(index[row]) == Ok(next - 1);
             if !same && usize::try_from(index[row]) != Ok(next) {
-                let allowed = format!("{next}: bodies in their order");
+                let allowed = format!("{next}, as bodies are in order");
                 return Err(columns.error("body_index", index[row].to_string(), allowed));
             }
             if !same {
@@ -278,8 +278,8 @@ const POSE_COLUMNS: [&str; 7] = [
     "orientation_world_w",
 ];
 
-/// An episode's moving bodies, body after body: the numbers of one body change little from row to row, which compresses
-/// well.
+/// An episode's moving bodies, one after the other: the numbers of one body change little from row to row, which
+/// compresses well.
 pub(super) fn pose_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let bodies = recording.bodies.iter().enumerate();
     let rows: Vec<(usize, &TrackPoint)> = bodies
@@ -307,7 +307,7 @@ pub(super) fn pose_rows(path: &Path, episode: usize, recording: &Recording) -> R
         .build(path)
 }
 
-/// Adds an episode's poses to its bodies.
+/// Adds the motion to an episode's bodies.
 pub(super) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
     for columns in rows.columns() {
         let index = columns.numbers::<Int32Type>("body_index")?;

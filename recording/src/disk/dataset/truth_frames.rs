@@ -1,9 +1,8 @@
-//! What is true in each frame: the tables `truth/taxels` and `truth/patches`, one row for each taxel or patch that is
-//! touched.
+//! Ground truth per frame: the tables `truth/taxels` and `truth/patches`, with one row per taxel or patch in contact.
 //!
-//! Rows and not dense columns, because one taxel in a hundred is touched: measured on 12 reaches of the training scenes,
-//! dense lists took 3.7 MB and 1.3 s to read, rows 2.6 MB and 0.02 s, and lists of the touched taxels of each frame
-//! 2.6 MB and 0.04 s; and rows are what a data frame is merged and filtered by.
+//! One taxel in a hundred is in contact, so rows are better than dense columns. On 12 reaches of the training scenes
+//! dense lists took 3.7 MB and 1.3 s to read, rows 2.6 MB and 0.02 s, and lists of the taxels in contact 2.6 MB and
+//! 0.04 s. Rows are also what data frames are merged and filtered by.
 
 use std::path::Path;
 
@@ -26,7 +25,7 @@ fn frame_column(frames: impl Iterator<Item = usize>) -> Int64Array {
     Int64Array::from_iter_values(frames.map(|frame| frame as i64))
 }
 
-/// An episode's touched taxels.
+/// An episode's taxels in contact.
 pub(super) fn taxel_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let frames = recording.frames.iter().enumerate();
     let rows: Vec<(usize, TaxelTruth)> = frames
@@ -57,13 +56,13 @@ pub(super) fn taxel_rows(path: &Path, episode: usize, recording: &Recording) -> 
         .build(path)
 }
 
-/// Frame and patch that a row names, by index.
+/// The indices of the frame and patch of a row.
 fn place(columns: &Columns, recording: &Recording, frame: i64, patch: &str) -> Result<(usize, usize), DiskError> {
     let found = usize::try_from(frame)
         .ok()
         .filter(|frame| *frame < recording.frames.len());
     let frame = found.ok_or_else(|| {
-        let allowed = format!("a frame of an episode of {}", recording.frames.len());
+        let allowed = format!("the index of a frame in an episode of {}", recording.frames.len());
         columns.error("frame_index", frame.to_string(), allowed)
     })?;
     let found = recording.layout.patch_index(patch);
@@ -71,7 +70,7 @@ fn place(columns: &Columns, recording: &Recording, frame: i64, patch: &str) -> R
     Ok((frame, patch))
 }
 
-/// Adds an episode's touched taxels to its frames.
+/// Adds the ground truth of taxels to an episode's frames.
 pub(super) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
     for columns in rows.columns() {
         let frames = columns.numbers::<Int64Type>("frame_index")?;
@@ -87,12 +86,12 @@ pub(super) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Resul
             let count = recording.layout.patches[patch].taxels.len();
             let taxel = usize::try_from(taxels[row]).ok().filter(|taxel| *taxel < count);
             let taxel = taxel.ok_or_else(|| {
-                let allowed = format!("a taxel of a patch of {count}");
+                let allowed = format!("the index of a taxel in a patch of {count}");
                 columns.error("taxel", taxels[row].to_string(), allowed)
             })?;
             let object = object_of(&columns, recording, objects[row], categories[row])?;
             let truth = TaxelTruth {
-                // The layout was checked: both fit.
+                // Both fit, as the layout was checked.
                 place: (patch as u16, taxel as u16),
                 normal_force_n: normal[row],
                 shear_force_n: [tangent[row], binormal[row]],
@@ -104,7 +103,7 @@ pub(super) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Resul
     Ok(())
 }
 
-/// The object of an index, whose category must have the code stored with it.
+/// The object with an index. Its category must have the stored code.
 fn object_of(columns: &Columns, recording: &Recording, index: i32, code: i8) -> Result<Option<u16>, DiskError> {
     if index == i32::from(NONE) {
         return Ok(None);
@@ -122,7 +121,7 @@ fn object_of(columns: &Columns, recording: &Recording, index: i32, code: i8) -> 
     Ok(known)
 }
 
-/// An episode's touched patches.
+/// An episode's patches in contact.
 pub(super) fn patch_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let frames = recording.frames.iter().enumerate();
     let rows: Vec<(usize, usize, DVec3)> = frames
@@ -140,7 +139,7 @@ pub(super) fn patch_rows(path: &Path, episode: usize, recording: &Recording) -> 
         .build(path)
 }
 
-/// Adds an episode's forces on patches to its frames.
+/// Adds the contact forces on patches to an episode's frames.
 pub(super) fn add_patches(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
     for columns in rows.columns() {
         let frames = columns.numbers::<Int64Type>("frame_index")?;

@@ -1,4 +1,4 @@
-//! One cell of a trials table, whatever the file gave, and what it must be.
+//! The cells of a table of trials: converts what a file holds to the type that a column needs.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use super::collect::Row;
 use crate::limits::{self, Limits, short};
 use crate::{InputError, Region, Sample};
 
-/// The largest whole number below which a double holds every whole number.
+/// Up to this number a double holds every whole number.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// What a file holds in one cell.
+/// The content of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Cell<'a> {
     Missing,
@@ -20,7 +20,7 @@ pub(super) enum Cell<'a> {
     Text(&'a str),
 }
 
-/// The cells of one row, in the order of [`COLUMNS`], with their place.
+/// The cells of one row, in the order of [`COLUMNS`], with their place in the file.
 pub(super) struct Cells<'a> {
     /// The file.
     pub(super) path: &'a Path,
@@ -58,7 +58,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// A whole number; `3.0` passes, because pandas turns whole numbers with gaps into floating point.
+    /// A whole number. `3.0` is allowed, because pandas converts integer columns with gaps to floating point.
     fn whole<T: TryFrom<i128>>(&self, column: usize) -> Result<Option<T>, InputError> {
         let of_float = |number: f64| (number.abs() <= LARGEST_EXACT && number.fract() == 0.0).then_some(number as i128);
         let number = match self.cells[column] {
@@ -86,7 +86,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// A truth value; 1 and 0 pass, because pandas turns truth values with gaps into floating point.
+    /// A truth value. 1 and 0 are allowed, because pandas converts truth values with gaps to floating point.
     fn flag(&self, column: usize) -> Result<Option<bool>, InputError> {
         let flag = match self.cells[column] {
             Cell::Missing => return Ok(None),
@@ -127,7 +127,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// The region, where the row has one.
+    /// The region, if the row has one.
     fn region(&self) -> Result<Option<Region>, InputError> {
         let taxels = self.whole::<u32>(8)?;
         let largest = self.number(9, limits::REGION_LARGEST_FORCE_N)?;
@@ -135,7 +135,7 @@ impl<'a> Cells<'a> {
         if taxels.is_none() && largest.is_none() && sum.is_none() {
             return Ok(None);
         }
-        let missing = |column: usize| self.error(column, "a number, as the other columns of the region have one");
+        let missing = |column: usize| self.error(column, "a number, because other columns of the region have one");
         let region = Region {
             taxels: taxels.ok_or_else(|| missing(8))?,
             largest_force_n: largest.ok_or_else(|| missing(9))?,

@@ -1,11 +1,11 @@
-//! Rows to trials.
+//! Collects rows into trials.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::{InputError, Sample, Trial};
 
-/// One sample with everything that its row says.
+/// A row: one sample with the facts about its trial.
 pub(super) struct Row {
     /// Line of a CSV file, row of a Parquet file, from 1.
     pub(super) line: usize,
@@ -42,8 +42,8 @@ impl Collector {
         };
         let trial = &mut self.trials[place];
         let differs = |column: &str, found: String, before: String| {
-            let allowed = format!("{before}, as in the rows of trial {} before", row.trial);
-            let remedy = "give each trial one value, or each value a trial number of its own";
+            let allowed = format!("{before}, as in earlier rows of trial {}", row.trial);
+            let remedy = "give all rows of a trial the same value, or give each value its own trial number";
             Err(InputError::new(path, column, found, allowed, remedy).at_line(row.line))
         };
         fn shown<T: ToString>(value: &Option<T>) -> String {
@@ -63,8 +63,8 @@ impl Collector {
         }
         let before = trial.samples.last().map_or(f64::NEG_INFINITY, |sample| sample.time_s);
         if sample.time_s <= before {
-            let allowed = format!("more than {before}, the time before in trial {}", row.trial);
-            let remedy = "sort the rows of each trial by time and delete repeated ones";
+            let allowed = format!("more than {before}, the previous time in trial {}", row.trial);
+            let remedy = "sort the rows of each trial by time and delete duplicates";
             return Err(InputError::new(path, "time_s", sample.time_s.to_string(), allowed, remedy).at_line(row.line));
         }
         trial.samples.push(sample);

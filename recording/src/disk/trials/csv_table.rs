@@ -1,4 +1,4 @@
-//! Trials as CSV (RFC 4180, UTF-8, a header line).
+//! Trials as CSV (RFC 4180, UTF-8, with a header line).
 
 use std::io::Read;
 use std::path::Path;
@@ -10,15 +10,15 @@ use crate::disk::input_file::open_input;
 use crate::disk::{DiskError, whole_file};
 use crate::{InputError, Trial};
 
-/// The line, from 1, of the row that the parser found at `position`. The parser counts from where it began to look for the
-/// row, so blank lines before it (and the second half of a line break) are still to be counted.
+/// The line, from 1, of the row at `position`. The parser counts from where it started to look for the row, so blank
+/// lines before it (and the second half of a line break) have to be added.
 fn line_of(text: &[u8], position: &csv::Position) -> usize {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
     position.line() as usize + blank.filter(|byte| **byte == b'\n').count()
 }
 
-/// The error for what the CSV parser refuses.
+/// Converts an error of the CSV parser.
 fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
     let line = error.position().map(|position| line_of(text, position));
     match error.into_kind() {
@@ -77,7 +77,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     Ok(collector.finish())
 }
 
-/// Writes a table. Numbers are the shortest text that reads back as the same double.
+/// Writes a table. Numbers are the shortest text that gives the same double when read.
 pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
     let failed = |error: csv::Error| DiskError::io(path, "write")(error.into());
     let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);

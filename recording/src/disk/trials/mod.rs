@@ -1,9 +1,10 @@
-//! Contact trials as a table, CSV or Parquet: one row a sample.
+//! Contact trials as a table, CSV or Parquet, with one row per sample.
 //!
-//! Columns: `trial`, `time_s`, `force_n` are needed; `category`, `reach`, `patch`, `taxel`, `motion_m` and, together,
-//! `region_taxels`, `region_largest_force_n`, `region_force_sum_n` are known; others are ignored. `touched` is ground
-//! truth, `true` or `false`: whether an object truly pressed the taxel in that sample ([`crate::Sample::touched`]). Rows
-//! of a trial need not be adjacent; trials come in the order of their first rows.
+//! The columns `trial`, `time_s` and `force_n` are required. `category`, `reach`, `patch`, `taxel`, `motion_m`,
+//! `touched` and, all three together, `region_taxels`, `region_largest_force_n` and `region_force_sum_n` are
+//! optional. Other columns are ignored. `touched` is ground truth, `true` or `false`: whether an object truly pressed
+//! the taxel in that sample ([`crate::Sample::touched`]). Rows of a trial need not be adjacent. Trials are in the
+//! order of their first rows.
 
 mod cell;
 mod collect;
@@ -33,18 +34,18 @@ const COLUMNS: [&str; 12] = [
     "region_force_sum_n",
     TOUCHED,
 ];
-/// The one column of truth values.
+/// The only column of truth values.
 const TOUCHED: &str = "touched";
-/// The columns without which a table is no trials table.
+/// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 
-/// The two kinds of file.
+/// The two file formats.
 enum Format {
     Csv,
     Parquet,
 }
 
-/// The kind of file that a name calls for.
+/// The file format that belongs to a name.
 fn format_of(path: &Path) -> Result<Format, DiskError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     match extension.to_ascii_lowercase().as_str() {
@@ -58,7 +59,7 @@ fn format_of(path: &Path) -> Result<Format, DiskError> {
     }
 }
 
-/// Where the known columns stand in a table, in the order of [`COLUMNS`].
+/// The positions of the known columns in a table, in the order of [`COLUMNS`].
 fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMNS.len()], DiskError> {
     let error = |column: &str, found: String, remedy: &str| -> DiskError {
         let allowed = format!("one column each of {}", REQUIRED.join(", "));
@@ -69,25 +70,25 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
         let mut found = (0..names.len()).filter(|&index| names[index] == column);
         *place = found.next();
         if found.next().is_some() {
-            return Err(error(column, "the column twice".into(), "rename or delete one of them"));
+            return Err(error(column, "two such columns".into(), "rename or delete one of them"));
         }
         if place.is_none() && REQUIRED.contains(&column) {
-            let remedy = "rename the column that holds it; names are case-sensitive";
+            let remedy = "rename the right column; names are case-sensitive";
             return Err(error(column, format!("only the columns {}", names.join(", ")), remedy));
         }
     }
     Ok(places)
 }
 
-/// Reads a trials table, `.csv` or `.parquet` by its extension.
+/// Reads a table of trials. The extension `.csv` or `.parquet` decides the format.
 ///
-/// Numbers must lie within [`crate::limits`] and times strictly increase within a trial; `category`, `reach`, `patch` and `taxel` must
-/// be the same in all rows of a trial, empty where unknown. An absent `motion_m` gives [`crate::Sample::motion_m`]
-/// `None`; the three columns of a region are all given or all empty.
+/// Numbers must be within [`crate::limits`], and times must strictly increase within a trial. `category`, `reach`,
+/// `patch` and `taxel` must be the same in all rows of a trial, and are empty if unknown. The three columns of a
+/// region are either all given or all empty.
 ///
 /// # Errors
-/// [`DiskError::Input`] with file, line (CSV) or row (Parquet, from 1) and column, and where there is no such file;
-/// [`DiskError::Io`] where it cannot be read.
+/// [`DiskError::Input`] with file, line (CSV) or row (Parquet, from 1) and column, and if there is no such file;
+/// [`DiskError::Io`] if it cannot be read.
 pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
     let path = path.as_ref();
     let trials = match format_of(path)? {
@@ -96,17 +97,18 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
     };
     if trials.is_empty() {
         let remedy = "give a table with at least one row";
-        return Err(InputError::new(path, "rows", "none", "one row a sample", remedy).into());
+        return Err(InputError::new(path, "rows", "none", "one row per sample", remedy).into());
     }
     Ok(trials)
 }
 
-/// Writes a trials table, `.csv` or `.parquet` by its extension; it appears under its name only when it is whole.
+/// Writes a table of trials. The extension `.csv` or `.parquet` decides the format. The file gets its name only when
+/// it is complete.
 ///
 /// # Errors
-/// [`DiskError::Unwritable`] for a trial that [`read_trials`] would refuse or could not tell apart (no samples, times
-/// not increasing, numbers outside [`crate::limits`], an empty name, a trial number used twice); [`DiskError::Io`] and
-/// [`DiskError::Encode`] when the disk refuses.
+/// [`DiskError::Unwritable`] for a trial that [`read_trials`] would refuse or confuse with another (no samples, times
+/// that do not increase, numbers outside [`crate::limits`], an empty name, a trial number used twice);
+/// [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
     let path = path.as_ref();
     let mut numbers = BTreeSet::new();
@@ -129,7 +131,7 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
         new,
         || field("trial"),
         || "the number of an earlier trial".into(),
-        "numbers that differ",
+        "unique numbers",
     )?;
     for (name, text) in [("category", &trial.category), ("patch", &trial.patch)] {
         require(

@@ -1,4 +1,4 @@
-//! Trials as Parquet, as this program, pandas, Polars or DuckDB write it.
+//! Trials as Parquet, as written by this program, pandas, Polars or DuckDB.
 
 use std::path::Path;
 
@@ -22,10 +22,10 @@ use crate::{InputError, Trial};
 
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
-    // Without the Arrow schema that writers leave beside the Parquet one, large strings, string views, categories and
-    // the like are all read as plain strings.
+    // Without the Arrow schema in the metadata, large strings, string views, categories and the like are all read as
+    // plain strings.
     let builder = open(path, ArrowReaderOptions::default().with_skip_arrow_metadata(true))?;
-    // Tables of other programs have no hash of themselves.
+    // Tables of other programs do not contain a hash.
     seal::check_if_sealed(path)?;
     let names: Vec<String> = builder
         .schema()
@@ -59,7 +59,7 @@ fn row_of<'a>(columns: &[Vec<Cell<'a>>], row: usize) -> [Cell<'a>; COLUMNS.len()
     std::array::from_fn(|column| columns[column][row])
 }
 
-/// The cells of a column of any type that can hold what the table needs.
+/// The cells of a column of any suitable type.
 fn cells<'a>(path: &Path, name: &str, array: &'a ArrayRef) -> Result<Vec<Cell<'a>>, DiskError> {
     fn of<'a, T: ArrowPrimitiveType>(array: &ArrayRef, cell: fn(T::Native) -> Cell<'a>) -> Option<Vec<Cell<'a>>> {
         Some(
@@ -83,7 +83,7 @@ fn cells<'a>(path: &Path, name: &str, array: &'a ArrayRef) -> Result<Vec<Cell<'a
                 .collect(),
         )
     };
-    // pandas gives a column without any value the type "null".
+    // pandas gives a column without values the type "null".
     let nothing = (array.logical_null_count() == array.len()).then(|| vec![Cell::Missing; array.len()]);
     nothing
         .or_else(|| of::<Float64Type>(array, Cell::Number))
@@ -112,7 +112,7 @@ fn cells<'a>(path: &Path, name: &str, array: &'a ArrayRef) -> Result<Vec<Cell<'a
         })
 }
 
-/// Columns in the making.
+/// Builders of the columns.
 #[derive(Default)]
 struct Columns {
     trial: UInt64Builder,
@@ -152,7 +152,7 @@ impl Columns {
         self.rows += trial.samples.len();
     }
 
-    /// The rows so far; what follows begins anew.
+    /// Takes the rows so far.
     fn take(&mut self, path: &Path) -> Result<RecordBatch, DiskError> {
         self.rows = 0;
         let [
