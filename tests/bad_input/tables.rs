@@ -37,7 +37,7 @@ fn empty() {
     refuses(
         &format!("{HEADER}\n"),
         None,
-        &["rows: found none", "one row a sample", "at least one row"],
+        &["rows: found none", "one row per sample", "at least one row"],
     );
     refuses("", None, &["trial: found", "one column each of trial, time_s, force_n"]);
 }
@@ -86,7 +86,7 @@ fn time_that_does_not_increase() {
         refuses(
             &text,
             Some(4),
-            &[&found, "more than 0.01, the time before in trial 7", "sort the rows"],
+            &[&found, "more than 0.01, the previous time in trial 7", "sort the rows"],
         );
     }
     let folder = tempfile::tempdir().unwrap();
@@ -104,7 +104,7 @@ fn two_categories_in_one_trial() {
         Some(3),
         &[
             "category: found trunk",
-            "leaf, as in the rows of trial 0 before",
+            "leaf, as in earlier rows of trial 0",
             "give each trial",
         ],
     );

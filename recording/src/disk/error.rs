@@ -83,7 +83,7 @@ pub enum DiskError {
         dir: PathBuf,
     },
     /// A data set cannot be finished while reaches are missing.
-    #[error("{}: {count} reaches are missing, the first at position {first}; run them before finishing", .dir.display())]
+    #[error("{}: {count} reaches are missing, the first at position {first}; run them, then finish", .dir.display())]
     ReachesMissing {
         /// The folder.
         dir: PathBuf,

@@ -75,12 +75,5 @@ pub(super) fn check(path: &Path) -> Result<(), DiskError> {
         return Ok(());
     }
     let remedy = "copy the file again; other programs drop the checksum when they rewrite the file";
-    Err(InputError::new(
-        path,
-        SEAL_KEY,
-        "no checksum",
-        "a file with its own checksum",
-        remedy,
-    )
-    .into())
+    Err(InputError::new(path, SEAL_KEY, "no checksum", "a file with its own checksum", remedy).into())
 }

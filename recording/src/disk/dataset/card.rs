@@ -30,8 +30,8 @@ pub(super) fn card(info: &Info, categories: &[Category]) -> String {
         "---\n\n# Reaches of {} with tactile skin\n\n\
          {} reaches, {} frames at {} Hz, written by underbrush in the LeRobotDataset {} layout.\n\n\
          `data/` holds what a robot could know. Ground truth is in `truth/` and is not among the features of \
-         `meta/info.json`, so that no learner reads it by accident. Rows of `truth/taxels` belong to the frames with the \
-         same `episode_index` and `frame_index`:\n\n\
+         `meta/info.json`, so that no learner reads it by accident. Rows of `truth/taxels` belong to the frames with \
+         the same `episode_index` and `frame_index`:\n\n\
          ```python\n\
          import pandas as pd\n\
          frames = pd.read_parquet(\"data\")\n\
