@@ -37,27 +37,27 @@ fn refused_when_truncated(whole: &[u8], file: &Path) {
     }
 }
 
+/// Pins that a recording truncated at any length is refused by every command that reads it.
 #[test]
 fn truncated_recording() {
-    // Pins: a recording cut at any length is refused by everything that reads it.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("reach.parquet");
     recording_with_trials(&fixture().trunk_scene(), &file);
     refused_when_truncated(&std::fs::read(&file).unwrap(), &file);
 }
 
+/// Pins the same for a table of trials.
 #[test]
 fn truncated_trials() {
-    // Pins: the same for a table of trials.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("trials.parquet");
     refused_when_truncated(&std::fs::read(fixture().table_parquet()).unwrap(), &file);
 }
 
+/// Pins that a footer with any damaged byte is either read or refused as bad input, without the message of a panic,
+/// and that some of this damage does make the Parquet decoder panic.
 #[test]
 fn a_changed_footer_never_shows_a_panic() {
-    // Pins: whatever byte of the footer is damaged, the program reads the file or refuses it as bad input, without the
-    // text of a panic; and some of that damage does make the Parquet decoder panic.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("trials.parquet");
     std::fs::write(

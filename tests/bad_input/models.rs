@@ -33,9 +33,9 @@ fn refuses(place: &str, value: Value, parts: &[&str]) {
     refuses_text(&model.to_string(), None, parts);
 }
 
+/// Pins that transitions and initial probabilities must sum to 1, and that the row and its sum are named.
 #[test]
 fn rows_that_do_not_sum_to_one() {
-    // Pins: transitions and initial probabilities are distributions; the row and its sum are named.
     let parts = [
         "models.leaf.transition[0]: found a sum of 1.25",
         "a sum of 1 within 1e-6",
@@ -50,9 +50,9 @@ fn rows_that_do_not_sum_to_one() {
     refuses("/models/trunk/initial", json!([0.25, 0.25, 0.25]), &parts);
 }
 
+/// Pins that a negative probability is refused even if the row sums to 1.
 #[test]
 fn negative_probability() {
-    // Pins: a row that sums to one by a negative number.
     refuses(
         "/models/leaf/transition/0",
         json!([-0.5, 1.0, 0.5]),
@@ -60,9 +60,9 @@ fn negative_probability() {
     );
 }
 
+/// Pins that a model of a later format is refused.
 #[test]
 fn unknown_format() {
-    // Pins: a model of a later format is not read as this one.
     let parts = [
         "format: found underbrush-model/9",
         "allowed: underbrush-model/1",
@@ -71,9 +71,9 @@ fn unknown_format() {
     refuses("/format", json!("underbrush-model/9"), &parts);
 }
 
+/// Pins that unknown features are refused.
 #[test]
 fn unknown_feature() {
-    // Pins: features are those that trials have.
     refuses(
         "/features",
         json!(["warmth_k"]),
@@ -86,9 +86,9 @@ fn unknown_feature() {
     );
 }
 
+/// Pins that covariances must be positive definite.
 #[test]
 fn variance_below_zero() {
-    // Pins: covariances are positive definite.
     let parts = [
         "models.leaf.covariance[1]",
         "not positive definite",
@@ -97,9 +97,9 @@ fn variance_below_zero() {
     refuses("/models/leaf/covariance/1", json!([[-1.0]]), &parts);
 }
 
+/// Pins that every array of a model must have one row per state.
 #[test]
 fn wrong_shape() {
-    // Pins: every part has one row a state.
     refuses("/models/leaf/mean", json!([[1.0]]), &["models.leaf.mean"]);
     refuses(
         "/models/leaf/mean/0",
@@ -108,15 +108,15 @@ fn wrong_shape() {
     );
 }
 
+/// Pins that a file without models is refused.
 #[test]
 fn no_models() {
-    // Pins: a file without any model.
     refuses("/models", json!({}), &["models: found", "one model per category"]);
 }
 
+/// Pins that text that is not JSON is refused with its line, and so is a JSON file of another program.
 #[test]
 fn no_json() {
-    // Pins: text that is no JSON is refused at its line; the file of another program, too.
     refuses_text(
         "{\n  \"format\": \n}\n",
         Some(3),
@@ -129,9 +129,9 @@ fn no_json() {
     );
 }
 
+/// Pins that a model of force and motion needs a table with motion, and that the error names the trial without it.
 #[test]
 fn missing_motion() {
-    // Pins: a model of force and motion needs a table with motion, and says which trial has none.
     let folder = tempfile::tempdir().unwrap();
     let [model, bare] = ["model.json", "bare.csv"].map(|name| folder.path().join(name));
     let table = fixture().table_csv();
@@ -151,9 +151,9 @@ fn missing_motion() {
     underbrush!["classify", model, bare].refused(&[&bare.display().to_string(), "motion"]);
 }
 
+/// Pins that a missing model file is reported as such.
 #[test]
 fn missing_model() {
-    // Pins: a model that is not there.
     let folder = tempfile::tempdir().unwrap();
     let (file, parts) = (folder.path().join("absent.json"), ["No such file", "check the path"]);
     let fault = Fault {

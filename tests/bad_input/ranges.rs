@@ -215,8 +215,8 @@ fn write(path: &Path, text: &str) -> PathBuf {
     path.to_path_buf()
 }
 
-/// Pins that every number of every file is refused outside its range, by an error that names file and field, and read
-/// within it; and that none makes the program panic.
+/// Pins that every number in every file is refused outside its range, with file and field, and read within it, and
+/// that no number makes the program panic.
 #[test]
 fn every_number_has_a_range() {
     let folder = tempfile::tempdir().unwrap();
@@ -279,7 +279,7 @@ fn every_number_has_a_range() {
     assert!(keys >= 84, "{keys} keys");
 }
 
-/// Pins that a fault in a line of a megabyte gives an error of some lines, whatever the kind of file.
+/// Pins that a fault in a line of a megabyte gives an error of a few lines, in every kind of file.
 #[test]
 fn faults_in_long_lines_are_shown_shortly() {
     let folder = tempfile::tempdir().unwrap();

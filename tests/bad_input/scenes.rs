@@ -26,9 +26,9 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     assert_empty(outputs.path());
 }
 
+/// Pins that a misspelled key is an error and not a silent default, both at the top and in a group.
 #[test]
 fn unknown_key() {
-    // Pins: a slip in a key is no silent default, at the top and within a group.
     refuses(
         "summary = \"A scene\"\nsumary = 3\n",
         Some(2),
@@ -52,9 +52,9 @@ fn unknown_key() {
     );
 }
 
+/// Pins that text that is not TOML is refused with its line.
 #[test]
 fn no_toml() {
-    // Pins: text that is no TOML is refused at its line.
     refuses(
         "summary = \"A scene\"\ncontroller = \n",
         Some(2),
@@ -62,16 +62,16 @@ fn no_toml() {
     );
 }
 
+/// Pins that a group of objects needs a count.
 #[test]
 fn missing_key() {
-    // Pins: a group must say how many.
     let parts = ["missing field `count`", "underbrush schema", "mend the line"];
     refuses(&format!("{HEAD}[[objects.trunk]]\n"), Some(3), &parts);
 }
 
+/// Pins that a negative stiffness is refused.
 #[test]
 fn negative_rigidity() {
-    // Pins: a stiffness below zero is unphysical.
     let parts = [
         "objects.leaf[0].flexural_rigidity_n_m2: found -0.01",
         "allowed: values from 0.00001 to 10",
@@ -84,9 +84,9 @@ fn negative_rigidity() {
     );
 }
 
+/// Pins that NaN is refused as a value, in a range and as a standard deviation.
 #[test]
 fn not_a_number() {
-    // Pins: NaN is refused as a value, in a range and as a standard deviation.
     for (value, found) in [
         ("nan", "found NaN"),
         ("{ uniform = [nan, 0.3] }", "found { uniform = [NaN, 0.3] }"),
@@ -117,9 +117,9 @@ fn not_a_number() {
     );
 }
 
+/// Pins that dead taxels are checked against the arm's skin.
 #[test]
 fn dead_taxels_that_are_not_there() {
-    // Pins: dead taxels are checked against the arm's skin.
     let text = format!("{HEAD}[sensor]\ndead_taxels = {{ forearm = [0, 384] }}\n");
     refuses(
         &text,
@@ -134,9 +134,9 @@ fn dead_taxels_that_are_not_there() {
     );
 }
 
+/// Pins that bounds in the wrong order are refused and not swapped silently.
 #[test]
 fn reversed_range() {
-    // Pins: bounds in the wrong order are not swapped silently.
     let text = format!("{HEAD}{LEAF}height_m = {{ uniform = [0.4, 0.3] }}\n");
     let parts = [
         "objects.leaf[0].height_m",
@@ -159,16 +159,17 @@ fn reversed_range() {
     );
 }
 
+/// Pins that a reach needs at least one goal, and that the error has the line in the section of the goals, although
+/// groups have a `count` too.
 #[test]
 fn no_goals() {
-    // Pins: a reach has at least one goal, and the line is that of the goals although groups have a count as well.
     let text = format!("{HEAD}{LEAF}[goals]\ncount = 0\n");
     refuses(&text, Some(9), &["goals.count: found 0", "1 to 1000 goals", "change"]);
 }
 
+/// Pins that two trunks in one place are refused with the reason, at the line of the second.
 #[test]
 fn overlapping_trunks() {
-    // Pins: two trunks in one place are refused at the second one's line, with the reason.
     let place = "place = { x_m = 0.6, y_m = -0.2 }";
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 1\n{place}\n\n[[objects.trunk]]\ncount = 1\n{place}\n");
     refuses(
@@ -178,9 +179,9 @@ fn overlapping_trunks() {
     );
 }
 
+/// Pins that a scene without room reports how many objects found a place, and leaves no data set behind.
 #[test]
 fn more_trunks_than_room() {
-    // Pins: an impossible scene says how many found room, and nothing is left under the name of the data set.
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 9000\n");
     refuses(
         &text,
@@ -201,9 +202,9 @@ fn more_trunks_than_room() {
     );
 }
 
+/// Pins that a scene with leaves but without foam is refused with the reason.
 #[test]
 fn leaves_without_foam() {
-    // Pins: leaves stand in foam; a scene without any says so.
     let text = format!("{HEAD}[[objects.leaf]]\ncount = 3\n");
     refuses(
         &text,
@@ -212,9 +213,9 @@ fn leaves_without_foam() {
     );
 }
 
+/// Pins that goals out of reach of the arm are refused.
 #[test]
 fn goals_out_of_reach() {
-    // Pins: goals that no arm of this length reaches are refused.
     let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
     refuses(
         &text,
@@ -223,9 +224,9 @@ fn goals_out_of_reach() {
     );
 }
 
+/// Pins that an unknown controller is refused with the names of all controllers.
 #[test]
 fn unknown_controller() {
-    // Pins: the names of the controllers are told.
     let text = format!("{HEAD}controller = \"clever\"\n");
     refuses(
         &text,
@@ -238,9 +239,9 @@ fn unknown_controller() {
     );
 }
 
+/// Pins that a missing scene file is reported as such.
 #[test]
 fn missing_scene() {
-    // Pins: a scene that is not there.
     let outputs = tempfile::tempdir().unwrap();
     let (file, set) = (outputs.path().join("absent.toml"), outputs.path().join("set"));
     let parts = ["No such file", "check the path"];
@@ -256,9 +257,10 @@ fn missing_scene() {
     assert_empty(outputs.path());
 }
 
+/// Pins that the path of an arm is relative to the scene file, and that a missing arm file is reported by its own
+/// path.
 #[test]
 fn missing_arm() {
-    // Pins: a user's arm is sought beside the scene, and its absence is told by its own path.
     let folder = tempfile::tempdir().unwrap();
     let outputs = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"no-arm.toml\"\n"));
@@ -274,9 +276,9 @@ fn missing_arm() {
     assert_empty(outputs.path());
 }
 
+/// Pins that an arm file with a negative stiffness is refused with its line when a scene uses it.
 #[test]
 fn bad_arm() {
-    // Pins: Cody's own arm file with a negative stiffness is refused at its line when a scene names it.
     let folder = tempfile::tempdir().unwrap();
     let cody = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody");
     crate::support::copy_tree(&cody, folder.path());

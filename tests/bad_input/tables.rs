@@ -31,9 +31,9 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     refuses_file(&file, line, parts);
 }
 
+/// Pins that a table with only a header and an empty file are refused.
 #[test]
 fn empty() {
-    // Pins: a header alone is no table, nor is an empty file.
     refuses(
         &format!("{HEADER}\n"),
         None,
@@ -42,9 +42,9 @@ fn empty() {
     refuses("", None, &["trial: found", "one column each of trial, time_s, force_n"]);
 }
 
+/// Pins that a missing column is named together with the columns found.
 #[test]
 fn missing_column() {
-    // Pins: the missing column and those found are named.
     let parts = [
         "force_n: found only the columns trial, category, time_s",
         "force_n",
@@ -53,16 +53,16 @@ fn missing_column() {
     refuses("trial,category,time_s\n0,leaf,0.0\n", None, &parts);
 }
 
+/// Pins that an incomplete row is refused with its line.
 #[test]
 fn missing_cell() {
-    // Pins: a row cut short is refused at its line.
     let parts = ["row: found 3 cells", "4 cells, as in the header", "correct the line"];
     refuses(&format!("{HEADER}\n0,leaf,0.0,1\n0,leaf,0.01\n"), Some(3), &parts);
 }
 
+/// Pins that NaN, infinity and text are refused as forces, with their line.
 #[test]
 fn bad_force() {
-    // Pins: NaN, infinity and text are no forces, and the line is named.
     for force in ["NaN", "inf", "much"] {
         let text = format!("{HEADER}\n0,leaf,0.0,1\n0,leaf,0.01,{force}\n");
         refuses(
@@ -77,9 +77,10 @@ fn bad_force() {
     }
 }
 
+/// Pins that repeated or decreasing times within a trial are refused, while another trial may start again from any
+/// time.
 #[test]
 fn time_that_does_not_increase() {
-    // Pins: times repeated or falling within a trial are refused; another trial may begin anew.
     for time in ["0.01", "0.0"] {
         let text = format!("{HEADER}\n7,leaf,0.0,1\n7,leaf,0.01,1\n7,leaf,{time},1\n");
         let found = format!("time_s: found {}", time.parse::<f64>().unwrap());
@@ -95,9 +96,9 @@ fn time_that_does_not_increase() {
     underbrush!["inspect", file].success();
 }
 
+/// Pins that a trial with two categories is refused.
 #[test]
 fn two_categories_in_one_trial() {
-    // Pins: the truth of a trial is one.
     let text = format!("{HEADER}\n0,leaf,0.0,1\n0,trunk,0.01,1\n");
     refuses(
         &text,
@@ -110,9 +111,10 @@ fn two_categories_in_one_trial() {
     );
 }
 
+/// Pins that a table without categories can be scored but not used for training or evaluation, and that the error
+/// names the table.
 #[test]
 fn no_ground_truth() {
-    // Pins: a table without categories can be scored, but not trained or evaluated on, and the table is named.
     let folder = tempfile::tempdir().unwrap();
     let (file, model) = (folder.path().join("bare.csv"), folder.path().join("model.json"));
     std::fs::write(&file, "trial,time_s,force_n\n0,0.0,1\n0,0.01,1\n").unwrap();
@@ -127,9 +129,9 @@ fn no_ground_truth() {
     assert!(!model.exists());
 }
 
+/// Pins that missing tables, recordings and data sets are reported as missing, not as the wrong kind of file.
 #[test]
 fn missing_file() {
-    // Pins: tables, recordings and data sets that are not there, by their own name and not by their kind.
     let folder = tempfile::tempdir().unwrap();
     for name in ["absent.csv", "absent.parquet", "absent-set"] {
         refuses_file(
@@ -149,9 +151,9 @@ fn missing_file() {
     .check(&online);
 }
 
+/// Pins that a folder that is not a data set is refused.
 #[test]
 fn foreign_folder() {
-    // Pins: a folder that is no data set.
     let folder = tempfile::tempdir().unwrap();
     refuses_file(
         folder.path(),
@@ -160,9 +162,9 @@ fn foreign_folder() {
     );
 }
 
+/// Pins that --online refuses a table of trials, which has no frames.
 #[test]
 fn table_given_for_frames() {
-    // Pins: --online wants frames; a table of trials has none.
     let fixture = fixture();
     let online = |table| underbrush!["classify", fixture.model(), table, "--online"];
     online(fixture.table_csv()).refused(&["trials.csv", "found a table of trials", "leave --online out"]);

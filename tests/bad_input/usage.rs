@@ -4,9 +4,10 @@ use super::assert_empty;
 use crate::support::fixture::fixture;
 use crate::support::{scenes, tree, underbrush};
 
+/// Pins that `reach` and `generate` refuse an unknown controller with the names of all controllers, before anything
+/// is written.
 #[test]
 fn unknown_controller() {
-    // Pins: the names of the controllers are told, by reach and by generate alike, before anything is written.
     let outputs = tempfile::tempdir().unwrap();
     let (scene, set) = (fixture().trunk_scene(), outputs.path().join("set"));
     let parts = ["clever", "--controller", "cody-2013, ijrr-foliage, blind"];
@@ -25,9 +26,9 @@ fn unknown_controller() {
     assert_empty(outputs.path());
 }
 
+/// Pins that shards are counted from 1, and that a shard without reaches is refused.
 #[test]
 fn bad_shard() {
-    // Pins: parts are counted from 1 and there is at least one; a shard without any reach is refused.
     let outputs = tempfile::tempdir().unwrap();
     let (scene, set) = (fixture().trunk_scene(), outputs.path().join("set"));
     for shard in ["0/2", "3/2", "1/0", "two", "/", "-1/2", "1/2/3"] {
@@ -39,9 +40,9 @@ fn bad_shard() {
     assert_empty(outputs.path());
 }
 
+/// Pins that a data set is written only to a new or an empty folder, and that existing files are not touched.
 #[test]
 fn folder_that_holds_something() {
-    // Pins: a data set goes into a new or an empty folder; what is there already is left as it is.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("thesis.tex"), "all I have").unwrap();
     let before = tree(folder.path());
@@ -69,9 +70,10 @@ fn folder_that_holds_something() {
     assert!(before == tree(folder.path()));
 }
 
+/// Pins that the scenes of a data set must share one controller and have different names, and that errors come before
+/// anything is run.
 #[test]
 fn scenes_that_do_not_go_together() {
-    // Pins: one data set has one controller and scenes of different names; both are told before anything is run.
     let folder = tempfile::tempdir().unwrap();
     let outputs = tempfile::tempdir().unwrap();
     let set = outputs.path().join("set");
@@ -104,9 +106,9 @@ fn scenes_that_do_not_go_together() {
     chosen.success();
 }
 
+/// Pins that senseless numbers are refused with the name of the option.
 #[test]
 fn numbers_out_of_range() {
-    // Pins: numbers that make no sense are refused by name.
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (table, model, set) = (
@@ -134,10 +136,9 @@ fn numbers_out_of_range() {
     assert_empty(outputs.path());
 }
 
+/// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
 #[test]
 fn nothing_to_learn_from() {
-    // Pins: a threshold above every force leaves no trial, and the text says so rather than that categories are
-    // missing.
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (set, out) = (fixture.dataset(), outputs.path().join("out.csv"));
@@ -151,9 +152,9 @@ fn nothing_to_learn_from() {
     assert_empty(outputs.path());
 }
 
+/// Pins that an unknown patch, table format or file type is refused with the known ones.
 #[test]
 fn unknown_names() {
-    // Pins: patches, kinds of table and kinds of file are told.
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let [text, table] = ["trials.txt", "trials.csv"].map(|name| outputs.path().join(name));

@@ -6,10 +6,11 @@ use underbrush_recording::disk::read_recording;
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{call, table, underbrush};
 
+/// Pins that the verdict of `classify` on each trial is the category with the largest log-likelihood in the output of
+/// `score`, with the model's own kind of score, for a data set and for its table, and that the true category is that
+/// of the table.
 #[test]
 fn the_verdict_is_the_best_score() {
-    // Pins: classify's verdict on each trial is the category of the largest log-likelihood that score prints, both with
-    // the model's own kind of score, from the data set as from its table; the truth is the table's.
     let fixture = fixture();
     let score = underbrush!["score", fixture.model(), fixture.table_csv()].success();
     assert_eq!(
@@ -33,9 +34,9 @@ fn the_verdict_is_the_best_score() {
     }
 }
 
+/// Pins that `classify` and `score` need only trial, time_s and force_n, and give the same result with more columns.
 #[test]
 fn a_table_without_category_is_classified() {
-    // Pins: classify and score need only trial, time_s and force_n, and say the same as with more columns.
     let fixture = fixture();
     let folder = tempfile::tempdir().unwrap();
     let bare = folder.path().join("bare.csv");
@@ -61,10 +62,10 @@ fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
+/// Pins that after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
+/// bit, for both kinds of score, and that each sample is answered in its own frame and nothing else is.
 #[test]
 fn online_ends_where_batch_does() {
-    // Pins: after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
-    // bit, by either score; each sample of a trial is answered in its own frame, and nothing else is.
     let model = fixture().model();
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("reach.parquet");
@@ -106,10 +107,10 @@ fn online_ends_where_batch_does() {
     }
 }
 
+/// Pins that `classify MODEL -`, given the frames of a recording as JSON lines, prints the same as --online for the
+/// file, and prints the latency on stderr.
 #[test]
 fn frames_on_standard_input_are_answered_alike() {
-    // Pins: `classify MODEL -` with the frames of a recording as JSON lines prints what --online prints for the file, and
-    // says on stderr how long it took.
     let model = fixture().model();
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("reach.parquet");
@@ -127,9 +128,10 @@ fn frames_on_standard_input_are_answered_alike() {
     assert!(piped == underbrush!["classify", model, recording, "--online"].success());
 }
 
+/// Pins that a prior of almost 1 decides trials of a single sample, and that a margin larger than any trial's makes
+/// all uncertain.
 #[test]
 fn priors_and_rules_change_verdicts() {
-    // Pins: a prior of almost one decides trials of a single sample; a margin that no trial has makes all uncertain.
     let fixture = fixture();
     let verdicts = |options: &[&str]| {
         let mut arguments = vec!["classify".into(), fixture.model().into(), fixture.table_csv().into()];
@@ -147,7 +149,7 @@ fn priors_and_rules_change_verdicts() {
     assert_eq!(count(&doubtful, "uncertain"), even.len());
 }
 
-/// Pins that names which CSV cannot hold as they are come back from `score` and `classify` as they were.
+/// Pins that names that CSV has to quote survive `score` and `classify`.
 #[test]
 fn names_are_quoted_in_csv() {
     let folder = tempfile::tempdir().unwrap();

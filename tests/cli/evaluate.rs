@@ -5,9 +5,9 @@ use underbrush_recording::disk::{read_trials, write_trials};
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
+/// Pins that cross-validation gives the same result for the data set and for both tables.
 #[test]
 fn data_set_and_tables_are_judged_alike() {
-    // Pins: cross-validation gives the same figures from the data set and from either table.
     let fixture = fixture();
     let sources = [fixture.dataset(), fixture.table_csv(), fixture.table_parquet()];
     let figures =
@@ -16,9 +16,10 @@ fn data_set_and_tables_are_judged_alike() {
     assert_eq!(figures[1], figures[2]);
 }
 
+/// Pins that the counts by true category are those of the table, that recall follows from the confusion matrix, and
+/// that the intervals contain it.
 #[test]
 fn the_confusion_matrix_counts_each_trial_once() {
-    // Pins: counts by true category are those of the table, recall is the matrix's own diagonal, and intervals hold it.
     let trials = read_trials(fixture().table_csv()).unwrap();
     let figures = underbrush![
         "evaluate",
@@ -53,10 +54,9 @@ fn the_confusion_matrix_counts_each_trial_once() {
     }
 }
 
+/// Pins that the text output is a table with recall, precision and intervals, and that accuracy does not stand alone.
 #[test]
 fn text_names_the_figures() {
-    // Pins: without --json a person reads a table with recall, precision and interval, and an accuracy that does not
-    // stand alone.
     let text = underbrush![
         "evaluate",
         fixture().table_csv(),
@@ -81,10 +81,10 @@ fn text_names_the_figures() {
     }
 }
 
+/// Pins that every classifier name is known and judges all trials, that the last point of --by-samples equals the
+/// evaluation itself, and that a point beyond the longest trial has no result.
 #[test]
 fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
-    // Pins: each name is known and judged on all trials; with --by-samples the last point, where all is known, is the
-    // evaluation itself; nothing is known of one that lasts longer than any trial.
     let table = fixture().table_csv();
     let trials = read_trials(&table).unwrap();
     let count = trials.iter().filter(|trial| trial.category.is_some()).count() as u64;
@@ -124,10 +124,10 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
     }
 }
 
+/// Pins that --train fits on the other table only: for hidden Markov models the result equals that of `train`
+/// followed by --model, and the order of the two tables matters.
 #[test]
 fn learned_from_one_table_and_tested_on_another() {
-    // Pins: --train learns from the other table alone: by hidden Markov models it says what train, then --model says; the
-    // order of the two tables matters.
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(fixture().table_csv()).unwrap();
     let mut parts = [folder.path().join("even.csv"), folder.path().join("odd.csv")].map(|path| (path, String::new()));
@@ -164,8 +164,8 @@ fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
     path
 }
 
-/// Pins the default grouping: by reach where every trial names its reach, else by position; that the paper's preset groups
-/// by position; and that the old name of the option still works.
+/// Pins the default grouping: by reach if every trial names its reach, otherwise by position. Also pins that the
+/// paper's preset groups by position, and that the old name of the option still works.
 #[test]
 fn the_advised_grouping_is_the_default() {
     let folder = tempfile::tempdir().unwrap();
@@ -199,7 +199,7 @@ fn the_advised_grouping_is_the_default() {
     assert_eq!(figures["folds"]["by"], "position");
 }
 
-/// Pins that options that do not apply are refused by name, and that the reason is given.
+/// Pins that options that do not apply are refused by name, with the reason.
 #[test]
 fn options_that_do_not_apply_are_refused() {
     let (table, model) = (fixture().table_csv(), fixture().model());
@@ -236,8 +236,8 @@ fn options_that_do_not_apply_are_refused() {
     underbrush!["classify", model, fixture().dataset(), "--online", "--min-samples", "3"].refused(&["--min-samples"]);
 }
 
-/// Pins that thresholds are refused for scores that they do not belong to: the paper's for anything but Viterbi scores of
-/// unscaled force, --margin without the rule that reads it.
+/// Pins that thresholds are refused for scores that they are not meant for: the paper's for anything but Viterbi
+/// scores of unscaled force, and --margin without the rule that uses it.
 #[test]
 fn thresholds_are_refused_for_other_scores() {
     let (table, model) = (fixture().table_csv(), fixture().model());
@@ -258,8 +258,8 @@ fn thresholds_are_refused_for_other_scores() {
     assert_eq!(uncertain("--margin"), uncertain("--lead"));
 }
 
-/// Pins the series over all contacts: every trial counts at every point, short ones too, and both texts say what they are
-/// about.
+/// Pins the series over all contacts: every trial counts at every point, short ones too, and both texts state which
+/// trials they cover.
 #[test]
 fn by_samples_is_also_about_short_contacts() {
     let table = fixture().table_csv();

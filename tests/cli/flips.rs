@@ -26,8 +26,8 @@ fn flip(path: &Path, whole: &[u8], number: u64) -> String {
     format!("{}, bit {bit}", path.display())
 }
 
-/// Pins that of 200 bits flipped in a data set, file after file, neither `trials` nor `inspect` reads one without an
-/// error, and `generate --from`, which needs the provenance alone, none of the provenance's.
+/// Pins that of 200 bits flipped in the files of a data set, `trials` and `inspect` read none without an error, and
+/// `generate --from`, which needs only the provenance, none of the provenance's.
 #[test]
 #[ignore = "takes minutes: the program is called four hundred times"]
 fn no_flipped_bit_of_a_set_is_read_without_a_word() {

@@ -2,9 +2,10 @@
 
 use crate::support::{assert_same_trees, scenes, underbrush};
 
+/// Pins that the same scenes and seed give the same files with one thread and with two, and that another seed does
+/// not.
 #[test]
 fn threads_do_not_change_a_byte() {
-    // Pins: the same scenes and seed give the same files with one thread and with two; another seed does not.
     let folder = tempfile::tempdir().unwrap();
     let leaf = scenes::write(folder.path(), "leaf.toml", scenes::FEW_LEAVES);
     let trunk = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
@@ -34,10 +35,10 @@ fn threads_do_not_change_a_byte() {
     );
 }
 
+/// Pins that the largest difference between taxel forces and solver forces in the summary is rounding error, that
+/// results go to stdout, and that nothing goes to stderr unless it is a terminal.
 #[test]
 fn taxel_forces_add_up_to_contact_forces() {
-    // Pins: the summary's largest difference between taxel forces and solver forces is rounding; results go to stdout
-    // and nothing to stderr where it is no terminal.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
     let call = underbrush![
@@ -58,9 +59,9 @@ fn taxel_forces_add_up_to_contact_forces() {
     assert_eq!(summary["touched_reaches"]["forearm"], 1, "{summary}");
 }
 
+/// Pins that two shards together hold the same recordings as the undivided campaign.
 #[test]
 fn shards_hold_the_reaches_of_the_whole() {
-    // Pins: two shards together hold the reaches of the unsharded campaign, recording for recording.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let [whole, first, second] = ["whole", "first", "second"].map(|name| folder.path().join(name));

@@ -5,9 +5,9 @@ use std::path::Path;
 use crate::support::fixture::fixture;
 use crate::support::{scenes, underbrush};
 
+/// Pins that scenes, data sets, recordings, both kinds of table and models are recognized, checked and described.
 #[test]
 fn each_kind_of_thing_is_recognized() {
-    // Pins: a scene, data set, recording, table of either kind and model are told apart, checked and described.
     let fixture = fixture();
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "few.toml", scenes::FEW_TRUNKS);

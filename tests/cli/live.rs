@@ -34,7 +34,8 @@ fn classify(model: &Path, options: &[&str], stdin: &str) -> Answer {
     call(arguments, stdin)
 }
 
-/// Pins that each answer comes while stdin stays open and before a further line is written, also that to a bad line.
+/// Pins that each answer, also that to an invalid line, comes while stdin stays open and before the next line is
+/// written.
 #[test]
 fn each_line_is_answered_before_the_next_is_sent() {
     let folder = tempfile::tempdir().unwrap();
@@ -66,8 +67,9 @@ fn each_line_is_answered_before_the_next_is_sent() {
     assert!(robot.wait().unwrap().success());
 }
 
-/// Pins that a stream goes on after any bad line with the history of every contact kept: the answers to the good lines
-/// are those of the same stream without the bad ones. A model of force needs neither truth nor poses nor joints.
+/// Pins that a stream continues after any invalid line and keeps the history of every contact: the answers to the
+/// valid lines are those of the stream without the invalid ones. A model of force needs neither ground truth nor
+/// poses nor joints.
 #[test]
 fn bad_lines_are_answered_and_change_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -152,7 +154,7 @@ fn bad_lines_are_answered_and_change_nothing() {
     assert!(good == underbrush!["classify", fixture().model(), recording, "--online"].success());
 }
 
-/// Pins that bytes that are no UTF-8 are a bad line like any other.
+/// Pins that bytes that are not UTF-8 make an invalid line like any other.
 #[test]
 fn bytes_that_are_no_text() {
     let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_underbrush"))
@@ -167,7 +169,7 @@ fn bytes_that_are_no_text() {
     assert_eq!((answers.len(), output.status.code()), (2, Some(0)));
 }
 
-/// Pins that `--strict` answers a bad line, too, and then ends with exit status 2 and its number.
+/// Pins that `--strict` also answers an invalid line, and then ends with exit status 2 and the number of the line.
 #[test]
 fn strict_ends_at_the_first_bad_line() {
     let good = "{\"time_s\":1,\"taxels\":[]}\n";
@@ -190,7 +192,7 @@ fn strict_ends_at_the_first_bad_line() {
     }
 }
 
-/// Pins that a model that uses motion asks for the pose of its patch alone, and answers as for the file.
+/// Pins that a model that uses motion needs only the pose of its own patch, and answers as for the file.
 #[test]
 fn motion_needs_a_pose() {
     let folder = tempfile::tempdir().unwrap();
@@ -221,8 +223,8 @@ fn motion_needs_a_pose() {
     assert!(classify(&model, &[], &stdin).success() == underbrush!["classify", model, recording, "--online"].success());
 }
 
-/// Pins that the skin of a stream is that of a data set, a recording, an arm's file or a skin file, and Cody's only where
-/// none is given: another skin is not misread.
+/// Pins that the skin of a stream is that of the given data set, recording, arm file or skin file, and Cody's only by
+/// default.
 #[test]
 fn the_skin_is_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -64,27 +64,28 @@ fn check(configuration: &str) {
     }
 }
 
+/// Pins the scores of initial and trained models with 10 left-to-right states over force, forward and Viterbi,
+/// through the command line.
 #[test]
 fn one_feature() {
-    // Pins: start and trained scores of 10 left-right states over force, forward and Viterbi, through the command line.
     check("10-states-force-left-right");
 }
 
+/// Pins the same for fully connected models.
 #[test]
 fn one_feature_ergodic() {
-    // Pins: the same where every transition exists.
     check("10-states-force-ergodic");
 }
 
+/// Pins the same for force and motion with full covariances.
 #[test]
 fn two_features() {
-    // Pins: the same for force and motion with full covariances.
     check("10-states-force-and-motion-left-right");
 }
 
+/// Pins the same for 5 and for 20 states.
 #[test]
 fn few_and_many_states() {
-    // Pins: the same for 5 and for 20 states.
     check("5-states-force-left-right");
     check("20-states-force-left-right");
 }

@@ -32,8 +32,8 @@ fn scene_with_own_arm(folder: &Path, scale: f64) -> PathBuf {
     scenes::write(folder, "trunk.toml", &scene)
 }
 
-/// Pins that a set begun with a user's arm is not gone on with when that arm's springs were changed, that the file which
-/// differs is named, and that `inspect` names the arm's files.
+/// Pins that a set that was started with a user's arm cannot be resumed after the arm's springs were changed, that
+/// the changed file is named, and that `inspect` names the arm's files.
 #[test]
 fn a_changed_arm_is_refused_on_resume() {
     let folder = tempfile::tempdir().unwrap();
@@ -68,8 +68,8 @@ fn a_changed_arm_is_refused_on_resume() {
     }
 }
 
-/// Pins that a set is made again byte for byte from what it holds alone: of a user's arm whose files are gone, of two
-/// scenes, and of one shard.
+/// Pins that a set can be generated again, byte for byte, from its own content: with a user's arm whose files are
+/// gone, with two scenes, and for one shard.
 #[test]
 fn a_set_is_made_again_from_itself() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,7 +92,7 @@ fn a_set_is_made_again_from_itself() {
     assert_eq!((set.episodes().len(), set.provenance().arms.len()), (2, 2));
 }
 
-/// Pins that options which say something else than the set are refused, not ignored.
+/// Pins that options that contradict the set are refused, not ignored.
 #[test]
 fn options_beside_from_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -131,7 +131,7 @@ fn with_plan(from: &Path, to: &Path, change: impl Fn(&mut DatasetPlan)) {
     writer.finish().unwrap();
 }
 
-/// Pins that a set of another version is made again with a warning, and one of another program not at all.
+/// Pins that a set of another version is generated again with a warning, and one of another program is refused.
 #[test]
 fn another_version_or_program_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,9 +4,10 @@ use underbrush_recording::disk::read_recording;
 
 use crate::support::{arm, scenes, underbrush};
 
+/// Pins that the same seed gives the same recording byte for byte, and that another seed or index gives another
+/// clutter.
 #[test]
 fn a_seed_decides_a_reach() {
-    // Pins: the same seed gives the same recording byte for byte, another seed or index another clutter.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "leaf.toml", scenes::FEW_LEAVES);
     let run = |name: &str, seed: &str, index: &str| {
@@ -24,9 +25,9 @@ fn a_seed_decides_a_reach() {
     }
 }
 
+/// Pins that `reach --seed --index` runs the same reach as `generate`.
 #[test]
 fn a_reach_is_that_of_its_campaign() {
-    // Pins: reach --seed --index shows the very reach that generate records.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let [set, file] = ["set", "reach.parquet"].map(|name| folder.path().join(name));
@@ -39,9 +40,10 @@ fn a_reach_is_that_of_its_campaign() {
     assert!(in_set == read_recording(file).unwrap());
 }
 
+/// Pins that goals reached, true contact, contacts and peak force in the JSON output are those of the recording, and
+/// that the picture is an SVG.
 #[test]
 fn the_report_agrees_with_the_recording() {
-    // Pins: goals reached, true contact, contacts and peak force of --json are those of the file written; the picture is an SVG.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
     let [file, picture] = ["reach.parquet", "reach.svg"].map(|name| folder.path().join(name));
@@ -64,9 +66,9 @@ fn the_report_agrees_with_the_recording() {
     assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
 }
 
+/// Pins that --controller replaces the controller of the scene, and that the recording names it.
 #[test]
 fn the_blind_controller_pushes_on() {
-    // Pins: --controller takes the place of the scene's own and is what the recording names.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let file = folder.path().join("reach.parquet");
@@ -75,8 +77,8 @@ fn the_blind_controller_pushes_on() {
     assert_eq!(read_recording(file).unwrap().controller, "blind");
 }
 
-/// Pins that a reach of an arm whose skin has no patch called `forearm` is written and summed up: trials are those of
-/// its first patch unless another is named, a patch without a grid has no components, and bare arms have no trials.
+/// Pins that arms without a patch called `forearm` work: trials are those of the first patch unless another is named,
+/// a patch without a grid has no components, and bare arms have no trials.
 #[test]
 fn any_skin_is_summed_up() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,7 +122,8 @@ fn any_skin_is_summed_up() {
     assert!(out.exists());
 }
 
-/// Pins that trials are cut, scored and classified on the first patch whatever its name, and that the table names it.
+/// Pins that trials are extracted, scored and classified on the first patch whatever its name, and that the table
+/// names it.
 #[test]
 fn the_first_patch_is_the_default_everywhere() {
     let folder = tempfile::tempdir().unwrap();

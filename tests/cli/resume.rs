@@ -45,10 +45,10 @@ fn staged(out: &Path) -> Vec<PathBuf> {
     staged
 }
 
+/// Pins that a killed run leaves a set that is refused as unfinished, can only be continued with --resume, and then
+/// ends in the bytes of an uninterrupted run. A truncated staged reach is run again.
 #[test]
 fn a_killed_run_resumes_to_the_same_bytes() {
-    // Pins: what a kill leaves is refused as a data set by name, taken up by --resume alone, and ends in the bytes of
-    // an unbroken run; a staged reach that is torn is run again.
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
     let [unbroken, broken] = ["unbroken", "broken"].map(|name| folder.path().join(name));
@@ -93,8 +93,8 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     assert!(!broken.join("incomplete").exists());
 }
 
-/// Pins that no run changes a finished data set, that `--resume` with the same plan says there is nothing to do, and
-/// that with another plan it says what differs.
+/// Pins that no run changes a finished data set, that `--resume` with the same plan reports that there is nothing to
+/// do, and that with another plan it reports the difference.
 #[test]
 fn a_finished_set_is_not_written_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -37,8 +37,8 @@ fn unfinished(folder: &Path) -> Vec<PathBuf> {
     tree(folder).into_keys().filter(is_unfinished).collect()
 }
 
-/// Pins that an interrupted `generate` ends by the signal that it got (130 and 143 for a shell), says how to go on, keeps
-/// what is staged and leaves no temporary file; and that it then goes on to the same bytes.
+/// Pins that an interrupted `generate` ends by the signal that it received (130 and 143 for a shell), prints how to
+/// continue, keeps staged reaches and leaves no temporary file, and that it can be continued to the same bytes.
 #[test]
 fn generate_can_be_interrupted_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
@@ -82,7 +82,7 @@ fn long_table(folder: &Path) -> PathBuf {
 }
 
 /// Pins that `trials` leaves no temporary file when SIGINT or SIGTERM ends it, that SIGKILL leaves one, and that the
-/// next run of the same output removes it.
+/// next run with the same output removes it.
 #[test]
 fn trials_leave_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +106,7 @@ fn trials_leave_nothing_behind() {
     );
 }
 
-/// Pins that a shell sees 130.
+/// Pins that a shell sees exit status 130.
 #[test]
 fn a_shell_sees_the_signal() {
     let folder = tempfile::tempdir().unwrap();

@@ -34,10 +34,10 @@ fn model() -> (tempfile::TempDir, PathBuf, Value) {
     (folder, path, result)
 }
 
+/// Pins that the model file holds the thresholds that `train` reports, that the verdicts of `classify` follow from
+/// them and from the scores of `score`, and that --decision overrides them.
 #[test]
 fn classify_follows_the_thresholds_in_the_model() {
-    // Pins: the file holds the thresholds that train reports; classify's verdicts follow from them and from the scores
-    // that score prints; --decision overrules them.
     let (_folder, path, result) = model();
     let file: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     assert_eq!(file["decision"], result["thresholds"]["decision"]);
@@ -74,9 +74,10 @@ fn classify_follows_the_thresholds_in_the_model() {
     assert!(!argmax.contains("outlier") && argmax == underbrush!["classify", fixture().model(), table_csv].success());
 }
 
+/// Pins that `evaluate --model` counts the verdicts of `classify` on trials with ground truth, and writes curves from
+/// (0, 0) to (1, 1).
 #[test]
 fn given_models_are_evaluated_with_their_thresholds() {
-    // Pins: evaluate --model counts classify's verdicts on trials with truth, and writes curves from (0, 0) to (1, 1).
     let (folder, path, _) = model();
     let (table_csv, roc) = (fixture().table_csv(), folder.path().join("roc.csv"));
     let figures = underbrush!["evaluate", table_csv, "--model", path, "--roc", roc, "--json"].json();
@@ -105,9 +106,10 @@ fn given_models_are_evaluated_with_their_thresholds() {
     underbrush!["evaluate", table_csv, "--model", path, "--folds", "3"].refused(&["--model", "--folds"]);
 }
 
+/// Pins that a rate that is too small for the number of trials reports how many trials it takes, and that a rate of 0
+/// is refused.
 #[test]
 fn rates_that_the_data_cannot_hold_are_refused() {
-    // Pins: a rate too small for the number of trials names how many it takes; a rate alone of 0 is refused.
     let folder = tempfile::tempdir().unwrap();
     let (table_csv, out) = (table_without_reaches(folder.path()), folder.path().join("model.json"));
     let train = |rate: &str| {
@@ -127,8 +129,8 @@ fn rates_that_the_data_cannot_hold_are_refused() {
     assert!(!out.exists());
 }
 
-/// Pins the warning: where both categories press alike, thresholds that hold the rate leave nearly every held-out trial
-/// uncertain, and train says so; where they are easily told apart, it does not warn.
+/// Pins the warning of `train`: if both categories give the same forces, thresholds that hold the rate leave nearly
+/// every held-out trial uncertain. It does not warn if they are easy to tell apart.
 #[test]
 fn thresholds_that_decide_nothing_are_warned_of() {
     let folder = tempfile::tempdir().unwrap();

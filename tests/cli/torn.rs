@@ -31,16 +31,16 @@ fn refused_everywhere(set: &Path, parts: &[&str]) {
     assert_eq!(std::fs::read_dir(outputs.path()).unwrap().count(), 0);
 }
 
+/// Pins that a copied data set is still valid, so that the errors below come from the damage.
 #[test]
 fn a_whole_copy_is_sound() {
-    // Pins: copying a data set does no harm, so that the refusals below are about the damage.
     let (_folder, set) = copy();
     assert!(underbrush!["inspect", set].success().contains("sound"));
 }
 
+/// Pins that a set without meta/info.json is refused by its name.
 #[test]
 fn without_info_it_is_no_data_set() {
-    // Pins: meta/info.json makes a set whole; without it the set is refused by its name.
     let (_folder, set) = copy();
     std::fs::remove_file(set.join("meta/info.json")).unwrap();
     refused_everywhere(
@@ -49,24 +49,24 @@ fn without_info_it_is_no_data_set() {
     );
 }
 
+/// Pins that every command names a truncated file before it reads any of it.
 #[test]
 fn a_truncated_data_file_is_named() {
-    // Pins: every command names the torn file before it reads any of it.
     let (_folder, set) = copy();
     let bytes = std::fs::read(set.join(DATA)).unwrap();
     std::fs::write(set.join(DATA), &bytes[..bytes.len() - 100]).unwrap();
     refused_everywhere(&set, &[DATA]);
 }
 
+/// Pins that a missing file is named.
 #[test]
 fn a_missing_data_file_is_named() {
-    // Pins: a file lost in copying is named.
     let (_folder, set) = copy();
     std::fs::remove_file(set.join(DATA)).unwrap();
     refused_everywhere(&set, &[DATA]);
 }
 
-/// Pins that damage which keeps the size is found by every command, not only by `inspect`.
+/// Pins that every command detects damage that keeps the size of a file, not only `inspect`.
 #[test]
 fn a_changed_byte_is_named_by_every_command() {
     let (_folder, set) = copy();
@@ -77,7 +77,8 @@ fn a_changed_byte_is_named_by_every_command() {
     refused_everywhere(&set, &[DATA, "checksum"]);
 }
 
-/// Pins that a lost file of the set's own is called by its name, and the set not one of another program.
+/// Pins that a missing metadata file of this program is named, and that the set is not taken for one of another
+/// program.
 #[test]
 fn a_lost_provenance_is_named() {
     let (_folder, set) = copy();
@@ -85,7 +86,7 @@ fn a_lost_provenance_is_named() {
     refused_everywhere(&set, &["without meta/provenance.json", "copy the data set again"]);
 }
 
-/// Pins that "every file matches its checksum" is not said of a set with a file that its list does not know.
+/// Pins that "every file matches its checksum" is not reported for a set with a file that is not in its list.
 #[test]
 fn an_extra_file_is_named() {
     let (_folder, set) = copy();
@@ -94,9 +95,9 @@ fn an_extra_file_is_named() {
     refused_everywhere(&set, &[extra, "does not list"]);
 }
 
+/// Pins that every command also names a changed metadata file of this program.
 #[test]
 fn changed_ground_truth_is_named_by_every_command() {
-    // Pins: every command names a changed file of the set's own, too.
     let (_folder, set) = copy();
     let name = "meta/provenance.json";
     let text = std::fs::read_to_string(set.join(name)).unwrap();

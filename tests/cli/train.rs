@@ -11,9 +11,9 @@ fn read(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
+/// Pins that a model is the same whether its trials come from the data set or from either table.
 #[test]
 fn data_set_and_tables_train_the_same_model() {
-    // Pins: a model is the same whether its trials come from the data set or from either table.
     let fixture = fixture();
     let folder = tempfile::tempdir().unwrap();
     let models = [fixture.dataset(), fixture.table_csv(), fixture.table_parquet()].map(|source| {
@@ -26,9 +26,10 @@ fn data_set_and_tables_train_the_same_model() {
     assert_eq!(models[1], std::fs::read_to_string(fixture.model()).unwrap());
 }
 
+/// Pins the format, features and shapes of the model file, that rows sum to 1, and that a left-to-right model has no
+/// transitions back.
 #[test]
 fn the_model_file_is_the_documented_one() {
-    // Pins: format, features and shapes of the model file, rows that sum to one, and no way back in a left-right model.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");
     let (table, states) = (fixture().table_csv(), 4);
@@ -68,10 +69,10 @@ fn the_model_file_is_the_documented_one() {
     }
 }
 
+/// Pins that --json gives the log-likelihood after each iteration, that --tolerance 0 runs all iterations, and that
+/// the model is the same with one thread and with two.
 #[test]
 fn the_history_is_reported_and_threads_do_not_matter() {
-    // Pins: --json gives the log-likelihood after each iteration, --tolerance 0 runs them all, and one thread trains
-    // the very model that two train.
     let folder = tempfile::tempdir().unwrap();
     let models = ["1", "2"].map(|jobs| {
         let path = folder.path().join(format!("model-{jobs}.json"));

@@ -14,9 +14,9 @@ fn is_in_contact(reading: &TaxelReading) -> bool {
     reading.sensed_force_n > TrialOptions::default().threshold_n
 }
 
+/// Pins that both tables hold the same trials to the last bit, and that the CSV has the documented columns.
 #[test]
 fn csv_and_parquet_hold_the_same_rows() {
-    // Pins: both tables read back as the same trials, down to the last bit, and the CSV has the columns promised.
     let fixture = fixture();
     let text = std::fs::read_to_string(fixture.table_csv()).unwrap();
     assert_eq!(
@@ -35,10 +35,10 @@ fn csv_and_parquet_hold_the_same_rows() {
     assert_eq!(text.lines().count(), 1 + samples);
 }
 
+/// Pins that the force of each row is the sensed force of its taxel at that time, that each sensed force of the patch
+/// is in exactly one row, and that the category is that of an object that the taxel touched.
 #[test]
 fn rows_are_what_the_taxels_sensed() {
-    // Pins: each row's force is the sensed force of its taxel in the frame of its time, each sensed force of the patch
-    // is in exactly one row, and the category is that of an object the taxel touched.
     let fixture = fixture();
     let dataset = Dataset::open(fixture.dataset()).unwrap();
     let rows = table::rows(&std::fs::read_to_string(fixture.table_csv()).unwrap());
@@ -98,8 +98,8 @@ fn frame_at(recording: &Recording, time_s: f64) -> &Frame {
     &recording.frames[place]
 }
 
-/// Pins that contact motion is the length of the taxel's path in the world frame since the contact began, computed here
-/// from the poses of its patch.
+/// Pins that contact motion is the length of the taxel's path in the world frame since the contact began, computed
+/// here from the poses of its patch.
 #[test]
 fn motion_is_the_length_of_the_path() {
     let fixture = fixture();
@@ -123,8 +123,8 @@ fn motion_is_the_length_of_the_path() {
     assert!(compared > 100, "{compared} samples");
 }
 
-/// Pins that the table tells of each sample whether an object truly pressed its taxel, and that the program says how many
-/// trials were never touched.
+/// Pins that the table holds for each sample whether an object truly pressed its taxel, and that the program reports
+/// how many trials were never touched.
 #[test]
 fn untouched_trials_are_counted() {
     let fixture = fixture();
@@ -159,10 +159,10 @@ fn untouched_trials_are_counted() {
     );
 }
 
+/// Pins that components join taxels, that --min-samples and --threshold-n drop trials, and that components are
+/// refused on the flipper, whose taxels form no grid.
 #[test]
 fn components_are_fewer_and_options_hold() {
-    // Pins: a component joins taxels; --min-samples and --threshold-n leave trials out; components of the flipper, whose
-    // taxels form no grid, are refused.
     let fixture = fixture();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("trials.csv");
@@ -198,9 +198,9 @@ fn components_are_fewer_and_options_hold() {
     .refused(&["flipper", "grid", "use trials by taxel"]);
 }
 
+/// Pins that trials can be extracted from a single recording, numbered from 0.
 #[test]
 fn a_recording_gives_the_trials_of_its_reach() {
-    // Pins: trials can be cut from a single recording, numbered from 0.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("reach.parquet");
     let trials = recording_with_trials(&fixture().trunk_scene(), &file);

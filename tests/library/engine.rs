@@ -1,6 +1,6 @@
 //! The engine named in every data set.
 
-/// Pins that a data set names the engine version that Cargo.lock resolves, so an update cannot forget it.
+/// Pins that a data set names the engine version in Cargo.lock, so that an update cannot be forgotten.
 #[test]
 fn provenance_names_the_engine_of_the_lock_file() {
     let lock = include_str!("../../Cargo.lock");

@@ -71,7 +71,8 @@ fn run(plan: &ReachPlan, clutter: Clutter, what: &str) {
     }
 }
 
-/// Pins that both ends of every range of a scene are read, and that ten frames at them hold finite numbers only.
+/// Pins that both ends of every range in a scene are read, and that ten simulated frames with them give only finite
+/// numbers.
 #[test]
 fn ends_of_a_scene_s_ranges_can_be_simulated() {
     let roll = "[[objects.foam_roll]]\ncount = 1\nplace = { x_m = 0.25, y_m = 0.1 }\n";
@@ -151,8 +152,8 @@ fn ends_of_an_arm_s_ranges_can_be_simulated() {
     }
 }
 
-/// Pins that the JSON Schema tells an editor the ranges: of a number, of a drawn quantity's values and deviation, and of
-/// one that may be left out.
+/// Pins that the JSON Schema holds the ranges: of a number, of the values and deviation of a drawn quantity, and of
+/// an optional key.
 #[test]
 fn the_schema_tells_the_ranges() {
     let schema = serde_json::to_value(underbrush_sim::scene::schema()).unwrap();

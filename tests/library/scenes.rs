@@ -32,7 +32,7 @@ fn plan(path: &Path, seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::load(path).unwrap(), None, seed).unwrap()
 }
 
-/// Pins that the four environments of the paper are there and the ten engineered ones, five a category.
+/// Pins that the four environments of the paper and the ten engineered scenes exist, five per category.
 #[test]
 fn all_that_the_readers_are_told_of_are_there() {
     let names: Vec<String> = scenes()
@@ -51,8 +51,8 @@ fn all_that_the_readers_are_told_of_are_there() {
     }
 }
 
-/// Pins that each scene finds room in each of six draws; no two objects overlap but what stands in or goes through
-/// foam; nothing touches the arm in the first frame, with every object in the solver.
+/// Pins that each scene finds room in six draws, that no two objects overlap except what stands in or passes through
+/// foam, and that nothing touches the arm in the first frame, with every object in the solver.
 #[test]
 fn every_scene_draws_and_stands_free() {
     let draws: Vec<(PathBuf, u64)> = scenes()
@@ -123,10 +123,10 @@ fn contacts_at_start(plan: &ReachPlan) -> usize {
 
 /// Pins that, by ground truth, the arm feels only leaves or foam in a leaf scene and only trunks or foam in a trunk
 /// scene, and that over the five scenes of a category it does feel that category.
+/// Pins that in 1,000 draws of every scene each goal is 6 cm or more from every trunk and roll, from its surface as
+/// an upright cylinder, and that every one of these draws finds its goals.
 #[test]
 fn goals_are_clear_of_trunks_and_rolls() {
-    // Pins that in 1,000 draws of every scene each goal is 6 cm or more from every trunk and roll, from its surface as an
-    // upright cylinder, and that every one of these draws finds its goals.
     let nearest: Vec<(PathBuf, f64)> = scenes()
         .into_iter()
         .map(|path| {

@@ -187,6 +187,7 @@ mod tests {
     use super::*;
 
     proptest! {
+        /// Pins that, compared with a full sort, quantiles are too small by less than 2⁻¹⁰ and never too large.
         #[test]
         fn quantiles_are_nearest_rank_within_a_thousandth(
             samples in prop::collection::vec(
@@ -194,7 +195,6 @@ mod tests {
                 1..300,
             ),
         ) {
-            // Pins that, compared with a full sort, quantiles are too small by less than 2⁻¹⁰ and never too large.
             let mut column = ColumnStatistics::new(1);
             column.add(&samples);
             let mut sorted = samples.clone();
@@ -209,11 +209,11 @@ mod tests {
             }
         }
 
+        /// Pins that one pass gives the textbook (population) statistics of each element of a list column.
         #[test]
         fn mean_and_deviation_match_two_passes(
             rows in prop::collection::vec([-1e3..1e3f64, -1e-3..1e-3f64], 1..100),
         ) {
-            // Pins that one pass gives the textbook (population) statistics of each element of a list column.
             let mut column = ColumnStatistics::new(2);
             let (first, second) = rows.split_at(rows.len() / 2);
             column.add(&first.concat());
@@ -233,9 +233,9 @@ mod tests {
         }
     }
 
+    /// Pins that codes such as −1 ("no object") are not rounded.
     #[test]
     fn whole_numbers_keep_their_value() {
-        // Pins that codes such as −1 ("no object") are not rounded.
         for number in (-2047..=2047).map(f64::from) {
             assert_eq!(smallest_in(bin(number)), number);
         }

@@ -133,9 +133,9 @@ fn input_error<T: std::fmt::Debug>(result: Result<T, DiskError>) -> InputError {
     }
 }
 
+/// Pins that frames, ground truth, layout and metadata of a reach survive a round trip through a data set.
 #[test]
 fn every_reach_comes_back_as_it_was_staged() {
-    // Pins: frames, ground truth, layout and facts of the reach survive the way through the set.
     let folder = tempfile::tempdir().unwrap();
     let set = make(folder.path());
     for (index, recording) in recordings().iter().enumerate() {
@@ -150,9 +150,9 @@ fn every_reach_comes_back_as_it_was_staged() {
     set.verify().unwrap();
 }
 
+/// Pins the columns that LeRobot reads and those that this program adds.
 #[test]
 fn episodes_say_where_their_frames_are_and_how_they_ended() {
-    // Pins: the columns that LeRobot reads and those that this program adds.
     let folder = tempfile::tempdir().unwrap();
     let set = make(folder.path());
     let episodes = set.episodes();
@@ -212,9 +212,9 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
     );
 }
 
+/// Pins stats.json against sums over the recordings themselves.
 #[test]
 fn statistics_cover_every_feature_number_by_number() {
-    // Pins: stats.json against sums over the recordings themselves.
     let folder = tempfile::tempdir().unwrap();
     let set = make(folder.path());
     let text = fs::read_to_string(folder.path().join("meta/stats.json")).unwrap();
@@ -248,9 +248,9 @@ fn statistics_cover_every_feature_number_by_number() {
     assert_eq!(stats["index"]["max"][0].as_f64(), Some(1607.0));
 }
 
+/// Pins that each kind of folder that is not a data set has its own message and remedy.
 #[test]
 fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
-    // Pins: each way in which a folder can fail to be a data set has its own text and remedy.
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().join("set");
     assert_eq!(input_error(Dataset::open(&dir)).found, "no such folder");
@@ -305,9 +305,9 @@ fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     );
 }
 
+/// Pins that a missing or truncated file, and a file with one changed bit, is named.
 #[test]
 fn every_missing_torn_or_changed_file_is_named() {
-    // Pins: no file of a set can be lost, cut or altered in one bit without being named.
     let folder = tempfile::tempdir().unwrap();
     make(folder.path());
     let files = contents(folder.path());
@@ -332,8 +332,8 @@ fn every_missing_torn_or_changed_file_is_named() {
     }
 }
 
-/// Pins that no file can be read before its hash was checked: a bit that flips in a large table after the set was opened
-/// is named by the first reach that needs the table, without a call of `verify`.
+/// Pins that no file is read before its hash has been checked: if a bit of a large table flips after the set was
+/// opened, the first reach that needs the table names it, without a call of `verify`.
 #[test]
 fn a_changed_table_is_named_when_it_is_first_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -354,8 +354,8 @@ fn a_changed_table_is_named_when_it_is_first_read() {
     assert_eq!(set.read_reach(0).unwrap(), recordings()[0]);
 }
 
-/// Pins that "every file matches its checksum" is said of all files: an emptied list, an entry taken out, an entry changed
-/// together with its file, and files that the list does not know are found when the set is opened.
+/// Pins that "every file matches its checksum" covers all files. An empty list, a missing entry, an entry that was
+/// changed together with its file, and files that are not in the list are found when the set is opened.
 #[test]
 fn the_list_of_checksums_cannot_be_changed_unnoticed() {
     let folder = tempfile::tempdir().unwrap();

@@ -38,7 +38,8 @@ fn described(path: &Path, tables: &[&Table]) {
     assert!(found.is_empty(), "{}: not described: {found:?}", path.display());
 }
 
-/// Pins that every column of every table, and of a recording, is listed with its unit, and nothing else is.
+/// Pins that the dictionary describes every column of every table and of recordings, with its unit, and no other
+/// column.
 #[test]
 fn every_column_is_described_in_the_file_itself() {
     let folder = tempfile::tempdir().unwrap();
@@ -54,7 +55,7 @@ fn every_column_is_described_in_the_file_itself() {
     described(&recording, &[&FRAMES, &RECORDING_TRUTH]);
 }
 
-/// Pins the codes that stand with the column of the categories.
+/// Pins the category codes in the metadata of their column.
 #[test]
 fn category_codes_stand_with_their_column() {
     let folder = tempfile::tempdir().unwrap();
@@ -67,8 +68,8 @@ fn category_codes_stand_with_their_column() {
     assert_eq!(codes, expected);
 }
 
-/// Pins that learning code cannot meet ground truth: neither the frames nor the features have any, and the card names the
-/// frames as what is loaded by default.
+/// Pins that a learner cannot read ground truth by accident: neither the frames nor the features contain any, and the
+/// card makes the frames the default table.
 #[test]
 fn frames_hold_no_ground_truth() {
     let folder = tempfile::tempdir().unwrap();
@@ -85,7 +86,8 @@ fn frames_hold_no_ground_truth() {
     assert!(card.contains("- config_name: frames\n  data_files: data/*/*.parquet\n  default: true\n"));
 }
 
-/// Pins that `docs/data.md` lists the tables as they are; after a change, the failing test's left side is the new text.
+/// Pins that `docs/data.md` describes the tables as they are. After a change, the left side of the failing assertion
+/// is the new text.
 #[test]
 fn the_document_lists_the_tables() {
     let document = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data.md")).unwrap();

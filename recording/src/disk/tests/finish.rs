@@ -16,9 +16,9 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// Pins that reaches staged in reverse order, or by three threads at once, give the same bytes.
 #[test]
 fn order_and_threads_of_staging_leave_no_trace() {
-    // Pins: reaches staged backwards, or by three threads at once, give the same bytes.
     let folder = tempfile::tempdir().unwrap();
     let [forwards, backwards, threads] = ["a", "b", "c"].map(|name| folder.path().join(name));
     make(&forwards);
@@ -44,9 +44,10 @@ fn order_and_threads_of_staging_leave_no_trace() {
     assert_eq!(contents(&forwards), contents(&threads));
 }
 
+/// Pins that after a crash complete reaches are kept, truncated ones are run again, and the set ends in the same
+/// bytes.
 #[test]
 fn a_crash_costs_only_the_reaches_in_progress() {
-    // Pins: after a crash, whole reaches are kept, torn ones run again, and the set ends in the same bytes.
     let folder = tempfile::tempdir().unwrap();
     let [unbroken, broken] = ["a", "b"].map(|name| folder.path().join(name));
     make(&unbroken);
@@ -84,9 +85,9 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     assert_eq!(contents(&unbroken), contents(&broken));
 }
 
+/// Pins that a killed finish can be resumed whatever files it had written or removed, and ends in the same bytes.
 #[test]
 fn a_finish_killed_at_any_file_is_taken_up_again() {
-    // Pins: whatever files a killed finish had written or removed, resuming ends in the same bytes.
     let folder = tempfile::tempdir().unwrap();
     let [unbroken, staged] = ["a", "b"].map(|name| folder.path().join(name));
     make(&unbroken);
@@ -136,10 +137,10 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
     }
 }
 
+/// Pins that neither a finished set nor other files can be overwritten, with or without resume. Resuming a finished
+/// set with another plan reports the difference.
 #[test]
 fn a_folder_that_holds_something_else_is_left_alone() {
-    // Pins: neither a finished set nor a stranger's files can be overwritten, with or without resume; resuming a
-    // finished set with another plan says what differs.
     let folder = tempfile::tempdir().unwrap();
     let [finished, foreign, crashed] = ["a", "b", "c"].map(|name| folder.path().join(name));
     make(&finished);
@@ -165,9 +166,9 @@ fn a_folder_that_holds_something_else_is_left_alone() {
     assert_eq!(contents(&crashed), contents(&finished));
 }
 
+/// Pins that resuming with other options cannot mix two campaigns, and that the error names the difference.
 #[test]
 fn another_plan_is_refused_by_its_first_differing_field() {
-    // Pins: resuming with other options cannot mix two campaigns, and the error says what differs.
     let changes: [Change<DatasetPlan>; 7] = [
         ("provenance.seed", |plan| plan.provenance.seed = 8),
         ("provenance.options.step_s", |plan| plan.provenance.options.clear()),
@@ -203,9 +204,9 @@ fn another_plan_is_refused_by_its_first_differing_field() {
     assert_eq!(begin(folder.path(), true).missing().unwrap().len(), 5);
 }
 
+/// Pins that a recording of another scene, seed, reach, controller or skin is not accepted into a set.
 #[test]
 fn only_the_planned_reach_can_be_staged() {
-    // Pins: a recording of another scene, seed, reach, controller or skin cannot slip into a set.
     let changes: [Change<Recording>; 8] = [
         ("scene", |r| r.scene = "trunks".into()),
         ("reach_index", |r| r.reach_index = 5),

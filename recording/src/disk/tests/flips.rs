@@ -23,8 +23,8 @@ fn read_all(dir: &std::path::Path) -> Result<(), DiskError> {
     (0..set.episodes().len()).try_for_each(|index| set.read_reach(index).map(drop))
 }
 
-/// Pins that a flipped bit in any file of a data set is noticed by opening and reading it: at least five bits in every
-/// file, some sixty or more in all.
+/// Pins that opening and reading a data set detects a flipped bit in any file: at least five bits in every file, more
+/// than sixty in all.
 #[test]
 fn no_flipped_bit_of_a_data_set_is_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -44,8 +44,8 @@ fn no_flipped_bit_of_a_data_set_is_read() {
     read_all(folder.path()).unwrap();
 }
 
-/// Pins that a flipped bit in a recording is noticed wherever it is: 400 places from the first byte to the last, and
-/// every bit of the footer's end.
+/// Pins that a flipped bit in a recording is detected wherever it is: at 400 places from the first byte to the last,
+/// and in every bit of the end of the footer.
 #[test]
 fn no_flipped_bit_of_a_recording_is_read() {
     let folder = tempfile::tempdir().unwrap();

@@ -16,9 +16,9 @@ fn misread(result: Result<Recording, DiskError>) -> InputError {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
+    /// Pins that reading gives back what was written, down to the sign of a zero, for any layout.
     #[test]
     fn any_recording_comes_back_bit_for_bit(recording in any_recording()) {
-        // Pins: what is read is what was written, down to the sign of a zero, whatever the layout.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("reach.parquet");
         write_recording(&path, &recording).unwrap();
@@ -28,9 +28,9 @@ proptest! {
     }
 }
 
+/// Pins that more frames than fit in one batch survive a round trip, and that writing is deterministic.
 #[test]
 fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
-    // Pins: more frames than one batch round-trip, and writing is deterministic.
     let folder = tempfile::tempdir().unwrap();
     let recording = reach(3, 2500);
     let paths = ["a.parquet", "b.parquet"].map(|name| folder.path().join(name));
@@ -46,9 +46,9 @@ fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
     );
 }
 
+/// Pins that every rule is checked before a byte is written, and that the error names the field.
 #[test]
 fn a_recording_that_breaks_a_rule_is_not_written() {
-    // Pins: every rule is enforced before a byte is written, and the error names the field.
     let spoiled: [Change<Recording>; 21] = [
         ("rate_hz", |r| r.rate_hz = 0.0),
         ("joint_names", |r| r.joint_names.clear()),
@@ -103,9 +103,9 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
     }
 }
 
+/// Pins that a reading of zeros without an object is refused, because dense columns could not give it back.
 #[test]
 fn a_silent_taxel_is_not_written() {
-    // Pins: a reading of zeros without an object could not come back from dense columns, so it is refused.
     let mut recording = reach(0, 20);
     let reading = &mut recording.frames[9].taxels[1];
     (
@@ -120,9 +120,10 @@ fn a_silent_taxel_is_not_written() {
     assert!(matches!(refused, Err(DiskError::Unwritable { field, .. }) if field == "frames[9].taxels[1]"));
 }
 
+/// Pins that a recording truncated at any length gives an error that names the file, never a panic or a shorter
+/// recording.
 #[test]
 fn a_torn_file_is_named_whatever_is_missing() {
-    // Pins: a recording cut at any length is an error that names the file, never a panic or a short recording.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("reach.parquet");
     write_recording(&path, &reach(0, 20)).unwrap();
@@ -136,10 +137,10 @@ fn a_torn_file_is_named_whatever_is_missing() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
+    /// Pins that no damaged byte in data, metadata or footer makes the reader panic, even if the hash in the file
+    /// fits the damage, so that the decoder sees it.
     #[test]
     fn a_damaged_file_never_panics(place in any::<prop::sample::Index>(), mask in 1..=255u8) {
-        // Pins: no single damaged byte, in data, metadata or footer, panics the reader; nor where the file was given a
-        // hash that fits the damage, so that the decoder gets to see it.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("reach.parquet");
         write_recording(&path, &reach(0, 5)).unwrap();
@@ -154,9 +155,9 @@ proptest! {
     }
 }
 
+/// Pins that a Parquet file of another program is distinguished from a truncated one.
 #[test]
 fn a_foreign_parquet_file_is_refused_with_a_remedy() {
-    // Pins: a Parquet file of another origin is told apart from a torn one.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
     crate::disk::write_trials(&path, []).unwrap();

@@ -36,8 +36,9 @@ fn tables() -> impl Iterator<Item = &'static Table> {
     TABLES.into_iter().filter(|table| !table.path.starts_with("meta/"))
 }
 
-/// Pins that a reach lies in one row group of every table, that groups are bounded by a number of rows and one reach, and
-/// that reading it touches no other group: all other groups are overwritten with rubbish, and the reach still comes.
+/// Pins that a reach is within one row group of every table, that a group holds at most a given number of rows and
+/// one more reach, and that reading a reach uses no other group: the others are overwritten with garbage and the
+/// reach can still be read.
 #[test]
 fn reading_a_reach_touches_its_own_row_groups_alone() {
     let folder = tempfile::tempdir().unwrap();

@@ -78,9 +78,10 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
+    /// Pins that reading gives back what was written, down to the sign of a zero, and with quotes and line breaks in
+    /// names.
     #[test]
     fn any_trials_come_back_from_both_formats(trials in any_trials()) {
-        // Pins: what is read is what was written, down to the sign of a zero, quotes and line breaks in names.
         let folder = tempfile::tempdir().unwrap();
         for name in ["trials.csv", "trials.parquet", "TRIALS.CSV"] {
             let path = folder.path().join(name);
@@ -91,7 +92,7 @@ proptest! {
 
     #[test]
     fn no_text_panics_the_reader(text in "(trial,time_s,force_n\n)?([0-9.,\"\n\r-]|\\PC){0,60}") {
-        // Pins: any text is a table or an error.
+        // Pins that any text is either a table or an error.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("trials.csv");
         fs::write(&path, text).unwrap();
@@ -101,8 +102,8 @@ proptest! {
     }
 }
 
-/// Pins how other programs may write truth values, that a table without them says nothing, that a trial is touched when
-/// one of its samples is, and that a trial with gaps is not called untouched.
+/// Pins how other programs may write truth values, that `touched` is unknown in a table without them, that one sample
+/// in contact makes a trial touched, and that a trial with gaps is not untouched.
 #[test]
 fn touched_is_true_or_false_or_unknown() {
     let touched = |text: &str| -> Vec<Option<bool>> {
@@ -122,7 +123,7 @@ fn touched_is_true_or_false_or_unknown() {
     }
 }
 
-/// Pins the same for Parquet: truth values, numbers and a column without any value.
+/// Pins the same for Parquet: truth values, numbers, and a column without values.
 #[test]
 fn touched_in_parquet_may_be_a_flag_or_a_number() {
     let folder = tempfile::tempdir().unwrap();
@@ -162,9 +163,10 @@ fn refused(result: Result<Vec<Trial>, DiskError>) -> InputError {
     }
 }
 
+/// Pins that tables are read with columns in any order, unknown columns, interleaved trials, and integers as pandas
+/// writes them in columns with gaps.
 #[test]
 fn a_table_of_another_hand_is_understood() {
-    // Pins: columns in any order, unknown ones, rows of trials mixed, whole numbers as pandas writes them with gaps.
     let text = "\u{feff}note,force_n,time_s,trial,taxel,motion_m\r\n\
                 x,0.5,0.00,7,3.0,\r\n\
                 y,1e-1, 0.50,2,,0.002\r\n\
@@ -191,9 +193,9 @@ fn a_table_of_another_hand_is_understood() {
     assert_eq!(read_text(text).unwrap(), expected);
 }
 
+/// Pins that each row has all three columns of a region or none, and that the missing one is named with its line.
 #[test]
 fn a_region_is_whole_or_absent() {
-    // Pins: the three columns of a region belong together, row by row; one that is missing is named with its line.
     let head = "trial,time_s,force_n,region_taxels,region_largest_force_n,region_force_sum_n\n1,0.0,0.1,,,\n";
     let trials = read_text(&format!("{head}1,0.01,0.5,3,1.5,2.25\n")).unwrap();
     let regions: Vec<_> = trials[0].samples.iter().map(|sample| sample.region).collect();
@@ -207,9 +209,9 @@ fn a_region_is_whole_or_absent() {
     assert_eq!((error.line, error.field.as_str()), (Some(3), "region_largest_force_n"));
 }
 
+/// Pins the line and column of each kind of fault.
 #[test]
 fn every_fault_of_a_csv_table_is_named_with_its_line() {
-    // Pins: line and column of each kind of fault.
     let head = "trial,category,reach,taxel,time_s,force_n\n1,leaf,0,5,0.0,0.1\n";
     for (rest, line, field) in [
         ("1,leaf,0,5,0.01,NaN\n", 3, "force_n"),
@@ -246,8 +248,8 @@ fn every_fault_of_a_csv_table_is_named_with_its_line() {
     }
 }
 
-/// Pins that blank lines, line breaks in quotes and Windows line ends do not shift the line of a fault, at any place, in
-/// what the parser refuses as well as in cells.
+/// Pins that blank lines, line breaks in quotes and Windows line ends do not shift the line number of a fault, both
+/// in cells and in errors of the CSV parser.
 #[test]
 fn blank_lines_do_not_shift_the_line_of_a_fault() {
     let head = "trial,category,time_s,force_n\n";
@@ -267,7 +269,8 @@ fn blank_lines_do_not_shift_the_line_of_a_fault() {
     }
 }
 
-/// Pins that numbers which no sensor can tell are refused with line and column, and the ends of each range are read.
+/// Pins that numbers that no sensor can report are refused with line and column, and that both ends of each range are
+/// read.
 #[test]
 fn numbers_out_of_range_are_refused() {
     let columns = "trial,time_s,force_n,motion_m,region_taxels,region_largest_force_n,region_force_sum_n";
@@ -313,9 +316,9 @@ fn numbers_out_of_range_are_refused() {
     }
 }
 
+/// Pins that the file's extension alone decides its format, and that a missing file is bad input.
 #[test]
 fn other_extensions_and_absent_files_are_refused() {
-    // Pins: the kind of file is decided by its name alone, and a file that is not there is bad input.
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(
         refused(read_trials(folder.path().join("trials.xlsx"))).field,
@@ -355,9 +358,10 @@ fn foreign_columns() -> Vec<(&'static str, ArrayRef)> {
     ]
 }
 
+/// Pins that narrow integers, single precision, categories, large strings, gaps, all-null columns, snappy and zstd
+/// are read.
 #[test]
 fn types_that_pandas_and_polars_write_are_accepted() {
-    // Pins: narrow integers, single precision, categories, large strings, gaps, all-null columns, snappy and zstd.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
     for compression in [
@@ -395,9 +399,9 @@ fn types_that_pandas_and_polars_write_are_accepted() {
     }
 }
 
+/// Pins the row and column of each kind of fault in Parquet.
 #[test]
 fn every_fault_of_a_parquet_table_is_named_with_its_row() {
-    // Pins: row and column of each kind of fault in Parquet.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
     let faults: [(&str, ArrayRef, Option<usize>); 7] = [
@@ -446,9 +450,9 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
     }
 }
 
+/// Pins that each rule for tables of trials is checked before the file appears.
 #[test]
 fn trials_that_could_not_be_read_back_are_not_written() {
-    // Pins: each rule of a trials table is enforced before the file appears.
     let sample = Sample {
         time_s: 0.0,
         force_n: 1.0,

@@ -22,8 +22,8 @@ fn leftover(folder: &Path, output: &str, end: &str) -> String {
     name
 }
 
-/// Pins that writing an output removes what killed processes have left of the same output, and nothing else: neither
-/// what is left of another output, nor what a living process still writes, nor files of other programs.
+/// Pins that writing a file removes what killed processes have left of it and nothing else: no leftovers of other
+/// files, no files that a living process is writing, no files of other programs.
 #[test]
 fn leftovers_of_an_output_go_with_its_next_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -47,7 +47,7 @@ fn leftovers_of_an_output_go_with_its_next_run() {
     assert_eq!(fs::read(folder.join("trials.csv")).unwrap(), b"anew");
 }
 
-/// Pins that what is there and no file, such as a folder or a device, is refused and not replaced.
+/// Pins that a folder or a device is refused and not replaced.
 #[test]
 fn only_files_are_replaced() {
     let folder = tempfile::tempdir().unwrap();

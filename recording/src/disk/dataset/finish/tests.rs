@@ -22,9 +22,9 @@ fn staged(writer: &DatasetWriter) -> Vec<usize> {
         .collect()
 }
 
-/// Pins that a reach is freed as soon as whole files hold it, so that finishing does not take the room of the set twice,
-/// and that a finish which is killed at any reach, before or after freeing, or whose whole files are damaged meanwhile,
-/// loses nothing and ends in the same bytes.
+/// Pins that a staged reach is removed as soon as it is in complete files, so that finishing does not take twice the
+/// disk space of the set. Also pins that a finish that is killed at any reach, before or after removing staged files,
+/// or whose complete files are damaged meanwhile, loses nothing and ends in the same bytes.
 #[test]
 fn reaches_are_freed_file_by_file() {
     let folder = tempfile::tempdir().unwrap();
