@@ -1,9 +1,9 @@
-//! Writes a small data set as a real robot's driver could: `cargo run -p underbrush-recording --features disk --example
-//! write_a_data_set -- FOLDER [REACHES]`. A sleeve of 16 × 24 taxels is pressed by a passing bump; no physics is
-//! simulated. Then it reads the set back, reach by reach.
+//! Writes a small data set as the driver of a real robot could, then reads it back, reach by reach: `cargo run -p
+//! underbrush-recording --features disk --example write_a_data_set -- FOLDER [REACHES]`. A moving bump presses a
+//! sleeve of 16 × 24 taxels; no physics is simulated.
 //!
-//! With 100 and with 1000 reaches it shows what writing and reading cost: on Linux it prints the largest memory of the
-//! process after each.
+//! With 100 and with 1000 reaches it shows the cost of writing and reading: on Linux it also prints the peak memory
+//! after each step.
 
 #![allow(clippy::print_stderr, reason = "an example has no other output")]
 
@@ -52,7 +52,7 @@ fn layout() -> SkinLayout {
     }
 }
 
-/// One sample: a bump of up to 3 N travels along the sleeve.
+/// One sample: a bump of up to 3 N moves along the sleeve.
 fn frame(reach: u64, index: usize) -> Frame {
     let time_s = index as f64 / RATE_HZ;
     let phase = 1.3 * time_s + reach as f64;
@@ -95,7 +95,7 @@ fn frame(reach: u64, index: usize) -> Frame {
     }
 }
 
-/// The link under the sleeve, as a robot knows it from its joint angles.
+/// The link under the sleeve, whose pose a robot knows from its joint angles.
 fn forearm(frames: &[Frame]) -> Body {
     let mut body = Body {
         owner: BodyOwner::Link("forearm".into()),
@@ -150,7 +150,7 @@ fn recording(reach: u64) -> Recording {
             mean_force_n: 1.0,
         }],
         frames,
-        // Nothing to audit: there is no solver behind it.
+        // Nothing to audit, because there is no solver.
         audit: Audit::default(),
     }
 }
@@ -186,7 +186,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let start = Instant::now();
     let writer = DatasetWriter::create(&dir, plan, true)?;
-    // After a crash, only what is missing runs again.
+    // After a crash, only missing reaches run again.
     for position in writer.missing()? {
         writer.stage(position, &recording(position as u64))?;
     }
@@ -202,7 +202,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Tells how long a step took and the largest memory so far, where the system tells it.
+/// Prints the duration of a step and, if the system reports it, the peak memory so far.
 fn report(step: &str, start: Instant) {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let memory = status

@@ -1,4 +1,4 @@
-//! Parquet files that are torn or changed.
+//! Truncated and changed Parquet files.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::support::underbrush;
 
 const PARTS: [&str; 3] = ["Parquet: found", "a complete Parquet file", "copy the file again"];
 
-/// Demands that everything that reads the file refuses it, and writes nothing.
+/// Demands that every command that reads the file refuses it and writes nothing.
 #[track_caller]
 fn refused_everywhere(file: &Path) {
     let outputs = tempfile::tempdir().unwrap();
@@ -28,7 +28,7 @@ fn refused_everywhere(file: &Path) {
     assert_empty(outputs.path());
 }
 
-/// Cuts the file at many lengths; whatever is left is refused.
+/// Truncates the file at many lengths, all of which must be refused.
 #[track_caller]
 fn refused_when_truncated(whole: &[u8], file: &Path) {
     for length in [0, 3, 4, 8, 12, whole.len() / 3, whole.len() - 8, whole.len() - 1] {
@@ -67,7 +67,7 @@ fn a_changed_footer_never_shows_a_panic() {
     .unwrap();
     underbrush!["trials", folder.path().join("few.csv"), "--out", file].success();
     let mut whole = std::fs::read(&file).unwrap();
-    // Without a checksum, as other programs write tables: with one, most damage would not get as far as the decoder.
+    // Without a checksum, as in tables of other programs; with one, most damage would not reach the decoder.
     let key = b"underbrush.blake3";
     let place = whole.windows(key.len()).rposition(|part| part == key).unwrap();
     whole[place] = b'x';
@@ -75,7 +75,7 @@ fn a_changed_footer_never_shows_a_panic() {
     let mut panics = 0;
     for place in whole.len() - 8 - length..whole.len() {
         let mut bytes = whole.clone();
-        // In the footer's encoding an odd number is a negative one: lengths and offsets below zero.
+        // In the encoding of the footer odd numbers are negative: negative lengths and offsets.
         bytes[place] = if bytes[place] == 1 { 3 } else { 1 };
         std::fs::write(&file, bytes).unwrap();
         let answer = underbrush!["inspect", file];

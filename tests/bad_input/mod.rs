@@ -1,4 +1,4 @@
-//! Bad input of every kind: exit status 2, an error that names place, cause and remedy, and no output left behind.
+//! All kinds of bad input: exit status 2, an error with place, cause and remedy, and no output left behind.
 
 mod damaged;
 mod models;
@@ -11,18 +11,18 @@ use std::path::Path;
 
 use crate::support::Answer;
 
-/// What an error about a file must name.
+/// What an error about a file must contain.
 struct Fault<'a> {
     /// The file.
     file: &'a Path,
-    /// The line, where one is to blame.
+    /// The line, if there is one.
     line: Option<usize>,
-    /// The field, what was found there, what is allowed and what to do.
+    /// The field, what was found there, what is allowed, and the remedy.
     parts: &'a [&'a str],
 }
 
 impl Fault<'_> {
-    /// Demands exit status 2 and an error that names everything.
+    /// Demands exit status 2 and an error that contains all of these.
     #[track_caller]
     fn check(&self, answer: &Answer) {
         let file = self.file.display();
@@ -31,7 +31,7 @@ impl Fault<'_> {
     }
 }
 
-/// Demands that a folder, where a command was to write, holds nothing, hidden files included.
+/// Demands that the folder for the output of a command is empty, without hidden files.
 #[track_caller]
 fn assert_empty(folder: &Path) {
     let left: Vec<_> = std::fs::read_dir(folder)

@@ -1,4 +1,4 @@
-//! Model files that make no sense.
+//! Invalid model files.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::{Fault, assert_empty};
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
-/// Demands that everything that reads models refuses this text, and writes nothing.
+/// Demands that every command that reads models refuses this text and writes nothing.
 #[track_caller]
 fn refuses_text(text: &str, line: Option<usize>, parts: &[&str]) {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Every number that a file may hold has a range: one table of all keys, each tried with the same values.
+//! Every number in a file has a range. One table lists all keys, and each key is tried with the same values.
 
 use std::path::{Path, PathBuf};
 
@@ -11,14 +11,14 @@ use underbrush_sim::scene::Scene;
 
 use crate::support::{scenes, underbrush};
 
-/// What every number is tried with.
+/// The values that every number is tried with.
 const VALUES: [&str; 11] = [
     "nan", "inf", "-inf", "0", "-1", "1e-300", "1e300", "-1e30", "1e30", "1e308", "-1e308",
 ];
 
-/// One key: the text that is changed, with `V` where the value goes; what an error about it names and, parted by `|`, what
-/// else may be named where the rest of the files forbids the value; a sound value; and those of [`VALUES`] that lie within
-/// its range.
+/// One key: its text with `V` in place of the value; the field that an error names and, after `|`, others that it may
+/// name if the value contradicts the rest of the files; a valid value; and those of [`VALUES`] that lie within its
+/// range.
 struct Key(&'static str, &'static str, &'static str, &'static str);
 
 /// Keys of a scene: a section of a scene file.
@@ -86,7 +86,7 @@ const SCENE: &[Key] = &[
     Key("[[objects.leaf]]\ncount = 1\nsegments = V\n", "segments", "4", ""),
 ];
 
-/// Keys of Cody's three files: the file, the text that stands there, and the key with that text's place taken.
+/// Keys of Cody's three files: the file, the original text, and the key that replaces it.
 #[rustfmt::skip]
 const ARM: &[(&str, &str, Key)] = &[
     ("cody.toml", "friction = 0.3", Key("friction = V", "friction", "0.5", "0 1e-300")),
@@ -146,7 +146,7 @@ const MODEL: &str = r#"{"format": "underbrush-model/1", "features": ["force_n"],
   "training": {"leaf": {"trials": 1, "samples": 2, "log_likelihood": [-3.5], "stop": {"fell": {"iteration": 1, "by": 0.125}},
     "empty_states": []}}}"#;
 
-/// Keys of a model: the text that stands in [`MODEL`], and the key with that text's place taken.
+/// Keys of a model: the original text in [`MODEL`], and the key that replaces it.
 #[rustfmt::skip]
 const MODEL_KEYS: &[(&str, Key)] = &[
     ("[0.5, 0.5]", Key("[V, 0.5]", "models.leaf.initial", "0.5", "")),
@@ -183,7 +183,7 @@ const TRIALS: &[Key] = &[
 const TRIALS_HEAD: &str =
     "trial,time_s,force_n,motion_m,region_taxels,region_largest_force_n,region_force_sum_n,reach,taxel";
 
-/// Tries one key with its sound value and with all of [`VALUES`]; `read` reads a text with this key in it.
+/// Tries one key with its valid value and with all of [`VALUES`]; `read` reads a text with this key.
 fn try_all(key: &Key, read: &dyn Fn(&str) -> Result<(), InputError>) {
     let Key(template, fields, sound, within) = key;
     let text = |value: &str| template.replacen('V', value, 1);
@@ -195,7 +195,7 @@ fn try_all(key: &Key, read: &dyn Fn(&str) -> Result<(), InputError>) {
         match read(&text(value)) {
             Ok(()) => assert!(is_within, "{} was accepted", text(value)),
             Err(error) => {
-                // A value within the range is refused at most for what it does to something else.
+                // A value within the range may only be refused for its effect on something else.
                 let mut names = fields.split('|').skip(usize::from(is_within));
                 let named = names.any(|field| error.field.contains(field));
                 assert!(named, "{}: the error names {:?}: {error}", text(value), error.field);
@@ -252,7 +252,7 @@ fn every_number_has_a_range() {
         try_all(key, &|text| {
             match ModelSet::from_json(&path, &MODEL.replacen(from, text, 1)) {
                 Ok(_) => Ok(()),
-                // JSON has no NaN and no infinity; the line is named there.
+                // JSON has no NaN and no infinity; the error then has a line.
                 Err(ModelError::Input(error)) if error.field == "JSON" && error.line.is_some() => Err(InputError {
                     field: key.1.split('|').next().unwrap_or_default().into(),
                     ..*error

@@ -1,4 +1,4 @@
-//! Scene files that make no sense, and arms that are not there.
+//! Invalid scene files, and missing arms.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::support::{scenes, underbrush};
 const HEAD: &str = "summary = \"A scene\"\n\n";
 const LEAF: &str = "[[objects.foam_block]]\ncount = 1\n\n[[objects.leaf]]\ncount = 2\n";
 
-/// Demands that every command that reads scenes refuses this one, naming line and `parts`, and writes nothing.
+/// Demands that every command that reads scenes refuses this one with line and `parts`, and writes nothing.
 #[track_caller]
 fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     let folder = tempfile::tempdir().unwrap();

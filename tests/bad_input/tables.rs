@@ -1,4 +1,4 @@
-//! Tables of trials that make no sense.
+//! Invalid tables of trials.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::support::underbrush;
 
 const HEADER: &str = "trial,category,time_s,force_n";
 
-/// Demands that everything that reads tables refuses this file, and writes nothing.
+/// Demands that every command that reads tables refuses this file and writes nothing.
 #[track_caller]
 fn refuses_file(file: &Path, line: Option<usize>, parts: &[&str]) {
     let outputs = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Bad usage: options and folders that make no sense.
+//! Bad usage: invalid options and folders.
 
 use super::assert_empty;
 use crate::support::fixture::fixture;
@@ -120,7 +120,7 @@ fn numbers_out_of_range() {
     underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
     underbrush!["evaluate", table, "--folds", "1"].refused(&["1 folds", "at least 2"]);
     underbrush!["evaluate", table, "--folds", "100000"].refused(&["fewer than the 100000 folds", "use fewer folds"]);
-    // More threads than any machine has cores were once started, each with a reach in memory.
+    // More threads than any machine has cores, each of which would hold a reach in memory.
     for jobs in ["0", "1025", "65535", "1e3", "-1"] {
         let jobs = format!("--jobs={jobs}");
         underbrush!["evaluate", table, jobs].refused(&["--jobs", "from 1 to 1024", "more threads than cores"]);

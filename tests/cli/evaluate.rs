@@ -151,7 +151,7 @@ fn learned_from_one_table_and_tested_on_another() {
     assert_ne!(logistic(odd, even)["predictions"], logistic(even, odd)["predictions"]);
 }
 
-/// The fixture's trials, with reaches that alternate so that both categories are in all of four.
+/// The fixture's trials with four reaches, each of which has both categories.
 fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
     let mut trials = read_trials(fixture().table_csv()).unwrap();
     trials.retain(|trial| trial.category.is_some());
@@ -254,7 +254,7 @@ fn thresholds_are_refused_for_other_scores() {
     underbrush!["classify", model, table, "--margin", "3"].refused(&["--margin", "--decision uncertain"]);
     let uncertain =
         |option: &str| underbrush!["classify", model, table, option, "3", "--decision", "uncertain"].success();
-    // The option's old name still works.
+    // The old name of the option still works.
     assert_eq!(uncertain("--margin"), uncertain("--lead"));
 }
 

@@ -1,5 +1,5 @@
-//! Flipped bits, as a failing disk leaves them: none may be read without a word. `recording/src/disk/tests/flips.rs` holds
-//! a quick version of this; run this one with `cargo test --release --test underbrush flipped -- --ignored`.
+//! Flipped bits, as from a failing disk, are never read without an error. `recording/src/disk/tests/flips.rs` is a fast
+//! version of this test; run this one with `cargo test --release --test underbrush flipped -- --ignored`.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::support::{copy_tree, tree, underbrush};
 
 const FLIPS: u64 = 200;
 
-/// Numbers that look random, the same in every run (SplitMix64).
+/// Pseudo-random numbers, the same in every run (SplitMix64).
 fn scattered(number: u64) -> u64 {
     let mixed = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -17,7 +17,7 @@ fn scattered(number: u64) -> u64 {
     mixed ^ (mixed >> 31)
 }
 
-/// Writes `whole` with the bit of this flip changed; which.
+/// Writes `whole` with one bit flipped. Returns which.
 fn flip(path: &Path, whole: &[u8], number: u64) -> String {
     let bit = scattered(number) % (8 * whole.len() as u64);
     let mut flipped = whole.to_vec();

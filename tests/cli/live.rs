@@ -1,4 +1,4 @@
-//! `underbrush classify MODEL -`: frames as JSON lines, each answered before the next is read.
+//! `underbrush classify MODEL -`: frames as JSON lines, each of which is answered before the next is read.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ fn frames(folder: &Path) -> (PathBuf, Vec<Frame>) {
     (recording, frames)
 }
 
-/// A frame as a robot sends it: time and what the forearm senses, no more.
+/// A frame as a robot sends it: only the time and the sensed forces of the forearm.
 fn robots_line(frame: &Frame) -> String {
     let forearm = frame.taxels.iter().filter(|taxel| taxel.patch == 0);
     let taxels: Vec<Value> = forearm
@@ -114,7 +114,7 @@ fn bad_lines_are_answered_and_change_nothing() {
     for (index, frame) in frames.iter().enumerate() {
         stdin += &(robots_line(frame) + "\n");
         lines += 1;
-        // Blank lines count and get no answer.
+        // Blank lines are counted but not answered.
         stdin += "\n";
         lines += 1;
         if index % 7 == 3 {
@@ -240,11 +240,11 @@ fn the_skin_is_told() {
         let text = classify(&fixture().model(), &[&skin], line).success();
         let answers: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(answers[0]["taxels"][0]["taxel"], 68, "{skin}: {text}");
-        // The flipper has 69 taxels, and as the only patch it need not be named.
+        // The flipper has 69 taxels. As the only patch it need not be named.
         assert_eq!(answers[1]["error"]["field"], "taxels[0].taxel", "{skin}: {text}");
         assert_eq!(answers[1]["error"]["allowed"], "a taxel of patch flipper: 0 to 68");
     }
-    // Cody's forearm has a taxel 69, but there are two patches.
+    // Cody's forearm has a taxel 69, but Cody has two patches.
     let text = classify(&fixture().model(), &[], line).success();
     assert!(text.contains("taxels[0].patch") && text.contains("forearm"), "{text}");
     let table = format!("--skin={}", fixture().table_csv().display());

@@ -1,4 +1,4 @@
-//! The commands end to end, on small inputs.
+//! The commands end to end, with small inputs.
 
 mod classify;
 mod evaluate;

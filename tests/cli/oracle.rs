@@ -1,12 +1,13 @@
-//! `underbrush score` and `underbrush train --start` against log-likelihoods that hmmlearn computed in double precision.
+//! `underbrush score` and `underbrush train --start` against log-likelihoods that hmmlearn computed in double
+//! precision.
 
 use std::path::{Path, PathBuf};
 
 use crate::support::{table, underbrush};
 
-/// Scores of given parameters are a matter of rounding alone.
+/// Scores with given parameters differ only by rounding.
 const START_TOLERANCE: f64 = 1e-9;
-/// Twenty iterations of training magnify rounding, by about a thousand times.
+/// Twenty iterations of training amplify rounding errors about a thousand times.
 const TRAINED_TOLERANCE: f64 = 1e-6;
 
 fn data(name: &str) -> PathBuf {
@@ -15,7 +16,7 @@ fn data(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// Demands that `score` prints the oracle's column for every model and trial.
+/// Demands that `score` prints the oracle's value for every model and trial.
 fn compare(model: &Path, configuration: &str, by: &str, column: &str, tolerance: f64) {
     let found = table::scores(&underbrush!["score", model, data("trials.csv"), "--by", by].success());
     let expected = table::rows(&std::fs::read_to_string(data(&format!("{configuration}.oracle.csv"))).unwrap());

@@ -58,6 +58,6 @@ fn any_path_is_read_and_written() {
     let out = named("pictures");
     underbrush!["validate", "--only", "hmm", "--pictures", out].success();
     assert!(out.join("skin.svg").exists());
-    // Errors name such paths, too.
+    // Errors also name such paths.
     underbrush!["inspect", named("absent.toml")].refused(&["\u{fffd}absent.toml", "no such file"]);
 }

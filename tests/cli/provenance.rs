@@ -1,5 +1,5 @@
-//! A data set holds what it was made from: the arm too is compared on `--resume`, and `generate --from` makes the set
-//! again from nothing else.
+//! A data set contains everything that it was made from: `--resume` also compares the arm, and `generate --from` needs
+//! nothing else to generate the set again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::resume::interrupted;
 use crate::support::fixture::fixture;
 use crate::support::{assert_same_trees, scenes, underbrush};
 
-/// Writes a user's arm into a folder of its own, Cody with every spring `scale` times as stiff, and a scene of it.
+/// Writes a user's arm, which is Cody with all springs `scale` times as stiff, to its own folder, and a scene for it.
 fn scene_with_own_arm(folder: &Path, scale: f64) -> PathBuf {
     let arm = folder.join("my-arm");
     fs::create_dir_all(&arm).unwrap();

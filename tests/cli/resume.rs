@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::{assert_same_trees, scenes, underbrush};
 
-/// Begins a campaign on one thread and kills it once the first reach is staged.
+/// Starts a campaign on one thread and kills it when the first reach has been staged.
 pub(super) fn interrupted(scene: &Path, out: &Path) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_underbrush"))
         .args(["generate", "--reaches", "8", "--seed", "3", "--jobs", "1", "--out"])
@@ -15,7 +15,7 @@ pub(super) fn interrupted(scene: &Path, out: &Path) {
         .spawn()
         .unwrap();
     let start = Instant::now();
-    // The sum of a staged reach is written after the reach itself.
+    // The checksum of a staged reach is written after the reach.
     while !staged(out)
         .iter()
         .any(|path| path.extension().is_some_and(|extension| extension == "json"))
@@ -32,7 +32,7 @@ pub(super) fn interrupted(scene: &Path, out: &Path) {
     assert!(!out.join("meta/info.json").exists());
 }
 
-/// Staged reaches and their sums.
+/// Staged reaches and their checksums.
 fn staged(out: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(out.join("incomplete")) else {
         return Vec::new();

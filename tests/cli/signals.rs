@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::support::fixture::fixture;
 use crate::support::{assert_same_trees, scenes, tree, underbrush};
 
-/// Starts the program, sends it `signal` as soon as `ready` holds, and waits for its end; `None` where it ended before.
+/// Starts the program, sends `signal` as soon as `ready` holds, and waits for its end. `None` if it ended before.
 fn interrupted(arguments: &[PathBuf], signal: &str, ready: impl Fn() -> bool) -> Option<Output> {
     let mut program = Command::new(env!("CARGO_BIN_EXE_underbrush"))
         .args(arguments)
@@ -50,7 +50,7 @@ fn generate_can_be_interrupted_and_resumed() {
     for (name, number) in [("INT", 2), ("TERM", 15)] {
         let set = folder.path().join(name);
         let first = set.join("incomplete/reach-000000.json");
-        // Far more reaches than are done when the first one is.
+        // Far more reaches than are finished together with the first.
         let output = interrupted(&generate(&set, "200"), name, || first.exists()).unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.signal(), Some(number), "{stderr}");
@@ -62,7 +62,7 @@ fn generate_can_be_interrupted_and_resumed() {
         assert!(first.exists() && set.join("incomplete/reach-000000.parquet").exists());
         assert_eq!(unfinished(&set), Vec::<PathBuf>::new());
     }
-    // The same with few reaches, to its end.
+    // The same with few reaches, until the end.
     let [whole, resumed] = ["whole", "resumed"].map(|name| folder.path().join(name));
     let first = resumed.join("incomplete/reach-000000.json");
     if let Some(output) = interrupted(&generate(&resumed, "4"), "TERM", || first.exists()) {
@@ -73,7 +73,7 @@ fn generate_can_be_interrupted_and_resumed() {
     assert_same_trees(&whole, &resumed);
 }
 
-/// A table long enough to be seen while it is written.
+/// A table so long that it can be observed while it is written.
 fn long_table(folder: &Path) -> PathBuf {
     let path = folder.join("long.csv");
     let rows = (0..400_000).map(|row| format!("{},{},0.25\n", row / 100, f64::from(row) / 100.0));
@@ -90,7 +90,7 @@ fn trials_leave_nothing_behind() {
     let (table, out) = (long_table(folder.path()), outputs.path().join("out.csv"));
     let trials: [PathBuf; 4] = ["trials".into(), table, "--out".into(), out.clone()];
     let at_work = || !unfinished(outputs.path()).is_empty();
-    // The writing takes a good part of a second; where the machine did not look in time, it looks again.
+    // Writing takes a good part of a second. If the test was too slow to see it, it tries again.
     let interrupt = |signal: &str| (0..20).find_map(|_| interrupted(&trials, signal, at_work)).unwrap();
     for (name, number) in [("INT", 2), ("TERM", 15)] {
         assert_eq!(interrupt(name).status.signal(), Some(number));

@@ -1,4 +1,4 @@
-//! Standard output and standard error that cannot be written.
+//! Standard output and standard error that cannot be written to.
 
 use std::fs::OpenOptions;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use crate::support::fixture::fixture;
 use crate::support::{assert_same_trees, scenes};
 
-/// A stream whose reader has gone away, as that of `| head -1`.
+/// A stream whose reader has gone away, as with `| head -1`.
 fn closed() -> Stdio {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);

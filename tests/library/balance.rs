@@ -1,4 +1,4 @@
-//! The arm's joints against the contact forces that are read from the engine, while it moves.
+//! Joint torques and contact forces of the moving arm balance.
 
 use nalgebra::DVector;
 use underbrush_sim::scene::PhysicsSection;
@@ -8,10 +8,9 @@ use sweep::Sweep;
 #[path = "../../benches/peers/sweep.rs"]
 mod sweep;
 
-/// Means over one second of the sweep, from its second to its third, of the torques of springs and dampers and of the
-/// contact forces, Nm.
+/// Mean torques, Nm, of springs and dampers and of contact forces between the second and third second of the sweep.
 ///
-/// The forearm then goes at its fastest through the leaves: contact points come and go in every frame.
+/// The forearm then moves at its fastest through the leaves, and contact points come and go in every frame.
 fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {
     let mut simulation = Sweep::new(leaves, 0).simulation(PhysicsSection::default().options(), true);
     let arm = simulation.arm().clone();
@@ -28,11 +27,11 @@ fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {
     (springs, contacts)
 }
 
-/// Pins that no contact force is counted that did not act: contacts balance the joints' springs and dampers on the move
-/// through leaves as at rest, where what moves the arm itself, taken from the same sweep without leaves, is subtracted.
+/// Pins that only real contact forces are counted: on the move through leaves, as at rest, contacts balance the
+/// joints' springs and dampers, after subtracting the torques of the same sweep without leaves.
 ///
-/// Within 5 %: the leaves bend the arm from the free motion by some hundredths of a radian, so what moves it differs by
-/// some per cent of itself, which is a fifth of the leaves' torque. Impulses left over from earlier steps were 16 %.
+/// The tolerance is 5 %. The leaves push the arm off its free motion by some hundredths of a radian, which changes the
+/// driving torques by a few per cent; these are a fifth of the leaves' torque. Counting old impulses gave 16 %.
 #[test]
 fn contacts_balance_the_springs_on_the_move() {
     let (free, nothing) = mean_torques(0);

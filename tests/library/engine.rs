@@ -1,4 +1,4 @@
-//! The engine named in every data set.
+//! The name of the engine in data sets.
 
 /// Pins that a data set names the engine version in Cargo.lock, so that an update cannot be forgotten.
 #[test]

@@ -1,4 +1,4 @@
-//! What the libraries promise beyond the command line.
+//! Tests of the libraries beyond the command line.
 
 mod arms;
 mod balance;

@@ -1,4 +1,4 @@
-//! Both ends of the ranges that files are held to can be simulated.
+//! Both ends of all ranges for numbers in files can be simulated.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use underbrush_sim::scene::Scene;
 use underbrush_sim::sensor::Sensor;
 use underbrush_sim::simulation::{Setup, Simulation};
 
-/// A trunk, a leaf, its foam and a roll around the arm's forearm, close enough to be pressed within some frames.
+/// A trunk, a leaf with its foam, and a roll around the forearm, close enough to be pressed within some frames.
 const AROUND: &str = r#"summary = "One of each, near the arm"
 
 [goals]
@@ -28,10 +28,10 @@ count = 2
 segments = 2
 "#;
 
-/// Simulates some frames with the elbow pushed outwards and demands finite numbers of engine, skin and sensor.
+/// Simulates some frames while the elbow pushes outwards, and demands finite numbers from engine, skin and sensor.
 #[track_caller]
 fn stays_finite(plan: &ReachPlan, what: &str) {
-    // Ranges at their ends may leave no room, or leaves that cannot carry themselves: that is an error with a reason.
+    // Extreme values may leave no room, or give leaves that cannot carry their own weight; that is a proper error.
     let clutter = plan.draw(0).unwrap_or(Clutter {
         objects: Vec::new(),
         goals: Vec::new(),

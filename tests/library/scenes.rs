@@ -73,7 +73,7 @@ fn every_scene_draws_and_stands_free() {
     });
 }
 
-/// Whether two footprints are apart, told by points on the edge of each that lie within the other: another way than
+/// Whether two footprints are apart: no point on the edge of either lies within the other. A different method than
 /// the program's own test of axes.
 fn apart(a: &PlacedObject, b: &PlacedObject) -> bool {
     let foam = |placed: &PlacedObject| placed.object.foam_top().is_some();
@@ -84,7 +84,7 @@ fn apart(a: &PlacedObject, b: &PlacedObject) -> bool {
     !enters(a, b) && !enters(b, a)
 }
 
-/// Points along the edge of a footprint, 1 mm within it, m, world frame; its centre too.
+/// Points along the edge of a footprint, 1 mm inside it, and its centre, m, world frame.
 fn edge(placed: &PlacedObject) -> Vec<[f64; 2]> {
     let inset_m = 0.001;
     let round = |index: usize| std::f64::consts::TAU * index as f64 / 400.0;
@@ -104,7 +104,7 @@ fn edge(placed: &PlacedObject) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Whether a point of the ground, m, world frame, lies in a footprint.
+/// Whether a point on the ground, m, world frame, lies in a footprint.
 fn holds(placed: &PlacedObject, [x, y]: [f64; 2]) -> bool {
     let (x, y) = (x - placed.foot_world.x, y - placed.foot_world.y);
     let (sine, cosine) = placed.yaw_rad.sin_cos();
@@ -121,10 +121,10 @@ fn contacts_at_start(plan: &ReachPlan) -> usize {
     simulation.step(&plan.arm.start_posture_rad()).contacts.len()
 }
 
-/// Pins that, by ground truth, the arm feels only leaves or foam in a leaf scene and only trunks or foam in a trunk
-/// scene, and that over the five scenes of a category it does feel that category.
-/// Pins that in 1,000 draws of every scene each goal is 6 cm or more from every trunk and roll, from its surface as
-/// an upright cylinder, and that every one of these draws finds its goals.
+/// Pins that the arm truly touches only leaves or foam in leaf scenes and only trunks or foam in trunk scenes, and
+/// that in the five scenes of a category it does touch that category. Pins that in 1,000 draws of every scene each
+/// goal is 6 cm or more from every trunk and roll, from its surface as an upright cylinder, and that every one of
+/// these draws finds its goals.
 #[test]
 fn goals_are_clear_of_trunks_and_rolls() {
     let nearest: Vec<(PathBuf, f64)> = scenes()
@@ -156,7 +156,7 @@ fn goals_are_clear_of_trunks_and_rolls() {
     );
 }
 
-/// A trunk's or roll's foot, m, and its radius and height, m.
+/// The foot of a trunk or roll, m, with its radius and height, m.
 fn cylinder(placed: &PlacedObject) -> Option<[[f64; 3]; 2]> {
     match (placed.object.category(), placed.object.footprint()) {
         (Category::TRUNK | Category::OUTLIER, Footprint::Disc(radius)) => {
@@ -166,7 +166,7 @@ fn cylinder(placed: &PlacedObject) -> Option<[[f64; 3]; 2]> {
     }
 }
 
-/// Distance of a point to the surface of an upright cylinder, m; 0 within.
+/// Distance of a point from the surface of an upright cylinder, m; 0 inside.
 fn distance_to_cylinder([x, y, z]: [f64; 3], foot: [f64; 3], [radius, height, _]: [f64; 3]) -> f64 {
     let beside = ((x - foot[0]).hypot(y - foot[1]) - radius).max(0.0);
     let above = (z - foot[2] - height).max(foot[2] - z).max(0.0);
@@ -191,10 +191,10 @@ fn engineered_scenes_touch_their_own_category() {
     }
 }
 
-/// Categories that arm or skin touch on the way to the first goal of a scene.
+/// The categories that the arm touches on the way to the first goal of a scene.
 fn touched(path: &Path) -> Vec<Category> {
     let mut plan = plan(path, 0);
-    // One goal, tried once, shows what there is to touch, and a reach to one is quick.
+    // One goal with one attempt is enough to touch things, and runs fast.
     plan.scene.file.goals.count = 1;
     plan.scene.file.goals.retries = 0;
     let recording = plan.run(0, &mut |_, _| {}).unwrap();

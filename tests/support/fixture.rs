@@ -1,4 +1,4 @@
-//! A small data set, its trials and a model: made once, by the program, for all tests that only read.
+//! A small data set with its trials and a model, made once by the program for all tests that only read them.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -8,13 +8,13 @@ use underbrush_recording::disk::read_trials;
 
 use super::{scenes, underbrush};
 
-/// Files that tests read and do not change.
+/// Files that tests read but do not change.
 pub struct Fixture {
     folder: PathBuf,
 }
 
 static FIXTURE: LazyLock<Fixture> = LazyLock::new(|| {
-    // Nothing is dropped at the end of a test process, so the folder is one that the next run clears.
+    // Statics are not dropped at the end of a test process, so the next run clears the folder.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fixture");
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
@@ -89,7 +89,7 @@ impl Fixture {
     }
 }
 
-/// Writes the recording of the first reach of `scene` that gives trials on the forearm, and returns these trials.
+/// Writes the recording of the first reach of `scene` with trials on the forearm, and returns these trials.
 pub fn recording_with_trials(scene: &Path, recording: &Path) -> Vec<Trial> {
     let table = recording.with_extension("csv");
     for index in 0..20 {

@@ -1,4 +1,4 @@
-//! What the tests share: calls of the program, small scenes and one small data set.
+//! Shared by the tests: calling the program, small scenes, and a small data set.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -10,10 +10,10 @@ pub mod fixture;
 pub mod scenes;
 pub mod table;
 
-/// What a call of the program ended with.
+/// The result of a call of the program.
 #[derive(Debug)]
 pub struct Answer {
-    /// Exit status; −1 where a signal ended the program.
+    /// Exit status; −1 if a signal ended the program.
     pub status: i32,
     /// Standard output.
     pub stdout: String,
@@ -22,20 +22,20 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The standard output of a call that must have worked.
+    /// The standard output of a call that must succeed.
     #[track_caller]
     pub fn success(self) -> String {
         assert_eq!(self.status, 0, "{}", self.stderr);
         self.stdout
     }
 
-    /// The standard output of a call with `--json` that must have worked.
+    /// The result of a call with `--json` that must succeed.
     #[track_caller]
     pub fn json(self) -> serde_json::Value {
         serde_json::from_str(&self.success()).unwrap()
     }
 
-    /// Demands exit status 2, nothing on stdout, no panic, and an error text that holds every one of `parts`.
+    /// Demands exit status 2, nothing on stdout, no panic, and an error message that contains all `parts`.
     #[track_caller]
     pub fn refused(&self, parts: &[&str]) {
         let Answer { status, stdout, stderr } = self;
@@ -53,7 +53,7 @@ pub fn call(arguments: Vec<OsString>, stdin: &str) -> Answer {
     let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_underbrush"))
         .args(arguments)
         .write_stdin(stdin)
-        // No call takes half a minute; a hang must end as a failure.
+        // No call takes half a minute. A program that hangs must fail the test.
         .timeout(Duration::from_secs(300))
         .output()
         .unwrap();
@@ -73,7 +73,7 @@ macro_rules! underbrush {
 }
 pub(crate) use underbrush;
 
-/// Every file below a folder with its bytes, by relative path.
+/// All files below a folder with their bytes, by relative path.
 pub fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut folders = vec![folder.to_path_buf()];

@@ -1,8 +1,8 @@
-//! Small scenes, quick to run.
+//! Small scenes that run fast.
 
 use std::path::{Path, PathBuf};
 
-/// A few leaves of few segments and one goal: a reach takes a fraction of a second.
+/// A few leaves with few segments, and one goal. A reach takes a fraction of a second.
 pub const FEW_LEAVES: &str = r#"summary = "A few leaves and one goal"
 
 [goals]
@@ -30,7 +30,7 @@ count = 3
 place = { x_m = { uniform = [0.40, 0.60] }, y_m = { uniform = [-0.40, -0.05] } }
 "#;
 
-/// Leaves beside the forearm and a goal beyond them: made to touch the forearm, whose skin is classified.
+/// Leaves beside the forearm and a goal behind them, so that they touch the forearm, whose skin is classified.
 pub const LEAVES_AT_FOREARM: &str = r#"summary = "Leaves beside the forearm, a goal beyond"
 
 [goals]
@@ -47,7 +47,7 @@ count = 12
 segments = 4
 "#;
 
-/// Trunks beside the forearm and a goal beyond them.
+/// Trunks beside the forearm and a goal behind them.
 pub const TRUNKS_AT_FOREARM: &str = r#"summary = "Trunks beside the forearm, a goal beyond"
 
 [goals]

@@ -1,8 +1,8 @@
-//! Small CSV tables, read without the program's own readers.
+//! Reads small CSV tables without the program's own reader.
 
 use std::collections::BTreeMap;
 
-/// Rows of a CSV text without quoted cells, each by column name.
+/// The rows of a CSV text without quoted cells, by column name.
 pub fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -19,7 +19,7 @@ pub fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
         .collect()
 }
 
-/// Log-likelihoods by model and trial, from the output of `underbrush score`.
+/// Log-likelihoods by model and trial from the output of `underbrush score`.
 pub fn scores(text: &str) -> BTreeMap<(String, u64), f64> {
     assert_eq!(text.lines().next(), Some("model,trial,log_likelihood"));
     let score = |row: BTreeMap<String, String>| {

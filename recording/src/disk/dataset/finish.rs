@@ -1,7 +1,7 @@
-//! Staged reaches to a whole data set: one pass in the order of the plan, one reach in memory.
+//! Assembles staged reaches into a data set, in one pass in the order of the plan, with one reach in memory.
 //!
-//! When a number of files is whole, the reaches in them are removed from `incomplete/`: at any moment the folder holds
-//! the set and the reaches of one more file, not the set twice. What a crash leaves is gone on with from the last whole
+//! When files are complete, their reaches are removed from `incomplete/`. So the folder holds the set and the staged
+//! reaches of one more file at most, not the set twice. After a crash, assembling continues after the last complete
 //! file (`assembled.rs`).
 
 use std::collections::BTreeSet;
@@ -30,7 +30,7 @@ use crate::disk::parquet_file::ROWS_PER_BATCH;
 use crate::disk::recording_file::read_recording;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
 
-/// Writes everything but `incomplete/` from the staged reaches; `meta/info.json` last.
+/// Writes the whole set from the staged reaches, with `meta/info.json` last.
 pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(&plan.joint_names, &plan.layout);
@@ -99,7 +99,7 @@ pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     finish_with_info(dir, &info, &plan.categories, assembled)
 }
 
-/// Removes what an earlier, killed attempt has left, but for the files that are whole.
+/// Removes what an earlier, killed attempt has left, except complete files.
 fn remove_all_but(dir: &Path, whole: BTreeSet<&str>) -> Result<(), DiskError> {
     for folder in names::FOLDERS {
         if !dir.join(folder).exists() {
@@ -121,7 +121,7 @@ fn remove_if_there(path: &Path) -> Result<(), DiskError> {
     }
 }
 
-/// Hashes everything else, then writes the file that makes the set whole.
+/// Hashes all other files, then writes the file that makes the set complete.
 fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled: Assembled) -> Result<(), DiskError> {
     let path = dir.join(names::INFO);
     let bytes = json_bytes(&path, info)?;

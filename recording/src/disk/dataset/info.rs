@@ -12,16 +12,16 @@ use crate::disk::DiskError;
 use crate::disk::features::Feature;
 use crate::{Category, InputError};
 
-/// The version of LeRobot's layout that this program writes and reads.
+/// Version of LeRobot's layout that this program writes and reads.
 pub(super) const CODEBASE_VERSION: &str = "v3.0";
-/// The version of what this program adds to that layout.
+/// Version of this program's additions to that layout.
 pub(super) const FORMAT: &str = "underbrush-dataset/3";
-/// Size at which a new data file begins, MB: LeRobot's default.
+/// Size at which a new data file is started, MB: LeRobot's default.
 pub(super) const MEGABYTES_PER_FILE: u64 = 100;
-/// Data files to a folder.
+/// Data files per folder.
 pub(super) const FILES_PER_CHUNK: usize = 1000;
 
-/// What `meta/info.json` says, in LeRobot's words.
+/// The content of `meta/info.json`, with LeRobot's names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Info {
     /// Version of LeRobot's layout, `v3.0`.
@@ -30,31 +30,31 @@ pub struct Info {
     pub robot_type: String,
     /// Number of reaches.
     pub total_episodes: usize,
-    /// Number of frames of all reaches together.
+    /// Total number of frames.
     pub total_frames: usize,
     /// Number of different tasks.
     pub total_tasks: usize,
-    /// Data files to a folder.
+    /// Data files per folder.
     pub chunks_size: usize,
-    /// Size at which a new data file begins, MB.
+    /// Size at which a new data file is started, MB.
     pub data_files_size_in_mb: u64,
-    /// Size at which a new video file would begin, MB; there are none.
+    /// Size at which a new video file would be started, MB; there are none.
     pub video_files_size_in_mb: u64,
     /// Frames per second.
     #[serde(serialize_with = "serialize_rate")]
     pub fps: f64,
-    /// Episodes by split, `train` alone: `0:N`.
+    /// Episodes by split; only `train`, as `0:N`.
     pub splits: BTreeMap<String, String>,
     /// Pattern of the data files' paths.
     pub data_path: String,
-    /// Pattern of the video files' paths: none.
+    /// Pattern of the video files' paths; `None`.
     pub video_path: Option<String>,
     /// The columns by name.
     pub features: BTreeMap<String, FeatureInfo>,
 }
 
 impl Info {
-    /// What it says of a set made to a plan.
+    /// The information about a set with this plan.
     pub(super) fn new(plan: &DatasetPlan, total_frames: usize, total_tasks: usize, features: &[Feature]) -> Self {
         let total_episodes = plan.episodes.len();
         Info {
@@ -83,9 +83,9 @@ impl Info {
 pub struct FeatureInfo {
     /// Type of its numbers, for instance `float64`.
     pub dtype: String,
-    /// How many numbers a row, as a list of one.
+    /// Numbers per row, as a list with one entry.
     pub shape: Vec<usize>,
-    /// What each number is, where that is not a taxel index.
+    /// Names of the numbers, unless they are taxels.
     pub names: Option<Vec<String>>,
 }
 
@@ -101,7 +101,7 @@ impl FeatureInfo {
     }
 }
 
-/// LeRobot wants an integer wherever the rate is one.
+/// LeRobot requires an integer if the rate is a whole number.
 fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     let whole = *rate_hz as u64;
     if whole as f64 == *rate_hz {
@@ -111,7 +111,7 @@ fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, 
     }
 }
 
-/// What `meta/provenance.json` holds.
+/// The content of `meta/provenance.json`.
 #[derive(Serialize, Deserialize)]
 pub(super) struct ProvenanceFile {
     /// Always [`FORMAT`].
@@ -119,7 +119,7 @@ pub(super) struct ProvenanceFile {
     /// Categories of objects beside the built-in ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) categories: Vec<Category>,
-    /// Where the data come from.
+    /// The origin of the data.
     pub(super) provenance: Provenance,
 }
 

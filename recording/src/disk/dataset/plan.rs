@@ -1,4 +1,4 @@
-//! What a data set will hold and where it comes from: fixed before the first reach runs, compared on resume.
+//! The plan of a data set: its content and origin, fixed before the first reach runs and compared on resume.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::{Category, SkinLayout};
 
-/// Everything that decides the bytes of a data set.
+/// Everything that determines the bytes of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DatasetPlan {
     /// Where the data come from.
@@ -27,18 +27,19 @@ pub struct DatasetPlan {
     pub episodes: Vec<PlannedEpisode>,
 }
 
-/// One reach to come.
+/// One planned reach.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannedEpisode {
     /// Name of its scene.
     pub scene: String,
-    /// What the arm is to do, as a sentence (LeRobot's `task`).
+    /// The task of the arm, as a sentence (LeRobot's `task`).
     pub task: String,
-    /// Its index in the campaign; (seed, index) decides everything drawn.
+    /// Its index in the campaign. Seed and index together determine all random draws.
     pub reach_index: u64,
 }
 
-/// Where a data set comes from; enough to make it again. Facts of one run (date, machine, threads) have no place here.
+/// The origin of a data set, sufficient to generate it again. Facts about the run (date, machine, threads) are not
+/// stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Name of the program.
@@ -59,7 +60,7 @@ pub struct Provenance {
     pub controller: String,
     /// Parameters of the controller, by scene.
     pub controller_parameters: BTreeMap<String, Value>,
-    /// Which part of the campaign this set holds; `None` for all of it.
+    /// The part of the campaign in this set; `None` for all of it.
     pub shard: Option<Shard>,
 }
 
@@ -81,11 +82,11 @@ pub struct SceneText {
 pub struct ArmText {
     /// Name of the arm.
     pub name: String,
-    /// Its files, the one that names the others first; names are relative to its folder.
+    /// Its files with names relative to its folder, first the one that names the others.
     pub files: Vec<FileText>,
 }
 
-/// A text file as it was read.
+/// A text file with its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileText {
     /// Name of the file.
@@ -97,7 +98,7 @@ pub struct FileText {
 }
 
 impl FileText {
-    /// A file's text with its hash.
+    /// A text with its hash.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         let text = text.into();
         FileText {
@@ -108,7 +109,7 @@ impl FileText {
     }
 }
 
-/// One part of a campaign that several machines share.
+/// One part of a campaign that is divided among several machines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Which part, from 0.
@@ -117,8 +118,9 @@ pub struct Shard {
     pub count: u64,
 }
 
-/// The first place where two plans differ, as its path and both values. The provenance is compared first, because all
-/// else follows from it: a changed skin file is named as that file and not as the first taxel that moved.
+/// The first difference between two plans: its path and both values. The provenance is compared first because
+/// everything else follows from it. A changed skin file is then reported as that file, and not as the first taxel
+/// that moved.
 pub(super) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
     const FIRST: &str = "provenance";
     search(FIRST, stored.get(FIRST), given.get(FIRST)).or_else(|| search("", Some(stored), Some(given)))
@@ -147,7 +149,7 @@ fn search(path: &str, stored: Option<&Value>, given: Option<&Value>) -> Option<(
         }
         (Some(Value::Array(a)), Some(Value::Array(b))) => (0..a.len().max(b.len())).find_map(|index| {
             let (stored, given) = (a.get(index), b.get(index));
-            // Entries that have a name, such as files, are called by it.
+            // Entries with a name, such as files, are identified by it.
             let name = |entry: Option<&Value>| entry.and_then(|entry| entry.get("name")).cloned();
             let path = match name(stored) {
                 Some(own) if Some(&own) == name(given).as_ref() => format!("{path}[{own}]"),

@@ -21,7 +21,7 @@ use crate::disk::dictionary::{
 use crate::disk::frames::append_frames;
 use crate::{Category, InputError, Recording, SkinLayout};
 
-/// A finished data set on disk; frames are read reach by reach.
+/// A finished data set on disk. Frames are read reach by reach.
 #[derive(Debug)]
 pub struct Dataset {
     dir: PathBuf,
@@ -32,12 +32,12 @@ pub struct Dataset {
     layout: SkinLayout,
     episodes: Vec<Episode>,
     checksums: Checksums,
-    /// Files whose hash has been checked.
+    /// Files whose hashes have been checked.
     checked: Mutex<BTreeSet<String>>,
     footers: Footers,
 }
 
-/// Why a folder is no finished data set, if that shows from the files that are there.
+/// An error if the files in a folder show that it is not a finished data set.
 fn recognize(dir: &Path) -> Result<(), DiskError> {
     let error = |found: &str, remedy: &str| -> DiskError {
         InputError::new(dir, "data set", found, "the folder of a finished data set", remedy).into()
@@ -46,16 +46,16 @@ fn recognize(dir: &Path) -> Result<(), DiskError> {
         return Err(error("no such folder", "check the path, or generate the data set"));
     }
     if !dir.is_dir() {
-        return Err(error("a file", "give the folder; a single recording is read as such"));
+        return Err(error("a file", "give the folder of a data set"));
     }
     let (info, plan) = (dir.join(names::INFO).exists(), dir.join(names::PLAN).exists());
     if plan {
         return Err(DiskError::Unfinished { dir: dir.to_path_buf() });
     }
-    // What this program adds to LeRobot's layout; one file alone may have been lost.
+    // The files that this program adds to LeRobot's layout. One of them may have been lost.
     let own = [names::PROVENANCE, names::CHECKSUMS, names::TAXELS];
     let ours = own.iter().any(|name| dir.join(name).exists());
-    // The list of checksums names whatever else is missing.
+    // If others are missing, the list of checksums names them.
     let needed = [names::PROVENANCE, names::CHECKSUMS];
     let lost = needed.into_iter().find(|name| !dir.join(name).exists());
     let incomplete = |name: &str| error(&format!("a data set without {name}"), "copy the data set again");
@@ -71,10 +71,10 @@ fn recognize(dir: &Path) -> Result<(), DiskError> {
     }
 }
 
-/// What to do with a file of another version.
+/// The remedy for a file of another version.
 const REMEDY: &str = "read it with the version of underbrush that wrote it";
 
-/// Refuses a file whose `key` is not what this version writes.
+/// Refuses a file whose `key` does not have the value that this version writes.
 fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskError> {
     let file: serde_json::Value = read_json(&path)?;
     let found = file.get(key).map_or("nothing".into(), serde_json::Value::to_string);
@@ -85,13 +85,13 @@ fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskErro
 }
 
 impl Dataset {
-    /// Opens a data set: checks that it is finished and of this version, that its folders hold the listed files with
-    /// their sizes and no others, and the hashes of all but the large tables. The hash of a table below `data/` or
-    /// `truth/` is checked when it is first read; [`Dataset::verify`] checks all of them.
+    /// Opens a data set. It must be finished and of this version, and its folders must hold the listed files with their
+    /// sizes and no others. Hashes are checked here except for the large tables in `data/` and `truth/`, whose hashes
+    /// are checked when they are first read. [`Dataset::verify`] checks all of them.
     ///
     /// # Errors
-    /// [`DiskError::Unfinished`] while reaches are missing; [`DiskError::Input`] for a folder that is no data set, for
-    /// another version and for missing, torn or changed files, each by name.
+    /// [`DiskError::Unfinished`] while reaches are missing; [`DiskError::Input`] for a folder that is not a data set,
+    /// for another version, and for missing, truncated or changed files, each by name.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, DiskError> {
         let dir = dir.as_ref().to_path_buf();
         recognize(&dir)?;
@@ -144,12 +144,12 @@ impl Dataset {
         &self.dir
     }
 
-    /// What `meta/info.json` says.
+    /// The content of `meta/info.json`.
     pub fn info(&self) -> &Info {
         &self.info
     }
 
-    /// Where the data come from.
+    /// The origin of the data.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
@@ -164,7 +164,7 @@ impl Dataset {
         &self.episodes
     }
 
-    /// The plan that it was made to.
+    /// The plan of the set.
     pub fn plan(&self) -> DatasetPlan {
         let episode = |episode: &Episode| PlannedEpisode {
             scene: episode.scene.clone(),
@@ -185,7 +185,7 @@ impl Dataset {
     /// Checks the hash of every file.
     ///
     /// # Errors
-    /// [`DiskError::Input`] names the first file that is missing, torn or changed.
+    /// [`DiskError::Input`] names the first file that is missing, truncated or changed.
     pub fn verify(&self) -> Result<(), DiskError> {
         self.checksums
             .names()
@@ -204,10 +204,10 @@ impl Dataset {
         Ok(self.dir.join(name))
     }
 
-    /// Reads one reach (from 0), equal to the one that was staged.
+    /// Reads a reach by its index from 0. It equals the one that was staged.
     ///
     /// # Errors
-    /// [`DiskError::NoSuchReach`] outside the set; [`DiskError::Input`] for damaged files.
+    /// [`DiskError::NoSuchReach`] for an index outside the set; [`DiskError::Input`] for damaged files.
     pub fn read_reach(&self, index: usize) -> Result<Recording, DiskError> {
         let Some(episode) = self.episodes.get(index) else {
             return Err(DiskError::NoSuchReach {

@@ -1,7 +1,8 @@
-//! Writing the tables that have rows for every episode: `data` and those in `truth/`.
+//! Writes the tables with rows for every episode: `data` and those in `truth/`.
 //!
-//! All begin a new file at the same episode, so that the number of its data file says where everything about an episode
-//! is. Rows go to the disk in row groups of bounded size, and an episode lies in one row group of each table.
+//! All of them start a new file at the same episode, so that the number of its data file gives the place of
+//! everything about an episode. Rows are written in row groups of bounded size, and each episode is within one row
+//! group of each table.
 
 use std::path::{Path, PathBuf};
 
@@ -21,11 +22,12 @@ use crate::disk::parquet_file::ParquetFile;
 use crate::disk::whole_file::create_folder;
 use crate::{Category, Recording};
 
-/// Rows at which a row group of a table of ground truth ends, with the episode. Choice: as many rows of the widest table
-/// are decoded within a few milliseconds, and a group for every episode would cost more than the few goals in it.
+/// A row group of a table in `truth/` ends with the episode in which it reaches this number of rows. Choice: the widest
+/// table decodes as many rows within a few milliseconds, and a row group per episode would take more space than the few
+/// goals in it.
 pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 
-/// Makes the rows of an episode in a table; the path is for errors.
+/// Makes the rows of an episode for a table. The path is for errors.
 type RowsOf = fn(&Path, usize, &Recording) -> Result<RecordBatch, DiskError>;
 
 /// The tables of ground truth.
@@ -44,7 +46,7 @@ struct TableFile {
     /// Path in the folder of the data set.
     name: String,
     path: PathBuf,
-    /// Begun by the first rows, which know the columns.
+    /// Created with the first rows, which determine the columns.
     file: Option<ParquetFile>,
     rows_per_group: usize,
     rows: usize,
@@ -88,13 +90,13 @@ impl TableFile {
     }
 }
 
-/// The files of one number, one of each table.
+/// The current files, one of each table.
 struct Files {
     data: TableFile,
     truth: [TableFile; TRUTH.len()],
 }
 
-/// The files of all tables, one number after the other.
+/// The files of all tables, written one after the other.
 pub(super) struct TableFiles<'a> {
     dir: &'a Path,
     /// Categories that are not built in.
@@ -102,7 +104,7 @@ pub(super) struct TableFiles<'a> {
     bytes_per_file: u64,
     files: Option<Files>,
     staged_bytes: u64,
-    /// Files of each table begun so far.
+    /// Number of files of each table started so far.
     begun: usize,
 }
 
@@ -119,17 +121,17 @@ impl<'a> TableFiles<'a> {
         }
     }
 
-    /// Files of each table begun so far.
+    /// Number of files of each table started so far.
     pub(super) fn begun(&self) -> usize {
         self.begun
     }
 
-    /// Whether an episode that took so many staged bytes has to go into new files.
+    /// Whether an episode with this many staged bytes has to go into new files.
     pub(super) fn is_full_for(&self, staged_bytes: u64) -> bool {
         self.files.is_some() && self.staged_bytes + staged_bytes > self.bytes_per_file
     }
 
-    /// Makes room for an episode that took so many staged bytes; chunk and number of its files.
+    /// Prepares for an episode with this many staged bytes. Returns chunk and number of its files.
     pub(super) fn begin_episode(&mut self, staged_bytes: u64) -> (usize, usize) {
         self.staged_bytes += staged_bytes;
         if self.files.is_none() {
@@ -138,7 +140,7 @@ impl<'a> TableFiles<'a> {
         let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
         let name = |table: &Table| names::table(table, chunk, number);
         self.files.get_or_insert_with(|| Files {
-            // One row group an episode: its frames are many.
+            // One row group per episode, since an episode has many frames.
             data: TableFile::new(self.dir, name(&FRAMES), 1),
             truth: TRUTH.map(|(table, _)| TableFile::new(self.dir, name(table), ROWS_PER_GROUP)),
         });
@@ -153,7 +155,7 @@ impl<'a> TableFiles<'a> {
             .map_or(Ok(()), |files| files.data.write(batch, categories))
     }
 
-    /// Writes what is true of the episode, and ends it.
+    /// Writes the ground truth of the episode, and ends it.
     pub(super) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
         let Some(files) = &mut self.files else { return Ok(()) };
         files.data.end_episode()?;
@@ -164,7 +166,7 @@ impl<'a> TableFiles<'a> {
         Ok(())
     }
 
-    /// Closes the files of the present number; their names.
+    /// Closes the current files. Returns their names.
     pub(super) fn close(&mut self) -> Result<Vec<String>, DiskError> {
         self.staged_bytes = 0;
         let Some(files) = self.files.take() else {

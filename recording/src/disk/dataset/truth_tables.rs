@@ -1,4 +1,4 @@
-//! What is true of a reach as a whole: the tables `truth/objects`, `truth/goals` and `truth/contacts`.
+//! Ground truth per reach: the tables `truth/objects`, `truth/goals` and `truth/contacts`.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::disk::dictionary::{TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, Table}
 use crate::disk::table::{Columns, TableBuilder};
 use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SafetyStop, SkinLayout};
 
-/// Begins with the column of the episode.
+/// Starts a table with the column of the episode.
 pub(super) fn table(described: &'static Table, episode: usize, rows: usize) -> TableBuilder {
     TableBuilder::new(described).column("episode_index", Int64Array::from_value(episode as i64, rows))
 }
@@ -28,7 +28,7 @@ fn numbers(values: impl Iterator<Item = f64>) -> Float64Array {
     Float64Array::from_iter_values(values)
 }
 
-/// An episode's objects; parameters as a JSON object.
+/// An episode's objects, with their parameters as JSON objects.
 pub(super) fn object_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let objects = &recording.objects;
     let parameters = objects.iter().map(|object| serde_json::to_string(&object.parameters));
@@ -72,8 +72,8 @@ pub(super) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<V
     Ok(objects)
 }
 
-/// An episode's goals; the columns of a safety stop are null where there was none, `stop_patch` also where most of the
-/// force fell on a part of the link without skin.
+/// An episode's goals. The columns of a safety stop are null if there was none; `stop_patch` is also null if most of
+/// the force fell on a part of the link without skin.
 pub(super) fn goal_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let Recording { goals, layout, .. } = recording;
     let stops = || goals.iter().map(|goal| goal.safety_stop.as_ref());
@@ -110,7 +110,7 @@ pub(super) fn goal_rows(path: &Path, episode: usize, recording: &Recording) -> R
         .build(path)
 }
 
-/// The goals of an episode.
+/// Reads the goals of an episode.
 pub(super) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>, DiskError> {
     let mut goals = Vec::new();
     for columns in rows.columns() {
@@ -130,7 +130,7 @@ pub(super) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<
     Ok(goals)
 }
 
-/// The contact that ended the goal in a row, if any did.
+/// The contact that ended the goal of a row, if there is one.
 fn read_safety_stop(columns: &Columns, layout: &SkinLayout, row: usize) -> Result<Option<SafetyStop>, DiskError> {
     let object = columns.numbers_or_null::<Int32Type>("stop_object_index")?;
     let link = columns.text_or_null("stop_link")?;
@@ -158,7 +158,7 @@ fn patch_name(layout: &SkinLayout, patch: Option<u16>) -> Option<&str> {
     Some(&patch.name)
 }
 
-/// The patch that a row names.
+/// The patch of a row.
 fn read_patch(
     columns: &Columns,
     column: &str,
@@ -181,13 +181,13 @@ fn read_object(columns: &Columns, column: &str, object: i32) -> Result<u16, Disk
     u16::try_from(object).map_err(|_| columns.error(column, object.to_string(), "0 to 32767"))
 }
 
-/// The outcome that a row names.
+/// The outcome of a row.
 pub(super) fn read_outcome(columns: &Columns, outcome: &StringArray, row: usize) -> Result<Outcome, DiskError> {
     let name = outcome.value(row);
     Outcome::from_name(name).ok_or_else(|| columns.error("outcome", name, "reached, stuck, timed_out or aborted"))
 }
 
-/// An episode's contacts, one row each; the patch is null for a part of the link without skin.
+/// An episode's contacts. The patch is null for a part of the link without skin.
 pub(super) fn contact_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let Recording {
         contacts,
@@ -227,7 +227,7 @@ pub(super) fn contact_rows(path: &Path, episode: usize, recording: &Recording) -
         .build(path)
 }
 
-/// The contacts of an episode.
+/// Reads the contacts of an episode.
 pub(super) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<Contact>, DiskError> {
     let mut contacts = Vec::new();
     for columns in rows.columns() {

@@ -1,4 +1,4 @@
-//! Making a data set: reaches are staged one by one, in any order and from many threads, then put together.
+//! Writing a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
 
 use std::fs::{self, File, TryLockError};
 use std::path::Path;
@@ -17,22 +17,23 @@ use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_
 use crate::disk::{DiskError, write_recording};
 use crate::{InputError, Recording};
 
-/// A data set in the making.
+/// A data set that is being written.
 ///
-/// Every finished reach is staged at once as a file of its own below `incomplete/`, so that a crash costs at most the
-/// reaches in progress; [`DatasetWriter::finish`] puts them together in the order of the plan. The bytes of the
-/// finished set depend on plan and recordings alone: not on the order of staging, nor on crashes and resumptions.
+/// Every finished reach is staged at once as its own file in `incomplete/`, so that a crash loses only the reaches in
+/// progress. [`DatasetWriter::finish`] assembles them in the order of the plan. The bytes of the finished set depend
+/// only on plan and recordings, not on the order of staging or on crashes and resumptions.
 #[derive(Debug)]
 pub struct DatasetWriter {
     /// The folder, the plan and the staged reaches.
     pub(in crate::disk) staging: Staging,
-    /// A killed [`DatasetWriter::finish`] had written everything and only `incomplete/` is left to remove.
+    /// Whether an earlier [`DatasetWriter::finish`] was killed after writing everything, so that only `incomplete/`
+    /// has to be removed.
     whole: bool,
-    /// Held until the end; the system releases it if the process dies.
+    /// Held until the end. The system releases it if the process dies.
     _lock: File,
 }
 
-/// What a folder holds, as far as a new data set is concerned.
+/// The state of a folder for a new data set.
 enum Folder {
     Empty,
     Begun,
@@ -54,7 +55,7 @@ fn look(dir: &Path) -> Result<Folder, DiskError> {
         let remedy = "choose an empty or a new folder";
         return Err(InputError::new(dir, "folder of the data set", "a file", "a folder", remedy).into());
     }
-    // A crash before the plan was written leaves the lock, and perhaps a temporary file, in `incomplete`.
+    // A crash before the plan was written leaves the lock file, and perhaps a temporary file, in `incomplete`.
     let ours = |file: &str| file == "lock" || file.starts_with(TEMPORARY_PREFIX);
     let empty = match list(dir)?.as_slice() {
         [] => true,
@@ -74,7 +75,7 @@ fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
         .map_err(DiskError::io(folder, "read"))
 }
 
-/// Stores the plan, or compares it with the one stored when the set was begun.
+/// Stores the plan, or compares it with the plan of the unfinished set.
 fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
     if !path.exists() {
@@ -83,7 +84,7 @@ fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     require_same(dir, &read_json(&path)?, plan)
 }
 
-/// Demands that a folder's plan, as it is stored, is the given one.
+/// An error unless the stored plan of a folder is the given one.
 fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), DiskError> {
     let given = serde_json::to_value(plan).map_err(|error| DiskError::io(dir, "compare")(error.into()))?;
     match first_difference(stored, &given) {
@@ -98,16 +99,17 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
 }
 
 impl DatasetWriter {
-    /// Begins a data set in an empty or new folder or, with `resume`, takes up one that was begun with the same plan.
+    /// Starts a data set in an empty or new folder or, with `resume`, continues one that was started with the same
+    /// plan.
     ///
-    /// A finished set is never written again. With `resume`, [`DiskError::Finished`] also says that it was made to this
-    /// plan, so that there is nothing to do; a set of another plan is [`DiskError::PlanDiffers`].
+    /// A finished set is never written again. With `resume`, [`DiskError::Finished`] means that it has this plan, so
+    /// that there is nothing to do; for another plan the error is [`DiskError::PlanDiffers`].
     ///
     /// # Errors
     /// [`DiskError::Unwritable`] for a plan without reaches, joints or rate, or with a broken layout;
     /// [`DiskError::FolderNotEmpty`], [`DiskError::Finished`] and [`DiskError::Unfinished`] (without `resume`) for what
-    /// the folder already holds; [`DiskError::PlanDiffers`] on another plan; [`DiskError::InUse`] while another process
-    /// writes there.
+    /// the folder already holds; [`DiskError::PlanDiffers`] for another plan; [`DiskError::InUse`] while another
+    /// process writes there.
     pub fn create(dir: impl AsRef<Path>, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
         let dir = dir.as_ref().to_path_buf();
         check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
@@ -147,21 +149,22 @@ impl DatasetWriter {
         &self.staging.plan
     }
 
-    /// Positions in the plan that are still to run, ascending. A staged file that is torn or changed counts as missing.
+    /// Positions in the plan that are still missing, ascending. A staged file that is truncated or changed counts as
+    /// missing.
     ///
     /// # Errors
-    /// [`DiskError::Io`] where a staged file cannot be read.
+    /// [`DiskError::Io`] if a staged file cannot be read.
     pub fn missing(&self) -> Result<Vec<usize>, DiskError> {
         if self.whole {
             return Ok(Vec::new());
         }
-        // Reaches in whole files of the set are there, though no longer staged.
+        // Reaches in complete files of the set are not missing, though no longer staged.
         let assembled = Assembled::read(&self.staging.dir).map_or(0, |assembled| assembled.episodes.len());
         let mut missing = Vec::new();
         for position in assembled..self.staging.plan.episodes.len() {
             let path = self.staging.path(position);
             let sum = path.with_extension("json");
-            // The sum is written after the file: without it the file is not known to be whole.
+            // The checksum is written after the file. Without it the file may be incomplete.
             let whole =
                 path.exists() && sum.exists() && read_json::<FileSum>(&sum).ok() == Some(FileSum::of_file(&path)?);
             if !whole {
@@ -171,12 +174,12 @@ impl DatasetWriter {
         Ok(missing)
     }
 
-    /// Stages the reach at a position of the plan; callable from many threads, for different positions, in any order.
+    /// Stages the reach at a position of the plan. Several threads may call this for different positions, in any order.
     ///
     /// # Errors
     /// [`DiskError::NoSuchReach`] for a position outside the plan; [`DiskError::Unwritable`] for a recording that is
     /// not the planned one, has no frames or breaks a rule of its types; [`DiskError::Io`] and [`DiskError::Encode`]
-    /// when the disk refuses.
+    /// if a file cannot be written.
     pub fn stage(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
         let path = self.staging.path(position);
         self.check_planned(position, recording)?;
@@ -196,7 +199,7 @@ impl DatasetWriter {
             });
         };
         let joints = format!("{:?}", recording.joint_names);
-        let layout = format!("{} taxels, or of another arrangement", recording.layout.taxel_count());
+        let layout = format!("another layout, with {} taxels", recording.layout.taxel_count());
         let unplanned = recording.further_categories().into_iter();
         let unplanned: Vec<_> = unplanned
             .filter(|category| !plan.categories.contains(category))
@@ -229,7 +232,7 @@ impl DatasetWriter {
                 same,
                 || field.to_string(),
                 || found,
-                "what the plan of the data set says",
+                "the value in the plan of the data set",
             )
         });
         let frames = !recording.frames.is_empty();
@@ -238,11 +241,12 @@ impl DatasetWriter {
             .map_err(|violation| violation.unwritable(&self.staging.path(position)))
     }
 
-    /// Puts the staged reaches together in the order of the plan and removes `incomplete/`.
+    /// Assembles the staged reaches in the order of the plan and removes `incomplete/`.
     ///
     /// # Errors
-    /// [`DiskError::ReachesMissing`] while any is missing; [`DiskError::Input`], [`DiskError::Io`] and
-    /// [`DiskError::Encode`] when the disk refuses. After an error, or a crash at any moment, the set can be resumed.
+    /// [`DiskError::ReachesMissing`] if any is missing; [`DiskError::Input`], [`DiskError::Io`] and
+    /// [`DiskError::Encode`] if files cannot be read or written. After an error, or a crash at any moment, the set
+    /// can be resumed.
     pub fn finish(self) -> Result<Dataset, DiskError> {
         if let [first, rest @ ..] = self.missing()?.as_slice() {
             return Err(DiskError::ReachesMissing {
@@ -254,7 +258,7 @@ impl DatasetWriter {
         if !self.whole {
             assemble(&self.staging)?;
         }
-        // The plan goes last: while it is there, the rest can be taken up again.
+        // The plan is removed last: while it exists, this step can be resumed.
         let incomplete = self.staging.dir.join(names::INCOMPLETE);
         for name in list(&incomplete)?
             .iter()

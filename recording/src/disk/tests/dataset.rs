@@ -9,7 +9,7 @@ use crate::disk::{
 };
 use crate::{InputError, NamedStop, Outcome, Recording, SafetyStop};
 
-/// Lengths of the reaches of the test set, frames; the third is longer than one batch.
+/// Numbers of frames of the reaches of the test set. The third is longer than one batch.
 const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];
 /// Reach indices of the test set: a shard of a larger campaign.
 const REACHES: [u64; 5] = [4, 9, 14, 19, 24];
@@ -20,7 +20,7 @@ pub(in crate::disk) fn recordings() -> Vec<Recording> {
         .zip(FRAMES)
         .map(|(&index, frames)| reach(index, frames))
         .collect();
-    // One reach that touches nothing: no objects, goals or contacts.
+    // A reach without objects, goals and contacts.
     let quiet = &mut recordings[3];
     quiet.frames.iter_mut().for_each(|frame| frame.taxels.clear());
     quiet.objects.clear();
@@ -32,11 +32,11 @@ pub(in crate::disk) fn recordings() -> Vec<Recording> {
     quiet.goals.clear();
     quiet.contacts.clear();
     recordings[1].scene = "trunks".into();
-    // One contact of a bare link.
+    // A contact of a bare link.
     let bare = &mut recordings[1].contacts[0];
     bare.patch = None;
     bare.link = "upper arm".into();
-    // One reach that is aborted.
+    // An aborted reach.
     let stopped = &mut recordings[2].goals[0];
     stopped.outcome = Outcome::Aborted;
     stopped.safety_stop = Some(SafetyStop {
@@ -95,7 +95,7 @@ pub(super) fn plan() -> DatasetPlan {
 
 pub(in crate::disk) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
     let mut writer = DatasetWriter::create(dir, plan(), resume).unwrap();
-    // Small enough that the reaches fill several data files.
+    // So small that the reaches fill several data files.
     writer.staging.bytes_per_file = 60_000;
     writer
 }
@@ -109,7 +109,7 @@ pub(in crate::disk) fn make(dir: &Path) -> Dataset {
     writer.finish().unwrap()
 }
 
-/// Every file below a folder with its bytes.
+/// All files below a folder with their bytes.
 pub(in crate::disk) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn gather(root: &Path, folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {
@@ -186,7 +186,7 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
             .collect::<Vec<_>>(),
         [1, 0, 0, 0, 1]
     );
-    // Episode 1 touches with a bare link only, episode 3 not at all.
+    // In episode 1 only a bare link has contact, in episode 3 nothing.
     let touched_frames = |patch: &str| -> Vec<u32> {
         let frames = episodes.iter().map(|episode| episode.touched_frames[patch]);
         frames.collect()
@@ -322,7 +322,7 @@ fn every_missing_torn_or_changed_file_is_named() {
             assert_eq!(input_error(check()).file, path);
         }
         fs::remove_file(&path).unwrap();
-        // Without these the folder is not known to be a finished set.
+        // Without these the folder cannot be recognized as a finished set.
         let decisive = ["info.json", "provenance.json", "checksums.json"]
             .iter()
             .any(|decisive| name.ends_with(decisive));
@@ -376,7 +376,7 @@ fn the_list_of_checksums_cannot_be_changed_unnoticed() {
         fs::write(&list, edited.to_string()).unwrap();
         assert_eq!(input_error(Dataset::open(folder.path())).file, list, "{what}");
     }
-    // With a list that fits its own hash, a file that it does not know is still found.
+    // A file that is not in the list is found even if the list matches its own hash.
     let hash = blake3::hash(b"").to_hex().to_string();
     fs::write(&list, serde_json::json!({"blake3": hash, "files": {}}).to_string()).unwrap();
     let error = input_error(Dataset::open(folder.path()));
@@ -398,7 +398,7 @@ fn the_list_of_checksums_cannot_be_changed_unnoticed() {
             fs::remove_dir(path.parent().unwrap()).unwrap();
         }
     }
-    // Hidden files are those of a file manager; no reader of data sets looks at them.
+    // Hidden files come from file managers, and readers of data sets ignore them.
     fs::write(folder.path().join("data/.directory"), "").unwrap();
     Dataset::open(folder.path()).unwrap().verify().unwrap();
 }

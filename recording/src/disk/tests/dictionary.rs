@@ -21,7 +21,7 @@ fn columns(path: &Path) -> Vec<(String, std::collections::HashMap<String, String
         .collect()
 }
 
-/// Demands that the tables together describe all columns of a file, and no others.
+/// Demands that the tables together describe all columns of a file and no others.
 fn described(path: &Path, tables: &[&Table]) {
     let mut found = columns(path);
     for column in tables.iter().flat_map(|table| table.columns) {

@@ -7,7 +7,7 @@ use super::dataset::{begin, contents, make, plan, recordings, scene_text};
 use crate::Recording;
 use crate::disk::{DatasetPlan, DatasetWriter, DiskError, FileText};
 
-/// Copies a folder with everything below it, as a crash at this moment would leave it.
+/// Copies a folder with its subfolders, as a crash at this moment would leave it.
 fn copy(from: &Path, to: &Path) {
     for (name, bytes) in contents(from) {
         let path = to.join(name);
@@ -63,7 +63,7 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     ));
     drop(writer);
     let staged = |name: &str| broken.join("incomplete").join(name);
-    // Reach 1 is cut, reach 2 has no sum yet, a temporary file of reach 0 is left.
+    // Reach 1 is truncated, reach 2 has no checksum yet, and a temporary file of reach 0 is left.
     let bytes = fs::read(staged("reach-000001.parquet")).unwrap();
     fs::write(staged("reach-000001.parquet"), &bytes[..bytes.len() - 8]).unwrap();
     fs::write(staged("reach-000002.parquet"), &bytes).unwrap();
@@ -101,7 +101,7 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
         begin(dir, true).finish().unwrap();
         assert_eq!(contents(dir), whole);
     };
-    // Killed while writing: any number of final files is there, the next one under a temporary name or torn.
+    // Killed while writing: any number of files is complete, and the next has a temporary name or is truncated.
     let files: Vec<_> = whole.iter().filter(|(name, _)| !name.ends_with("info.json")).collect();
     for written in 0..=files.len() {
         let dir = folder.path().join(format!("writing-{written}"));
@@ -121,7 +121,7 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
         }
         resume_and_compare(&dir);
     }
-    // Killed while removing: the set is whole, some of `incomplete/` is left.
+    // Killed while removing: the set is complete, and a part of `incomplete/` is left.
     let rest: Vec<_> = contents(&staged)
         .into_keys()
         .filter(|name| !name.ends_with("plan.json"))
@@ -175,7 +175,7 @@ fn another_plan_is_refused_by_its_first_differing_field() {
         ("provenance.scenes[\"trunks\"].file.blake3", |plan| {
             plan.provenance.scenes[1] = scene_text("trunks", "[trunk] # changed\n");
         }),
-        // The skin follows from the arm's files: the file is named, not what came of it.
+        // The skin follows from the arm's files, so the file is named and not its consequence.
         ("provenance.arms[\"cody\"].files[\"cody.toml\"].blake3", |plan| {
             plan.provenance.arms[0].files[0] = FileText::new("cody.toml", "soft\n");
             plan.layout.patches[0].link = "elsewhere".into();

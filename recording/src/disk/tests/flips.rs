@@ -1,4 +1,4 @@
-//! One flipped bit anywhere in a file, as a failing disk or a bad copy leaves it, is never read without an error.
+//! A single flipped bit anywhere in a file, as from a failing disk or a bad copy, is never read without an error.
 
 use std::fs;
 
@@ -6,10 +6,10 @@ use super::dataset::{contents, make};
 use super::reach;
 use crate::disk::{Dataset, DiskError, read_recording, write_recording};
 
-/// Flips so many bits of `whole`, spread evenly over its bytes and in each of the eight places of a byte, one at a time.
+/// Flips bits of `whole` one at a time, spread evenly over its bytes and over the eight positions in a byte.
 fn each_flip(whole: &[u8], flips: usize, mut examine: impl FnMut(usize, &[u8])) {
     for flip in 0..flips {
-        // Middles of equal parts, so that header, tables and footer all get some.
+        // In the middles of equal parts, so that header, tables and footer are all covered.
         let place = (2 * flip + 1) * whole.len() / (2 * flips);
         let mut flipped = whole.to_vec();
         flipped[place] ^= 1 << (flip % 8);
@@ -17,7 +17,7 @@ fn each_flip(whole: &[u8], flips: usize, mut examine: impl FnMut(usize, &[u8])) 
     }
 }
 
-/// Opens a set and reads all of it, without being asked to verify it.
+/// Opens a set and reads all of it, without calling `verify`.
 fn read_all(dir: &std::path::Path) -> Result<(), DiskError> {
     let set = Dataset::open(dir)?;
     (0..set.episodes().len()).try_for_each(|index| set.read_reach(index).map(drop))

@@ -1,4 +1,4 @@
-//! Tests of the disk formats, and the recordings that they write.
+//! Tests of the disk formats, and recordings for them.
 
 pub(in crate::disk) mod dataset;
 mod dictionary;
@@ -20,10 +20,10 @@ use crate::{
     Patch, Pose, Recording, SafetyStop, SkinLayout, Taxel, TaxelReading,
 };
 
-/// A field's name in an error and a change that spoils it.
+/// The name of a field in an error, and a change that makes it invalid.
 type Change<T> = (&'static str, fn(&mut T));
 
-/// Any finite number, with the awkward ones (−0, subnormals, the largest) among them.
+/// Any finite number, including −0, subnormals and the largest.
 pub(super) fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => any::<f64>().prop_filter("finite", |value| value.is_finite()),
@@ -97,7 +97,7 @@ fn goal() -> impl Strategy<Value = GoalRecord> {
         })
 }
 
-/// Where something pressed on the arm: link, patch and object, from any indices.
+/// A place where something presses on the arm: link, patch and object from any indices.
 fn place(layout: &SkinLayout, objects: usize, patch: Option<Index>, object: Index) -> (String, Option<u16>, u16) {
     let patches = layout.patches.len();
     let patch = patch.filter(|_| patches > 0).map(|patch| patch.index(patches));
@@ -105,7 +105,7 @@ fn place(layout: &SkinLayout, objects: usize, patch: Option<Index>, object: Inde
     (link, patch.map(|patch| patch as u16), object.index(objects) as u16)
 }
 
-/// One taxel's forces, its object and whether it is listed at all.
+/// Forces and object of a taxel, and whether it is listed at all.
 type RawReading = ([f64; 4], Option<Index>, bool);
 
 fn frame(joints: usize, layout: SkinLayout, objects: usize) -> impl Strategy<Value = Frame> {
@@ -185,7 +185,7 @@ fn audit() -> impl Strategy<Value = Audit> {
     })
 }
 
-/// Makes times, orientations and forces of any numbers physical: times at the rate, rotations, forces that push.
+/// Makes times, orientations and forces physical: times at the frame rate, unit quaternions, forces that push.
 fn physical(mut recording: Recording) -> Recording {
     let turn = |pose: &mut Pose| {
         let unit = pose.orientation.normalize();
@@ -233,7 +233,7 @@ fn shape() -> impl Strategy<Value = BodyShape> {
     ]
 }
 
-/// Bodies that were watched for some frames; those of objects only where there are any.
+/// Bodies that were observed for some frames; bodies of objects only if there are objects.
 fn bodies(objects: usize, frames: usize) -> impl Strategy<Value = Vec<Body>> {
     let part = (shape(), unit_pose()).prop_map(|(shape, pose_body)| BodyPart { shape, pose_body });
     let parts = prop::collection::vec(part, 0..3);
@@ -259,12 +259,12 @@ fn bodies(objects: usize, frames: usize) -> impl Strategy<Value = Vec<Body>> {
     prop::collection::vec(body, 0..4)
 }
 
-/// Any recording that keeps the rules of its types.
+/// Any valid recording.
 pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
     any_numbers().prop_map(physical)
 }
 
-/// A recording of any numbers.
+/// A recording with any numbers.
 fn any_numbers() -> impl Strategy<Value = Recording> {
     let parts = (
         prop::collection::vec(patch(), 0..3),
@@ -373,7 +373,7 @@ fn link(offset: f64, frames: usize) -> Body {
     body
 }
 
-/// The one body of an object, which rests.
+/// The only body of an object, at rest.
 fn stem(object: u16) -> Body {
     Body {
         owner: BodyOwner::Object(object),
@@ -382,7 +382,7 @@ fn stem(object: u16) -> Body {
     }
 }
 
-/// A small smooth reach: two joints, a sleeve of 3 × 4 taxels and a tip of one, `frames` samples at 100 Hz.
+/// A small smooth reach: two joints, a sleeve of 3 × 4 taxels, one taxel at the tip, and `frames` samples at 100 Hz.
 pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
     let taxel = |angle: f64| Taxel {
         position_link: DVec3::new(0.046 * angle.cos(), 0.046 * angle.sin(), 0.01),

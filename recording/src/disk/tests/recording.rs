@@ -23,7 +23,7 @@ proptest! {
         let path = folder.path().join("reach.parquet");
         write_recording(&path, &recording).unwrap();
         let back = read_recording(&path).unwrap();
-        // Text tells −0 from 0, which == does not.
+        // Compared as text, because −0 == 0.
         prop_assert_eq!(format!("{back:?}"), format!("{recording:?}"));
     }
 }
@@ -70,7 +70,7 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
         ("contacts[0].last_frame", |r| r.contacts[0].last_frame = 20),
         ("contacts[0].peak_force_n", |r| r.contacts[0].peak_force_n = -1.0),
         ("goals[0].end_time_s", |r| r.goals[0].start_time_s = 1e3),
-        // Twice the same time, a step back, and a frame left out.
+        // The same time twice, a step back, and a missing frame.
         ("frames[5].time_s", |r| r.frames[5].time_s = r.frames[4].time_s),
         ("frames[5].time_s", |r| r.frames[5].time_s = 0.001),
         ("frames[10].time_s", |r| {

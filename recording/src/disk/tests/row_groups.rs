@@ -8,7 +8,7 @@ use crate::disk::dictionary::{TABLES, Table};
 use crate::disk::parquet_file::read_footer;
 use crate::disk::{Dataset, DatasetWriter};
 
-/// Reaches of the set; together they fill several row groups of every table but the goals and objects.
+/// Number of reaches. Together they fill several row groups of every table except goals and objects.
 const REACHES: usize = 60;
 
 /// A set of many short reaches in one data file.
@@ -54,7 +54,7 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
             let groups = row_groups_of(metadata, episode);
             assert_eq!(groups.len(), 1, "{}: reach {episode}", table.path);
             let expected = read_rows(&path, File::open(&path).unwrap(), footer.clone(), episode).unwrap();
-            // A reach has at most three taxels in each of its frames.
+            // A reach has at most three taxels per frame.
             let longest = 3 * recordings[REACHES - 1].frames.len();
             let rows = metadata.row_group(groups[0]).num_rows() as usize;
             assert!(rows < ROWS_PER_GROUP + longest, "{}: {rows} rows", table.path);

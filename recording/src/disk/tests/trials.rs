@@ -17,7 +17,7 @@ use crate::disk::{DiskError, read_trials, write_trials};
 use crate::limits::{self, Limits};
 use crate::{InputError, Region, Sample, Trial};
 
-/// Any number within these limits, the awkward ones included.
+/// Any number within these limits, including extreme ones.
 fn within(limits: Limits) -> impl Strategy<Value = f64> {
     let awkward = [0.0, -0.0, f64::MIN_POSITIVE / 8.0, 0.1, limits.least, limits.most];
     let awkward: Vec<f64> = awkward.into_iter().filter(|value| limits.hold(*value)).collect();
@@ -70,7 +70,7 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
                 samples: samples.into_iter().map(sample).collect(),
             }
         };
-        // Largest number first: the order of the rows decides, not that of the numbers.
+        // Largest number first, because the order of the rows counts, not that of the numbers.
         trials.into_iter().rev().map(trial).collect()
     })
 }

@@ -1,4 +1,4 @@
-//! Files that appear only when they are whole, and what killed processes leave of them.
+//! Files that appear only when they are complete, and leftovers of killed processes.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -14,7 +14,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A temporary file as a killed process leaves it while it writes `output`: no one holds its lock.
+/// A temporary file for `output` as a killed process leaves it, without a lock.
 fn leftover(folder: &Path, output: &str, end: &str) -> String {
     let hash = blake3::hash(output.as_bytes()).to_hex();
     let name = format!(".underbrush-unfinished-{}-{end}", &hash[..16]);

@@ -5,7 +5,7 @@ use super::assemble;
 use crate::disk::DatasetWriter;
 use crate::disk::tests::dataset::{begin, contents, make, recordings};
 
-/// Copies a folder with everything below it.
+/// Copies a folder with its subfolders.
 fn copy(from: &Path, to: &Path) {
     for (name, bytes) in contents(from) {
         let path = to.join(name);
@@ -46,7 +46,7 @@ fn reaches_are_freed_file_by_file() {
             let dir = folder.path().join(format!("{killed_at} {afterwards}"));
             copy(&ready, &dir);
             let writer = begin(&dir, true);
-            // Putting together ends at a reach that is not there, as if it had been killed then.
+            // Assembling stops at a missing reach, as if it had been killed there.
             fs::remove_file(writer.staging.path(killed_at)).unwrap();
             assemble(&writer.staging).unwrap_err();
             let kept =
