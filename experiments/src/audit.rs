@@ -28,7 +28,7 @@ pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str
             value: get(&worst.audit),
             bound: bounds(layout)
                 .find(|bound| bound.field.name == name)
-                .map(|bound| bound.most),
+                .map(|bound| bound.max),
             scene: worst.scene.clone(),
             reach_index: worst.reach_index,
         })
@@ -78,12 +78,12 @@ pub fn reach_warnings(recording: &Recording) -> Vec<String> {
 fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
     let warning = |bound: Bound| {
         let value = |reach: &Audited| (bound.field.get)(reach.audit);
-        let beyond: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.most).collect();
+        let beyond: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.max).collect();
         let worst = beyond.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
         Some(format!(
             "warning: {} passes {:.1e} in {} of {} reaches, most in reach {} of {}: {:.1e} (the bound: {})",
             bound.field.name,
-            bound.most,
+            bound.max,
             beyond.len(),
             reaches.len(),
             worst.reach_index,

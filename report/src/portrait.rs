@@ -1,4 +1,4 @@
-//! Pictures of what objects do to the skin, as SVG: the unrolled forearm under each, and a foam roll's loop.
+//! Pictures of how objects press on the skin, as SVG: the unrolled forearm under each, and the loading loop of a foam roll.
 
 use std::fmt::Write;
 
@@ -21,10 +21,10 @@ fn shade(share: f64) -> (String, &'static str) {
     (fill, if share > 0.6 { "#ffffff" } else { "#222222" })
 }
 
-/// The skin under each object, one under the other, all on one scale.
+/// The skin under each object, one below the other, with a common scale.
 pub fn skin(portraits: &[Portrait]) -> String {
     let forces = portraits.iter().flat_map(|portrait| &portrait.force_n);
-    // Without any force all is white.
+    // If there is no force, everything is white.
     let largest_n = forces.fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
     let columns = portraits
         .iter()
@@ -72,7 +72,7 @@ pub fn skin(portraits: &[Portrait]) -> String {
     )
 }
 
-/// What the shades mean.
+/// The legend of the shades.
 fn scale(body: &mut String, y: f64, largest_n: f64) {
     for (step, share) in SHARES.into_iter().enumerate() {
         let x = MARGIN + step as f64 * 100.0;
@@ -110,7 +110,7 @@ fn cells(body: &mut String, portrait: &Portrait, top: f64, largest_n: f64) {
     }
 }
 
-/// Force over the way of a foam roll that is pushed and let go, from pairs of way, m, and force, N.
+/// Force over displacement of a foam roll that is pushed and released, from pairs of displacement, m, and force, N.
 pub fn roll_loop(points: &[(f64, f64)]) -> String {
     let farthest = (0..points.len()).max_by(|a, b| points[*a].0.total_cmp(&points[*b].0));
     let turn = farthest.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Forces on taxels that stay in their friction cones and keep their sum.
+//! Moves forces on taxels into their friction cones without changing their sum.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -8,14 +8,14 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Carrier {
     /// Inward unit normal, any frame.
     pub inward: DVec3,
-    /// Its share of the load: how far it may be asked to depart from its force, N.
+    /// Its share of the load, N: the larger, the more its force may change.
     pub weight_n: f64,
     /// The force on it, N, same frame.
     pub force: DVec3,
 }
 
-/// Changes the forces as little as it takes for each to lie in its taxel's friction cone, |f_t| ≤ μ f_n, while their
-/// sum stays `total`; whether that is possible. If it is not, nothing is changed.
+/// Changes the forces as little as possible so that each lies in its taxel's friction cone, |f_t| ≤ μ f_n, while their sum
+/// stays `total`. Returns whether that is possible; if it is not, nothing changes.
 ///
 /// It minimizes Σ |f_i − f_i⁰|² / (2 w_i) over the cones C_i under Σ f_i = F. With multipliers λ the forces are the
 /// projections Π_i(f_i⁰ + w_i λ), and λ minimizes the smooth convex function Σ |Π_i(f_i⁰ + w_i λ)|² / (2 w_i) − λ·F:
@@ -28,7 +28,7 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     if carriers.iter().all(inside) {
         return true;
     }
-    // The function of λ that is minimized, and its slope.
+    // The function of λ that is minimized, and its gradient.
     let look = |multiplier: DVec3| {
         let (mut value, mut slope) = (-multiplier.dot(total), -total);
         for carrier in carriers.iter() {
@@ -45,12 +45,12 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
         if slope.length() <= 1e-13 * total.length() {
             break;
         }
-        // Without a solution λ runs away: no cone lets a taxel carry a thousand times the whole force.
+        // Without a solution λ diverges: in no solution does a taxel carry a thousand times the whole force.
         if multiplier.length() * weight_n > 1e3 * total.length() {
             return false;
         }
-        // Where every cone's tip is the nearest point there is no curvature; this much of it, which vanishes towards the
-        // end, leads out of there.
+        // If the apex of every cone is the nearest point, there is no curvature. This regularization leads out of there and
+        // vanishes towards the end.
         let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * slope.length() / total.length());
         for carrier in carriers.iter() {
             curvature += project(carrier, friction, multiplier).1 * carrier.weight_n;
@@ -60,7 +60,7 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
         let accepted = loop {
             let trial = multiplier - step * length;
             let (trial_value, trial_slope) = look(trial);
-            // Near the end the value changes by less than its rounding; the slope still tells.
+            // Near the end the value changes by less than its rounding error; the gradient still decreases.
             if trial_value < value || trial_slope.length() < 0.5 * slope.length() {
                 (multiplier, value, slope) = (trial, trial_value, trial_slope);
                 break true;
@@ -77,10 +77,10 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     settle(carriers, friction, multiplier, total)
 }
 
-/// Several times what is needed where there is a solution; without one λ runs away.
+/// Several times as many as a solution needs; without a solution λ diverges.
 const NEWTON_STEPS: usize = 60;
 
-/// Takes over the forces that a multiplier gives, if they add up.
+/// Accepts the forces that a multiplier gives, if they add up.
 fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVec3) -> bool {
     let sum: DVec3 = carriers
         .iter()
@@ -93,7 +93,7 @@ fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVe
     for carrier in carriers.iter_mut() {
         carrier.force = project(carrier, friction, multiplier).0;
     }
-    // What is left is far under the cones' own tolerance: the strongest taxel takes it.
+    // The rest is far below the tolerance of the cones; the taxel with the largest force takes it.
     if let Some(strongest) = carriers
         .iter_mut()
         .max_by(|a, b| a.force.length().total_cmp(&b.force.length()))
@@ -103,7 +103,7 @@ fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVe
     true
 }
 
-/// The point of a carrier's cone nearest to f⁰ + w λ, and the derivative of that point by the point projected.
+/// The point of a carrier's cone nearest to f⁰ + w λ, and the derivative of this projection.
 fn project(carrier: &Carrier, friction: f64, multiplier: DVec3) -> (DVec3, DMat3) {
     let point = carrier.force + multiplier * carrier.weight_n;
     let normal = point.dot(carrier.inward);
@@ -127,11 +127,11 @@ fn outer(vector: DVec3) -> DMat3 {
     DMat3::from_cols(vector * vector.x, vector * vector.y, vector * vector.z)
 }
 
-/// Solves a symmetric, possibly singular 3 × 3 system; what lies in the null space stays out.
+/// Solves a symmetric, possibly singular 3 × 3 system, without components in the null space.
 pub fn solve_symmetric(matrix: DMat3, right: DVec3) -> DVec3 {
     let matrix = Matrix3::from_column_slice(&matrix.to_cols_array());
     let right = Vector3::new(right.x, right.y, right.z);
-    // Far from singular, nearly always: ten times as quick as by eigenvectors.
+    // Nearly always far from singular, and then ten times as fast as with eigenvectors.
     if let Some(factor) = matrix.cholesky()
         && factor.l_dirty().diagonal().min().powi(2) > 1e-9 * matrix.diagonal().amax()
     {
@@ -205,7 +205,7 @@ mod tests {
         }
     }
 
-    /// Pins that a force that no cone holds changes nothing and is said not to be held.
+    /// Pins that a force outside all cones changes nothing and is reported.
     #[test]
     fn what_cannot_be_carried_stays() {
         let force = DVec3::new(1.0, 0.0, 1.0);

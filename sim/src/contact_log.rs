@@ -23,7 +23,7 @@ struct Course {
 }
 
 impl ContactLog {
-    /// Takes the forces between the pairs that touch in one frame, N.
+    /// Adds the forces between the pairs that touch in one frame, N.
     pub fn observe(&mut self, frame: u32, pairs: &BTreeMap<ContactPair, DVec3>) {
         for (pair, force) in pairs {
             let force_n = force.length();
@@ -41,7 +41,7 @@ impl ContactLog {
             .extend(self.open.extract_if(.., |_, course| course.last_frame < frame));
     }
 
-    /// All contacts, those still open included, by first frame, then patch, then link, then object.
+    /// All contacts, including those still open, sorted by first frame, then patch, link and object.
     pub fn finish(mut self, link_name: impl Fn(u16) -> String) -> Vec<Contact> {
         self.closed.extend(self.open);
         self.closed.sort_by_key(|(pair, course)| (course.first_frame, *pair));
@@ -72,7 +72,7 @@ mod tests {
         format!("link {link}")
     }
 
-    /// Pins that a contact which breaks and comes again makes two rows, with peak and mean of its own frames.
+    /// Pins that a contact which breaks and returns gives two rows, each with the peak and the mean over its own frames.
     #[test]
     fn a_broken_contact_is_two() {
         let mut log = ContactLog::default();
@@ -89,8 +89,8 @@ mod tests {
         assert_eq!(summary, [(5, 6, 3.0, 2.0), (8, 8, 2.0, 2.0)]);
     }
 
-    /// Pins that an object on two links without skin makes two contacts, each with the name of its link, and that contacts
-    /// of one first frame come by patch, then link, then object.
+    /// Pins that an object on two bare links gives two contacts, each with the name of its link, and that contacts with the
+    /// same first frame are sorted by patch, link and object.
     #[test]
     fn contacts_name_their_links() {
         let bare = |link, object| ContactPair {

@@ -1,5 +1,5 @@
-//! From solver contacts to taxel forces: a thin elastic layer over the hard link spreads each contact over the taxels
-//! under it and loses none of its force.
+//! From solver contacts to taxel forces: a thin elastic layer over the hard link spreads each contact over the taxels under
+//! it, and conserves its force.
 //!
 //! The layer is an elastic foundation (Winkler): a sub-point j of a taxel, of area a_j, is pressed by
 //! p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the signed gap
@@ -7,10 +7,10 @@
 //! sub-point's place in the tangent plane of the contact. δ and t are those for which the pressures add up to the
 //! solver's normal force and to its moment about the tangents: the minimum of a convex, piecewise quadratic energy,
 //! found by Newton's method. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
-//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. Where
-//! that takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as it takes
-//! (`sim/src/cone.rs`). That is possible where the cones of the pressed taxels together hold the solver's force: not
-//! where all of them lie on one side of the contact's normal, as one taxel or one column may; there shear stays as it is.
+//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. If this
+//! takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as possible
+//! (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels lie on
+//! one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -45,9 +45,9 @@ pub struct SkinPatch {
     pub centers_link: Vec<DVec3>,
     /// Outward unit normals of the taxels, link frame.
     pub normals_link: Vec<DVec3>,
-    /// Sub-points sorted by taxel, as many of each.
+    /// Sub-points sorted by taxel, the same number for each.
     pub sub_points: Vec<SubPoint>,
-    /// Largest distance of a contact point from the nearest taxel centre that still is on this skin, m.
+    /// Largest distance of a contact point on this skin from the nearest taxel's centre, m.
     pub reach_m: f64,
     /// Stiffness of the layer per volume, N/m³.
     pub stiffness_n_per_m3: f64,
@@ -66,7 +66,7 @@ pub struct ContactPoint {
     pub force_link: DVec3,
 }
 
-/// What one contact does to one taxel.
+/// The force of one contact on one taxel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaxelForce {
     /// The taxel.
@@ -77,12 +77,12 @@ pub struct TaxelForce {
     pub shear_link: DVec3,
 }
 
-/// How far around the solver's contact points the layer looks for indented taxels, m. A trunk of 4 cm pressed in by a
-/// 17 N taxel (0.7 cm deep) lights taxels up to 2.5 cm away.
+/// How far around the solver's contact points the layer looks for indented taxels, m. A trunk of 4 cm that presses on a taxel
+/// with 17 N is 0.7 cm deep and reaches taxels up to 2.5 cm away.
 const SEARCH_RADIUS_M: f64 = 0.03;
 
-/// Sub-points along each side of a taxel. Three resolve a contact narrower than a taxel to 3 mm; a trunk's pressure
-/// over a 9 mm taxel changes by less than a fifth between them.
+/// Sub-points along each side of a taxel. Three resolve a contact narrower than a taxel to 3 mm; the pressure of a trunk
+/// changes by less than a fifth between them.
 const POINTS_PER_SIDE: usize = 3;
 
 impl SkinPatch {
@@ -118,7 +118,7 @@ impl SkinPatch {
             .collect()
     }
 
-    /// Whether a contact presses on this skin rather than on the bare shell beside it.
+    /// Whether a contact presses on this skin and not on the bare shell beside it.
     pub fn covers(&self, contact: &ContactPoint) -> bool {
         let reach = self.reach_m * self.reach_m;
         let mut taxels = self.centers_link.iter().zip(&self.normals_link);
@@ -133,8 +133,8 @@ impl SkinPatch {
         self.spread_under(contacts, shape, shape_pose, 0.0)
     }
 
-    /// As [`SkinPatch::spread`], under a shape whose surface gives way by `compliance_m3_per_n` under pressure: layer
-    /// and surface are springs in series, and the softer they are the more taxels share the load.
+    /// As [`SkinPatch::spread`], for a shape whose surface deflects by `compliance_m3_per_n` under pressure. Layer and surface
+    /// are springs in series; the softer they are, the more taxels share the load.
     pub fn spread_under(
         &self,
         contacts: &[ContactPoint],
@@ -181,8 +181,8 @@ impl SkinPatch {
         }
         taxels.retain(|(_, force)| *force > 0.0);
         if taxels.is_empty() {
-            // The layer found nothing to press (a shape too thin to sample, or contacts on two faces of an edge): the
-            // taxel nearby that faces the force most takes it all.
+            // No sub-point is indented, because the shape is too thin to sample or touches two faces of an edge. The nearby
+            // taxel that faces the force most takes all of it.
             taxels.extend(self.facing_taxel(contacts, total).map(|taxel| (taxel, 1.0)));
         }
         self.balance(&taxels, total)
@@ -211,7 +211,7 @@ impl SkinPatch {
                 force: tangent_plane(*taxel, shear) * *force - normal(*taxel) * (force * scale),
             })
             .collect();
-        // Where it is not possible, the taxels take what the solver gave them.
+        // If that is impossible, the taxels keep what the solver gave them.
         within_cones(&mut carriers, self.friction, total);
         let carried = taxels.iter().zip(&carriers);
         carried
@@ -228,7 +228,7 @@ impl SkinPatch {
     }
 
     fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SubPoint> {
-        // All taxels have as many sub-points.
+        // All taxels have the same number of sub-points.
         let each = self.sub_points.len() / self.centers_link.len().max(1);
         self.centers_link
             .iter()
@@ -260,15 +260,15 @@ fn faces(normal_link: DVec3, inward: DVec3) -> bool {
 struct Cell {
     taxel: usize,
     gap: f64,
-    /// (1, x₁, x₂): what depth and tilts add to its indentation.
+    /// (1, x₁, x₂): the derivative of its indentation by depth and tilts.
     place: Vector3<f64>,
     stiffness: f64,
     /// Share of its pressure that acts along the contact's normal.
     share: f64,
 }
 
-/// Tilts cost this share of what an equal depth at a lever arm of 1 cm costs: enough to settle a tilt that no taxel
-/// resists (a point contact), too little to disturb one that a patch does.
+/// Relative regularization of the tilts, so that a point contact, whose tilt no taxel resists, has a unique solution. The
+/// scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
 
 /// The pressures of the cells, N, under a rigid shape that is pressed on them with `force` (N) through the origin.
@@ -287,7 +287,7 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
             .sum();
         0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
     };
-    // Deep enough that one cell at least is in touch, so that the first Newton step has a slope.
+    // Start deep enough that at least one cell is indented, so that the first Newton step has a gradient.
     let mut pose = Vector3::new(nearest + force / stiffness, 0.0, 0.0);
     let mut value = energy(&pose);
     for _ in 0..50 {

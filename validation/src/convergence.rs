@@ -13,7 +13,7 @@ use crate::{Case, Check, CheckError, Comparison, Simulated};
 pub const CHECK: Check = Check {
     number: 13,
     name: "convergence",
-    summary: "Errors fall with the step in the first order and with the hinges as their quadrature does",
+    summary: "Errors are first order in the time step, and fall with the number of hinges at the order of their quadrature",
     cases: &[
         Case {
             compare: leaf_in_step,
@@ -30,7 +30,7 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const REASON: &str = "0.2: of a straight line through the logarithms; terms of the next order bend it";
+const REASON: &str = "0.2: fit of a straight line on a log-log scale; terms of the next order bend it";
 const STEPS_S: [f64; 3] = [4e-4, 2e-4, 1e-4];
 
 fn leaf_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {

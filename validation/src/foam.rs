@@ -12,7 +12,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 11,
     name: "foam",
-    summary: "Foam blocks and rolls are bars of standard linear solids, and always lose work",
+    summary: "Foam blocks and rolls behave as bars of a standard linear solid, and never give back more work than was put in",
     cases: &[
         Case {
             compare: pressed_block,
@@ -106,7 +106,7 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             foam::bar_force_n(BLOCK.modulus_pa, BLOCK_AREA_M2, BLOCK.height_m, depth_m),
             force,
             0.03,
-            "3 %: exact in the step; within 20 ms under 1 % of a spring that relaxes in 2 s is gone",
+            "3 %: exact in the time step; a spring with a relaxation time of 2 s loses less than 1 % within 20 ms",
         ),
         Comparison::relative(
             "wet block, sag ρ g H² / 2 E at the relaxed modulus",
@@ -115,7 +115,7 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             sag / (1.0 - WET_RELAXING_SHARE),
             -sunk,
             0.03,
-            "3 %: exact in the step; after 30 s e⁻¹⁰ of the creep is still to come",
+            "3 %: exact in the time step; after 30 s a fraction e⁻¹⁰ of the creep remains",
         ),
     ])
 }
@@ -163,7 +163,7 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             solid().relaxation(0.1) * DEPTH_M,
             first,
             0.03,
-            "3 %: exact for a displacement that is held; the dashpot is a step late",
+            "3 %: exact for a constant displacement; the dashpot lags by one step",
         ),
         Comparison::relative(
             "roll's slice, relaxation time",
@@ -171,7 +171,7 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             solid().relaxation_time_s,
             time_s,
             0.02,
-            "2 %: exact for a displacement that is held; the drive gives way by 1e-3",
+            "2 %: exact for a constant displacement; the drive itself deflects by 1e-3",
         ),
     ])
 }
@@ -188,19 +188,19 @@ fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         solid().loop_area(DEPTH_M, frequency),
         work(last.iter().map(|point| (point.place, point.force))),
         0.03,
-        "3 %: the spring's own damper adds 0.2 %, the dashpot is a step late (1e-3 of a radian)",
+        "3 %: the spring's own damper adds 0.2 %, and the dashpot lags by one step (1e-3 rad)",
     )])
 }
 
 fn wandering_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let least = least_work(&slice(simulated)?.drive(wander, 20.0)) / (solid().stiffness * DEPTH_M * DEPTH_M);
     Ok(vec![Comparison::at_most(
-        "roll's slice, most work given back by any wandering, of k x²",
+        "roll's slice, largest net work returned along an irregular path, over k x²",
         "",
         0.0,
         -least,
         1e-6,
-        "1e-6: never gives back what was not put in, but for the drive's own give",
+        "1e-6: a passive material returns no net work; the drive itself deflects slightly",
     )])
 }
 
@@ -211,12 +211,13 @@ fn returning_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     let force_n = |time_s: f64| way[(time_s / Driven::STEP_S).round() as usize - 1].force;
     let expected = |time_s| solid().there_and_back_force(1.0, time_s);
     Ok(vec![Comparison::relative(
-        "roll's slice, force at 5 mm on the way out over that on the way in",
+        "roll's slice, force at 5 mm while unloading, over that while loading",
         "",
         expected(1.5) / expected(0.5),
         force_n(1.5) / force_n(0.5),
         0.02,
-        "2 %: the spring's own damper adds 0.1 N to 24 N on the way in and takes it from 17 N on the way out; the dashpot is a          step late",
+        "2 %: the spring's own damper adds 0.1 N to 24 N while loading and subtracts it from 17 N while unloading; the dashpot \
+         lags by one step",
     )])
 }
 

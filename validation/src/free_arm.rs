@@ -14,7 +14,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 8,
     name: "free-arm",
-    summary: "The arm without springs, dampers, gravity and contacts keeps its energy; with them it never gains any",
+    summary: "The free arm, without springs, dampers, gravity or contacts, conserves energy; with springs and dampers it never gains any",
     cases: &[
         Case {
             compare: free,
@@ -63,7 +63,7 @@ fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             start,
             end,
             1e-3,
-            "0.1 %: a step of first order; joints turn by half a milliradian in it",
+            "0.1 %: the integrator is first order; joints rotate by half a milliradian in a step",
         ),
         largest_rise("the free arm", &energies),
     ])
@@ -81,12 +81,12 @@ fn sprung(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
     let rises = energies_j.windows(2).map(|pair| pair[1] - pair[0]);
     Comparison::at_most(
-        format!("largest rise of the energy of {name} in one step, of the energy at the start"),
+        format!("largest rise of the energy of {name} in one step, over the initial energy"),
         "",
         0.0,
         rises.fold(f64::NEG_INFINITY, f64::max) / energies_j[0],
         1e-9,
-        "1e-9: never rising but for rounding",
+        "1e-9: rounding only",
     )
 }
 

@@ -15,7 +15,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 7,
     name: "friction",
-    summary: "A box slips at the slope atan μ and slides as Coulomb says; no taxel is sheared by more than μ times its pressure",
+    summary: "A box slips at a slope of atan μ and slides with Coulomb friction; the shear on a taxel never exceeds μ times its normal force",
     cases: &[
         Case {
             compare: boxes,
@@ -57,7 +57,7 @@ fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             statics::slip_angle_rad(FRICTION).to_degrees(),
             slip_slope_rad(friction, may_rotate).to_degrees(),
             0.5,
-            "0.5°: the search ends at 0.01°; a slip is told from creep within a second",
+            "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second",
         ));
         for slope_deg in [30.0_f64, 45.0] {
             let slope = slope_deg.to_radians();
@@ -71,7 +71,7 @@ fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
                 statics::sliding_acceleration_m_per_s2(GRAVITY_M_PER_S2, slope, FRICTION),
                 (speeds[speeds.len() - 1] - speeds[half]) / seconds,
                 1e-2,
-                "1 %: a constant force has no error of the step; what remains is the solver's, shared by four points",
+                "1 %: a constant force has no discretization error; what remains is the solver's error, over four contact points",
             ));
         }
     }
@@ -116,20 +116,20 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     }
     Ok(vec![
         Comparison::at_most(
-            "sliding forearm, largest shear of a taxel over μ times its pressure",
+            "sliding forearm, largest shear of a taxel over μ times its normal force",
             "",
             1.0,
             largest,
             1e-6,
-            "1e-6: Coulomb's bound, but for rounding",
+            "1e-6: Coulomb's bound, up to rounding",
         ),
         Comparison::absolute(
-            "sliding forearm, share of the friction that opposes the slip",
+            "sliding forearm, share of the friction force that opposes the slip",
             "",
             1.0,
             opposed / whole,
             1e-2,
-            "1 %: friction opposes the slip; the slip turns a little within a frame",
+            "1 %: friction opposes the slip, whose direction changes a little within a frame",
         ),
     ])
 }

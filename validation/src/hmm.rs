@@ -13,7 +13,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 17,
     name: "hmm",
-    summary: "Forward scores are sums over all paths, training never loses likelihood and finds known parameters",
+    summary: "Forward scores equal the sum over all paths; training never lowers the likelihood and recovers known parameters",
     cases: &[
         Case {
             compare: forward,
@@ -170,12 +170,12 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         before = after;
     }
     Ok(vec![Comparison::at_most(
-        "largest fall of the log-likelihood in one iteration",
+        "largest decrease of the log-likelihood in one iteration",
         "",
         0.0,
         fall,
         1e-9,
-        "1e-9 of its size: rounding; Baum-Welch cannot fall",
+        "1e-9, relative: rounding; a Baum-Welch iteration never decreases the likelihood",
     )])
 }
 

@@ -46,23 +46,23 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             expected.period_s(),
             std::f64::consts::TAU / frequency,
             5e-3,
-            "0.5 %: the implicit step changes it by (ω Δt)², 6e-5; zeros are read between steps",
+            "0.5 %: the implicit step changes it by (ω Δt)², 6e-5; zero crossings are interpolated between steps",
         ),
         Comparison::relative(
-            "overshoot, in steps",
+            "overshoot, relative to the step",
             "",
             stepped.overshoot(),
             overshoot,
             5e-3,
-            "0.5 %: the closed form of the implicit Euler step, which adds ω Δt / 2 to the damping ratio; first order left",
+            "0.5 %: compared with the closed form under implicit Euler, which adds ω Δt / 2 to the damping ratio; first-order terms remain",
         ),
         Comparison::absolute(
-            "largest miss of the whole response, in steps",
+            "largest error of the whole response, relative to the step",
             "",
             0.0,
             response.largest_miss(&stepped),
             1e-2,
-            "1 %: against the same; the first step acts ω Δt too early",
+            "1 %: compared with the same; the first step acts ω Δt too early",
         ),
     ])
 }

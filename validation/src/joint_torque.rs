@@ -13,7 +13,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 6,
     name: "joint-torque",
-    summary: "At rest the joints' springs balance the contact forces, K (φ − q) = −Σ Jᵀ f",
+    summary: "At rest, the joint springs balance the contact forces: K (φ − q) = −Σ Jᵀ f",
     cases: &[Case {
         compare,
         falsifications: &[STIFF_JOINTS],
@@ -70,7 +70,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
                 contacts.norm(),
                 springs.norm(),
                 1e-3,
-                "0.1 %: a state of rest has no error of the step; what remains is creep of the contact under friction",
+                "0.1 %: a state of rest has no discretization error; what remains is creep of the contact under friction",
             )
         });
     }

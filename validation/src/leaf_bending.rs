@@ -12,7 +12,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const SMALL_LOAD: Check = Check {
     number: 1,
     name: "leaf-small-load",
-    summary: "A leaf under a small load at its tip bends as a beam, and under one lower down as its hinges say",
+    summary: "A small load at the tip bends a leaf like a beam; a load lower down bends it like the discrete chain of hinges",
     cases: &[
         Case {
             compare: tip_load,
@@ -29,7 +29,7 @@ pub const SMALL_LOAD: Check = Check {
 pub const LARGE_DEFLECTION: Check = Check {
     number: 2,
     name: "leaf-large-deflection",
-    summary: "A leaf bent far follows the elastica, and an end moment bends it to an arc",
+    summary: "A leaf under a large load follows the elastica, and an end moment bends it into a circular arc",
     cases: &[Case {
         compare: large_deflection,
         falsifications: &[STIFF_BLADE],
@@ -70,7 +70,7 @@ fn tip_load(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             beam::beam_deflection_m(SMALL_LOAD_N, LENGTH_M, RIGIDITY_N_M2),
             found.x,
             small_load_tolerance(),
-            "twice (4/35) (P L² / E I)²: Gauss-Legendre hinges are exact for a small tip load, this is the elastica's next term",
+            "twice (4/35) (P L² / E I)², the next term of the elastica: Gauss-Legendre hinges are exact for a small tip load",
         ));
     }
     Ok(comparisons)
@@ -85,12 +85,12 @@ fn load_below_tip(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         };
         let mut leaf = damped_leaf(simulated.with(FEWER_HINGES, hinges, hinges - 1), simulated)?;
         comparisons.push(Comparison::relative(
-            format!("deflection by a load at 0.6 of the height, {hinges} hinges, against their sum"),
+            format!("deflection by a load at 0.6 of the height, {hinges} hinges, against the sum over them"),
             "m",
             expected,
             leaf.settle_at(DVec3::X * SMALL_LOAD_N, height_m)?,
             small_load_tolerance(),
-            "the same: the sum over Gauss's published nodes is exact for the chain",
+            "the same: the sum over the published Gauss nodes is exact for the chain",
         ));
     }
     Ok(comparisons)
@@ -109,8 +109,8 @@ fn large_deflection(simulated: Simulated) -> Result<Vec<Comparison>, CheckError>
                 expected,
                 found,
                 1.5 * chain::far_bending_error(bending, segments),
-                "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, and a half for the lever \
-                 that it changes",
+                "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, and half as much again \
+                 because it changes the lever",
             ));
         }
     };

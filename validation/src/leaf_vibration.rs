@@ -12,7 +12,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 3,
     name: "leaf-vibration",
-    summary: "A plucked leaf has a clamped beam's first frequency, and its loss factor damps it",
+    summary: "A plucked leaf vibrates at the first frequency of a clamped beam and decays according to its loss factor",
     cases: &[
         Case {
             compare: undamped,
@@ -88,8 +88,8 @@ fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             free.frequency_rad_per_s,
             frequency,
             1e-3,
-            "0.1 %: a chain with Gauss-Legendre hinges is 4e-6 off at n = 8; higher modes, some hundredths of the first, move a \
-             zero by as much of a radian, and there are 40 rad between the first zero and the last",
+            "0.1 %: a chain with 8 Gauss-Legendre hinges is off by 4e-6; higher modes, some hundredths of the first, shift a zero \
+             crossing by some hundredths of a radian, and the crossings span 40 rad",
         ),
         Comparison::relative(
             "log decrement of the integrator alone",
@@ -97,7 +97,7 @@ fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             free.under_implicit_euler(STEP_S).log_decrement(),
             decrement,
             0.05,
-            "5 %: peaks are read in steps, and higher modes add to them",
+            "5 %: peaks are sampled at steps, and higher modes add to them",
         ),
     ])
 }
@@ -115,6 +115,6 @@ fn damped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         exact.under_implicit_euler(STEP_S).log_decrement(),
         decrement,
         0.02,
-        "2 %: peaks are read in steps, and higher modes add to the first",
+        "2 %: peaks are sampled at steps, and higher modes add to the first",
     )])
 }

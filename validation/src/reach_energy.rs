@@ -10,8 +10,8 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 12,
     name: "reach-energy",
-    summary: "Over a whole reach the actuators' work is the arm's energy and what its dampers, its contacts and the \
-              integrator take",
+    summary: "Over a whole reach, the work of the actuators equals the energy stored in the arm plus the losses in dampers, \
+              contacts and integrator",
     cases: &[
         Case {
             compare: |simulated| compare("trunks", include_str!("../../scenes/trunk.toml"), simulated),
@@ -44,7 +44,7 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparis
             sums.actuators_j,
             found,
             0.01,
-            "1 % of the work exchanged: order 1 in the step of 1 ms, by which impacts and dampers are resolved",
+            "1 % of the work exchanged: impacts and dampers are resolved to first order in the step of 1 ms",
         )
     }])
 }

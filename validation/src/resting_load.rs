@@ -11,7 +11,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 4,
     name: "resting-load",
-    summary: "A ball, a box and a capsule at rest press on the ground with their weight",
+    summary: "A ball, a box and a capsule at rest press on the ground with their own weight",
     cases: &[Case {
         compare,
         falsifications: &[HEAVY_BODY],
@@ -62,7 +62,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
                 MASS_KG * GRAVITY_M_PER_S2,
                 resting_load_n(BodyPart { shape, pose_body }, mass_kg)?,
                 1e-6,
-                "1e-6: a state of rest has no error of the step; what remains is the solver's residual",
+                "1e-6: a state of rest has no discretization error; what remains is the solver's residual",
             ))
         })
         .collect()

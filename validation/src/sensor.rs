@@ -10,7 +10,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 16,
     name: "sensor",
-    summary: "The sensor's noise, quantum, delay, crosstalk, creep and hysteresis are those asked for",
+    summary: "The sensor's noise, quantization, delay, crosstalk, creep and hysteresis match its parameters",
     cases: &[
         Case {
             compare: noise,
@@ -83,7 +83,7 @@ const WIDE_LOOP: Falsification = Falsification {
 const NOISE_N: f64 = 0.005;
 const TAXELS: usize = 384;
 const FRAMES: usize = 1000;
-const ROUNDING: &str = "1e-9: exact updates, only rounding is lost";
+const ROUNDING: &str = "1e-9: the updates are exact up to rounding";
 
 /// A sensor whose taxels are pressed one by one.
 struct Bench {
@@ -168,12 +168,12 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         wrong += f64::from(reading != (force * 1000.0).round() / 1000.0);
     }
     Ok(vec![Comparison::absolute(
-        "readings of 5000 that are not the number nearest to count / 1000",
+        "readings, of 5000, that are not the number nearest to count / 1000",
         "",
         0.0,
         wrong,
         1.0,
-        "under 1: not one",
+        "below 1: none is allowed",
     )])
 }
 
@@ -193,7 +193,7 @@ fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         3.0,
         arrived.map_or(f64::NAN, |frame| frame as f64 - 5.0),
         0.5,
-        "half a frame: a delay is whole frames",
+        "half a frame: a delay is a whole number of frames",
     )])
 }
 
@@ -222,12 +222,12 @@ fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let inner = kernel(INNER_TAXEL);
     let others = inner.iter().enumerate().filter(|(other, _)| *other != INNER_TAXEL);
     let largest = others.map(|(_, reading)| *reading).fold(0.0, f64::max);
-    let reason = "1e-12: force is moved, only rounding is lost";
+    let reason = "1e-12: crosstalk conserves force up to rounding";
     let compare =
         |quantity: &str, expected: f64, found: f64| Comparison::absolute(quantity, "", expected, found, 1e-12, reason);
     Ok(vec![
         compare(
-            "sum of a crosstalk kernel, the worst of 384",
+            "sum of a crosstalk kernel, worst of 384",
             1.0,
             worst.unwrap_or(f64::NAN),
         ),
@@ -236,7 +236,11 @@ fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             1.0 - share,
             inner[INNER_TAXEL],
         ),
-        compare("largest share that one of its neighbours gets", share / 4.0, largest),
+        compare(
+            "largest share that one of its neighbours receives",
+            share / 4.0,
+            largest,
+        ),
     ])
 }
 
@@ -283,6 +287,6 @@ fn hysteresis(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         share * peak * peak / 2.0,
         down - up,
         1e-6,
-        "1e-6: the square of one of 4000 steps, by which the trapezoidal rule misses a corner",
+        "1e-6: the trapezoidal rule's error at a corner, the square of one of 4000 steps",
     )])
 }

@@ -17,7 +17,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 14,
     name: "series-pushing",
-    summary: "Pushing, force rises with the equilibrium point as arm and object in series say",
+    summary: "Pushing force follows the series stiffness of arm, contact and object",
     cases: &[
         Case {
             compare: |simulated| leaf("leaf, high on the blade", 0.30, simulated),
@@ -153,7 +153,7 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
     let force: DVec3 = contacts.iter().map(|contact| contact.force_world).sum();
     if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
         return Err(CheckError::Case(
-            "the forearm does not touch, or another link does".into(),
+            "the forearm does not touch the object, or another link does".into(),
         ));
     }
     let weights = contacts.iter().map(|contact| contact.force_world.length());
@@ -211,7 +211,7 @@ fn series(
         statics::in_series(&[arm, object_n_per_m(height_m)]),
         rise_n / (push_m - overlap_m),
         1e-2,
-        "1 %: the arm's stiffness and the lever change over the push",
+        "1 %: the arm's stiffness and the lever change during the push",
     )])
 }
 

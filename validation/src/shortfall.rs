@@ -1,4 +1,4 @@
-//! The one list of tolerances that are not met, with how far they are missed and why.
+//! The list of tolerances that are not met, with how far they are missed and why.
 
 use serde::Serialize;
 
@@ -16,9 +16,9 @@ pub struct Shortfall {
 }
 
 /// Solver of `rapier3d` 0.36.1: `ContactConstraintTangentPart::solve` and `generic_solve`.
-const BOX_THAT_TURNS: &str = "the engine limits K⁻¹ v to μ N, where v is the slip and K⁻¹ the effective mass of the contact \
-     point; where that differs with the direction, as at the corners of a body that can turn, friction is not opposite to \
-     the slip: it is 25° off here, and cos 25° is 0.907. It is exact where the body cannot turn";
+const BOX_THAT_TURNS: &str = "the engine limits K⁻¹ v to μ N, where v is the slip velocity and K⁻¹ the effective mass at the \
+     contact point. If the effective mass depends on the direction, as at the corners of a body that can rotate, friction \
+     does not oppose the slip exactly: here it is 25° off, and cos 25° = 0.907. It is exact for a body that cannot rotate";
 
 /// All known shortfalls.
 pub const SHORTFALLS: &[Shortfall] = &[
@@ -42,23 +42,23 @@ pub const SHORTFALLS: &[Shortfall] = &[
     },
     Shortfall {
         check: "friction",
-        quantity: "sliding forearm, share of the friction that opposes the slip",
+        quantity: "sliding forearm, share of the friction force that opposes the slip",
         bound: 0.0441,
-        cause: "the same on an arm, whose effective mass differs with the direction: friction has the right size and is 17° \
+        cause: "the same on an arm, whose effective mass depends on the direction: friction has the right magnitude and is 17° \
                 off",
     },
     Shortfall {
         check: "skin-layer",
         quantity: "trunk across the forearm at 2 N, largest taxel",
         bound: 0.0531,
-        cause: "the skin's model tilts the trunk by 1.3°, so that the taxels, which have gaps of 1.8 mm between them, carry no \
-                moment about the contact; the closed form has no tilt, and its largest taxel carries more",
+        cause: "the skin model tilts the trunk by 1.3°, so that the taxels, which are 1.8 mm apart, carry no moment about the \
+                contact. The closed form has no tilt, and its largest taxel carries more",
     },
     Shortfall {
         check: "free-arm",
-        quantity: "largest rise of the energy of the free arm in one step, of the energy at the start",
+        quantity: "largest rise of the energy of the free arm in one step, over the initial energy",
         bound: 2.45e-7,
-        cause: "the engine takes centrifugal and Coriolis forces as they are at the start of a step, so their work has an \
-                error of either sign that goes with the square of the step",
+        cause: "the engine evaluates centrifugal and Coriolis forces at the start of a step, so their work has an error of \
+                either sign that is second order in the step",
     },
 ];

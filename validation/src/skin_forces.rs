@@ -14,8 +14,8 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 5,
     name: "skin-forces",
-    summary: "Taxels add up to the solver's forces and moments and stay in their friction cones; bodies push each other \
-              equally",
+    summary: "Taxel forces add up to the solver's force and moment and stay in their friction cones; colliding bodies \
+              exchange equal and opposite momentum",
     cases: &[
         Case {
             compare: taxels,
@@ -91,28 +91,28 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     }
     Ok(vec![
         Comparison::absolute(
-            "forces of taxels against contacts, largest difference, of the contacts'",
+            "forces of taxels against contacts, largest relative difference",
             "",
             0.0,
             worst.force,
             1e-9,
-            "1e-9: forces are handed on, only rounding is lost",
+            "1e-9: the skin conserves force up to rounding",
         ),
         Comparison::absolute(
-            "moment about the link of taxels against contacts, largest difference, over the force",
+            "moment about the link of taxels against contacts, largest difference over the force",
             "m",
             0.0,
             worst.moment_m,
             HALF_PITCH_M,
-            "half the pitch between columns: a taxel tells how much presses on it, not where",
+            "half the pitch between columns: a taxel measures how much presses on it, not where",
         ),
         Comparison::at_most(
-            "largest shear of a taxel, of what its friction cone allows",
+            "largest shear of a taxel, relative to its friction cone",
             "",
             1.0,
             worst.slip,
             1e-6,
-            "1e-6: the cones are kept to rounding, the contact's own friction to the solver's iterations",
+            "1e-6: the cones hold up to rounding, the contact's friction up to the solver's convergence",
         ),
     ])
 }
@@ -158,12 +158,12 @@ fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(),
 /// A ball meets a box off its centre, both free.
 fn collision(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(vec![Comparison::absolute(
-        "momentum that two bodies lose together in a glancing blow, of what one gives the other",
+        "total momentum lost in a glancing collision, over the momentum exchanged",
         "",
         0.0,
         lost_momentum(simulated.with(GRAVITY_LEFT_ON, 0.0, 9.81)),
         1e-12,
-        "1e-12: the same impulse acts on both, only rounding is lost",
+        "1e-12: the same impulse acts on both bodies, up to rounding",
     )])
 }
 

@@ -14,7 +14,7 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 10,
     name: "skin-layer",
-    summary: "A ball on flat skin and a trunk across the forearm press as Winkler's layer says",
+    summary: "A ball on flat skin and a trunk across the forearm are pressed in as deep as Winkler's foundation predicts",
     cases: &[
         Case {
             compare: ball_on_flat,
@@ -107,7 +107,7 @@ fn fine_skin(name: &str, pressed: &Pressed, radii_m: [f64; 2]) -> Vec<Comparison
                 force_n,
                 law(pressed.depth_m(FINEST_PITCH_M, force_n)),
                 0.05,
-                "5 %: terms of the order d / R, left out by the law, and the mean of pressure over a taxel",
+                "5 %: the law neglects terms of order d / R, and a taxel averages the pressure over its area",
             )
         })
         .into();
@@ -132,7 +132,8 @@ fn fine_skin(name: &str, pressed: &Pressed, radii_m: [f64; 2]) -> Vec<Comparison
         2.0,
         order::log_log_slope(&misses),
         0.2,
-        "0.2: of a straight line through the logarithms; the pressure's mean over a taxel of side p lacks k p² / 24 (1/R₁ + 1/R₂),          beside which terms of the order d / R do not fall with the pitch",
+        "0.2: fit of a straight line on a log-log scale; the mean pressure over a taxel of side p is too low by \
+         k p² / 24 (1/R₁ + 1/R₂), and terms of order d / R do not fall with the pitch",
     ));
     comparisons
 }
@@ -236,7 +237,7 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             expected.into_iter().fold(0.0, f64::max),
             found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max),
             0.05,
-            "5 %: nine points a taxel, terms of the order d / R, and a tilt of the trunk, which the law leaves out",
+            "5 %: nine points per taxel, terms of order d / R, and a tilt of the trunk, which the law neglects",
         ));
     }
     Ok(comparisons)

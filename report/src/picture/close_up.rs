@@ -1,4 +1,4 @@
-//! The surroundings of marked taxels.
+//! Close-ups of marked taxels.
 
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ const SIZE_M: DVec2 = DVec2::new(0.30, 0.23);
 /// Font size, px, and the height of the title: a close-up is shown about as wide as a page.
 const FONT: f64 = 5.6;
 
-/// The surroundings of marked taxels, from the right and from above; none without marks. `name` is unique on a page.
+/// Close-ups of marked taxels, from the right and from above; none if there are no marks. `name` is unique on a page.
 pub fn close_ups(
     name: &str,
     snapshot: &Snapshot,
@@ -84,7 +84,7 @@ fn draw(
         title = panel.title,
     );
     panel.shapes(&mut svg, &view, snapshot);
-    // Those towards the viewer last.
+    // Nearest to the viewer last.
     let mut marks: Vec<_> = marks.iter().collect();
     marks.sort_by(|a, b| panel.depth(a.0).total_cmp(&panel.depth(b.0)));
     for (position, mark) in marks {
@@ -100,7 +100,7 @@ fn draw(
     svg + "</svg>\n</svg>\n"
 }
 
-/// Five centimetres, on a plate that hides what lies behind it.
+/// A scale bar of five centimetres, on an opaque background.
 fn scale_bar(svg: &mut String, size: DVec2) {
     let length = 0.05 * SCALE;
     let (x, y) = (size.x - length - 6.0, size.y - 6.0);

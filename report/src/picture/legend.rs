@@ -1,4 +1,4 @@
-//! Words around a picture, wrapped to its width.
+//! Text around a picture, wrapped to its width.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -21,7 +21,7 @@ fn square(fill: &str) -> String {
     format!("<rect x=\"-7\" y=\"-7\" width=\"14\" height=\"14\" fill=\"{fill}\"/>")
 }
 
-/// Every kind of mark that the picture holds.
+/// Every kind of mark in the picture.
 fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |mark: String, text: &str| {
@@ -72,7 +72,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
     entries
 }
 
-/// Writes the legend from `top` on; gives its height, px.
+/// Writes the legend, starting at `top`, and returns its height, px.
 pub fn legend(svg: &mut String, snapshot: &Snapshot, layout: &SkinLayout, (left, width): (f64, f64), top: f64) -> f64 {
     let (mut x, mut row) = (left, 0.0);
     for Entry { mark, text } in entries(snapshot, layout) {
@@ -93,7 +93,7 @@ pub fn legend(svg: &mut String, snapshot: &Snapshot, layout: &SkinLayout, (left,
     (row + 1.0) * LINE
 }
 
-/// Writes a text in as many lines as it needs; gives its height, px.
+/// Writes a text in as many lines as it needs, and returns its height, px.
 pub fn paragraph(svg: &mut String, text: &str, (left, width): (f64, f64), top: f64) -> f64 {
     let most = (width / (LETTER * FONT)) as usize;
     let mut lines = vec![String::new()];

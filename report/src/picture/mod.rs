@@ -19,18 +19,18 @@ use panel::{PANELS, Panel, View};
 /// px: shown 390 px wide on a phone, text of 16 px is still 10 px tall.
 const FONT: f64 = 16.0;
 const LINE: f64 = 24.0;
-/// Mean width of a letter of a sans-serif font, as a share of its size.
+/// Mean width of a letter of a sans-serif font, relative to the font size.
 const LETTER: f64 = 0.54;
 /// Width of the picture and of its margins, px.
 const WIDTH: f64 = 640.0;
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
-/// Largest height of a panel, px: a tall arm must not make the picture a strip.
+/// Largest height of a panel, px, so that a tall arm does not make the picture a narrow strip.
 const MOST_HEIGHT: f64 = 900.0;
-/// What stands around arm and objects, m.
+/// Empty space around arm and objects, m.
 const SPACE_M: f64 = 0.05;
 
-/// Draws a snapshot; `caption` says what it is.
+/// Draws a snapshot with a caption.
 pub fn draw(
     snapshot: &Snapshot,
     layout: &SkinLayout,
@@ -68,8 +68,8 @@ pub fn draw(
     )
 }
 
-/// What each panel shows: all of the arm and the objects, the goal and the workspace, on whole 10 cm; both have the same
-/// scale and the same x.
+/// The view of each panel: arm, objects, goal and workspace, rounded out to 10 cm. Both panels have the same scale and the
+/// same x axis.
 fn views(snapshot: &Snapshot, workspace: &Workspace, width_px: f64) -> Vec<View> {
     let capsules = snapshot
         .arm

@@ -22,7 +22,7 @@ pub struct Panel {
     pub title: &'static str,
     right: DVec3,
     up: DVec3,
-    /// Towards the viewer: what is farther along it is drawn later.
+    /// Direction towards the viewer; what is farther along it is drawn later.
     near: DVec3,
     axes: [&'static str; 2],
 }
@@ -102,7 +102,7 @@ pub fn goal_mark(at: DVec2) -> String {
     )
 }
 
-/// Whether a taxel is drawn, and where it is, m, world frame.
+/// Position of a taxel that is drawn, m, world frame; `None` for one that is not.
 pub fn felt_at(snapshot: &Snapshot, layout: &SkinLayout, reading: &TaxelReading) -> Option<DVec3> {
     let (patch, taxel) = (usize::from(reading.patch), usize::from(reading.taxel));
     let taxel = layout.patches.get(patch)?.taxels.get(taxel)?;
@@ -122,12 +122,12 @@ impl Panel {
         DVec2::new(local.x, view.size_m.y - local.y) * view.scale
     }
 
-    /// How near a point is to the viewer, m.
+    /// Position of a point along the direction towards the viewer, m.
     pub fn depth(&self, point: DVec3) -> f64 {
         point.dot(self.near)
     }
 
-    /// The table: from the side what is under its top, from above the area for the feet of objects.
+    /// The table: seen from the side, everything below its top; from above, the area for the feet of objects.
     pub fn table(&self, svg: &mut String, view: &View, workspace: &Workspace) {
         let size = view.size_px();
         if self.up == DVec3::Z {
@@ -159,7 +159,7 @@ impl Panel {
         );
     }
 
-    /// Arm and objects, those towards the viewer last.
+    /// Arm and objects, nearest to the viewer last.
     pub fn shapes(&self, svg: &mut String, view: &View, snapshot: &Snapshot) {
         let mut shapes: Vec<(f64, String)> = Vec::new();
         let depth = |capsule: &Capsule| self.depth(capsule.start + capsule.end) / 2.0;
@@ -215,7 +215,7 @@ impl Panel {
     /// Ticks, axis names and the title, around a view whose upper left corner is at `at`.
     pub fn axes(&self, svg: &mut String, view: &View, at: DVec2) {
         let size = view.size_px();
-        // Numbers need some 45 px.
+        // A number needs about 45 px.
         let step = if 0.2 * view.scale >= 45.0 { 0.2 } else { 0.5 };
         let ticks = |from: f64, length: f64| {
             let (first, last) = (

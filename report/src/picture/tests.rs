@@ -15,7 +15,7 @@ fn capsule(start: [f64; 3], end: [f64; 3]) -> Capsule {
     }
 }
 
-/// An arm from the origin to `hand`, a trunk, a leaf, and two taxels that report a force, one of them a stray.
+/// An arm from the origin to `hand`, a trunk, a leaf, and two taxels that report a force, one of them spurious.
 fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
     let reading = |taxel, object| TaxelReading {
         patch: 0,
@@ -72,7 +72,7 @@ fn drawn(hand: [f64; 3], goal: [f64; 3], caption: &str) -> String {
     draw(&snapshot, &layout, &[Category::TRUNK], &Workspace::default(), caption)
 }
 
-/// All text of an SVG; panics where it is no XML.
+/// All text of an SVG; panics if it is not well-formed XML.
 fn words(svg: &str) -> String {
     let mut words = String::new();
     for event in EventReader::from_str(svg) {

@@ -1,19 +1,19 @@
-//! Where the energy of the arm goes, step by step.
+//! The energy balance of the arm, step by step.
 //!
-//! The balance is that of the arm: its links' kinetic energy and its joints' springs. In a step of length Δt
+//! The stored energy is the kinetic energy of the links and the energy of the joints' springs. In a step of length Δt
 //!
-//! * the **actuators** move the springs' rest angles from φ₀ to φ₁ at the joint angles q₀ and so do the work
+//! * the **actuators** move the rest angles of the springs from φ₀ to φ₁ at the joint angles q₀, which takes the work
 //!   Σ ½ K ((φ₁ − q₀)² − (φ₀ − q₀)²);
-//! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for speeds that change evenly;
-//! * the **contacts** take −Σ f · Δx: the mean force of the step on the way of the link's point under it. This is what
-//!   friction and the contacts' damping lose, and what the objects store and lose, together;
-//! * the **integrator** takes energy by itself. For one substep h of the implicit Euler rule on M v̇ = −K x the identity
-//!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v holds. Speeds are known after a step of n substeps only, so the first is taken as
-//!   spread evenly, a share of 1/n: exact for one substep, an estimate for more.
+//! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for a constant acceleration;
+//! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the link's point under it. This
+//!   includes losses by friction and contact damping, and what the objects store and lose;
+//! * the **integrator** dissipates energy numerically. For one substep h of the implicit Euler rule on M v̇ = −K x,
+//!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v. Velocities are known only after a step of n substeps, so the change of velocity is
+//!   assumed to be spread evenly over them: exact for one substep, an estimate for more.
 //!
-//! What is left is the residual: impacts within a step, friction that the solver does not report, gyroscopic terms.
-//! Steps that begin or end with a joint at a mechanical limit are left out: the engine does not tell what a stop does,
-//! and it corrects joints that have gone past one.
+//! The rest is the residual: impacts within a step, friction that the solver does not report, and gyroscopic terms. Steps
+//! that begin or end with a joint at a mechanical limit are left out, because the engine does not report the work of a stop
+//! and corrects joints that have passed one.
 
 use glam::DVec3;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
@@ -21,7 +21,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use crate::arm::Arm;
 use crate::simulation::{JointState, Simulation, StepReport};
 
-/// A joint this near to a mechanical limit is held by it, rad: a tenth of a degree.
+/// A joint this close to a mechanical limit counts as held by it, rad: a tenth of a degree.
 const STOP_RAD: f64 = 2e-3;
 
 /// One link at the end of a step.
@@ -67,7 +67,7 @@ impl ArmState {
         self.energy_j = self.sum_energy_j(arm);
         let mut joints = arm.joints.iter().zip(&self.joints);
         self.stopped = joints.any(|(joint, state)| {
-            // Stops give way: an angle may be past its limit.
+            // Stops are compliant: an angle may be beyond its limit.
             let [lower, upper] = joint.limits_rad;
             state.angle_rad < lower + STOP_RAD || state.angle_rad > upper - STOP_RAD
         });
@@ -82,7 +82,7 @@ impl ArmState {
             + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world))
     }
 
-    /// Kinetic energy, J, of the links at the velocities (of the centre of mass, angular) that `velocities` gives.
+    /// Kinetic energy of the links, J, at the velocities (of the centre of mass, and angular) that `velocities` returns.
     fn kinetic_energy_j(&self, arm: &Arm, velocities: impl Fn(usize, &LinkState) -> (DVec3, DVec3)) -> f64 {
         let of_link = |(index, state): (usize, &LinkState)| {
             let (velocity, angular_velocity) = velocities(index, state);
@@ -95,25 +95,25 @@ impl ArmState {
     }
 }
 
-/// The sums of a reach so far, J, over the steps in which no joint is at a mechanical limit.
+/// Sums over the steps so far in which no joint is at a mechanical limit, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergySums {
     /// Work of the actuators.
     pub actuators_j: f64,
-    /// The same with every step counted positive: the scale of the residual.
+    /// The same with the absolute value of every step: the scale of the residual.
     pub exchanged_j: f64,
     /// Growth of kinetic and spring energy.
     pub stored_j: f64,
     /// Taken by the joints' dampers.
     pub dampers_j: f64,
-    /// Given to what the arm touches: friction, contact damping, objects.
+    /// Passed to what the arm touches: friction, contact damping, objects.
     pub contacts_j: f64,
-    /// Taken by the integrator itself, by estimate.
+    /// Dissipated by the integrator itself, an estimate.
     pub integrator_j: f64,
 }
 
 impl EnergySums {
-    /// What the balance leaves unexplained, J.
+    /// The part that the balance leaves unexplained, J.
     pub fn residual_j(&self) -> f64 {
         self.actuators_j - self.stored_j - self.dampers_j - self.contacts_j - self.integrator_j
     }
@@ -148,7 +148,7 @@ impl EnergyBalance {
         &self.now.joints
     }
 
-    /// Takes a step that has just been made, with its contacts.
+    /// Takes an engine step, with its contacts.
     pub fn observe_step(&mut self, step: &StepReport) {
         let arm = step.arm;
         std::mem::swap(&mut self.last, &mut self.now);

@@ -1,4 +1,4 @@
-//! The audit of a reach: how far its physics was from what it should be, and the bounds that it should keep.
+//! The audit of a reach: how large the errors of its physics were, and the bounds that they should keep.
 
 use glam::DVec3;
 use underbrush_recording::{Audit, AuditField, FRAME_PERIOD_S, SkinLayout};
@@ -12,14 +12,14 @@ use crate::arm::skin::reach_m;
 use crate::simulation::{Contact, FrameReport, Simulation, StepReport};
 use energy::EnergyBalance;
 
-/// A figure of the audit with the bound that it should keep.
+/// A figure of the audit and its bound.
 #[derive(Clone, Copy, Debug)]
 pub struct Bound {
     /// The figure.
     pub field: AuditField,
     /// Its largest value in a sound reach.
-    pub most: f64,
-    /// Why that.
+    pub max: f64,
+    /// Why the bound has this value.
     pub reason: &'static str,
 }
 
@@ -29,61 +29,61 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
     let skin_reach_m = layout.patches.iter().map(|patch| reach_m(&patch.taxels));
     let farthest_contact_m = skin_reach_m.fold(0.0, f64::max);
     Audit::FIELDS.into_iter().filter_map(move |field| {
-        let (most, reason) = match field.name {
-            "largest_force_residual" => (1e-9, "the skin hands on every force; rounding alone is 1e-15"),
+        let (max, reason) = match field.name {
+            "largest_force_residual" => (1e-9, "the skin conserves force; rounding alone gives 1e-15"),
             "largest_moment_residual_m" => (
                 farthest_contact_m,
-                "a taxel does not tell where on it a force acts: as far off as the sparsest taxels of the skin are apart",
+                "a taxel does not measure where on it a force acts; the error can be as large as the spacing of the sparsest taxels",
             ),
             "largest_static_residual" => (
                 STATIC_RESIDUAL,
-                "where it counts as resting the arm may still gain 5e-3 rad/s in 0.1 s",
+                "an arm that counts as resting may still gain 5e-3 rad/s within 0.1 s",
             ),
             "energy_residual" => (
                 0.02,
-                "order 1 in the step, within which impacts and dampers are not resolved",
+                "first order in the step, within which impacts and dampers are not resolved",
             ),
-            "integrator_energy_share" => (0.05, "order 1 in the substep: 5 ms by default"),
+            "integrator_energy_share" => (0.05, "first order in the substep, which is 5 ms by default"),
             "deepest_penetration_m" => (
                 0.01,
-                "the skin's cover is some millimetres thick; a link any deeper is in the object",
+                "the skin's cover is a few millimetres thick; a link any deeper is inside the object",
             ),
-            "largest_frame_force_jump_n" => (20.0, "over a taxel's largest force of 17 N from one frame to the next"),
+            "largest_frame_force_jump_n" => (20.0, "more than a taxel's largest force of 17 N from one frame to the next"),
             _ => return None,
         };
-        Some(Bound { field, most, reason })
+        Some(Bound { field, max, reason })
     })
 }
 
-/// Joints slower than this count as resting, rad/s. Choice: Cody's stiffest damper then holds 34 mNm.
+/// A joint slower than this counts as resting, rad/s. Choice: Cody's strongest damper then exerts 34 mNm.
 const REST_RATE_RAD_PER_S: f64 = 5e-3;
-/// Rest angles that move less than this in a frame count as resting, rad.
+/// A rest angle that changes by less than this in a frame counts as resting, rad.
 const REST_SHIFT_RAD: f64 = 5e-4;
-/// The arm rests when all joints have for so many frames: a tenth of a second.
+/// The arm rests once all joints have rested for this many frames: a tenth of a second.
 const REST_FRAMES: u32 = 10;
 /// Largest relative difference between springs and contacts at rest.
 const STATIC_RESIDUAL: f64 = 0.05;
 
-/// Contacts that turn the joints with less than this are too weak to compare with, Nm: what the arm's stiffest damper may
-/// hold while the arm counts as resting is the allowed share of it. 0.69 Nm for Cody.
-fn least_contact_torque_nm(arm: &Arm) -> f64 {
+/// Contacts that exert less torque than this on the joints are too weak to compare with, Nm. The torque that the arm's
+/// strongest damper may exert while the arm counts as resting is the allowed share of it. 0.69 Nm for Cody.
+fn min_contact_torque_nm(arm: &Arm) -> f64 {
     let dampers = arm.joints.iter().map(|joint| joint.damping_nm_s_per_rad);
     REST_RATE_RAD_PER_S * dampers.fold(0.0, f64::max) / STATIC_RESIDUAL
 }
 
-/// Watches one world.
+/// Observes the steps and frames of one simulation.
 #[derive(Clone, Debug)]
 pub struct Auditor {
     audit: Audit,
     energy: EnergyBalance,
-    /// Force on each link in the last and in this step, and in the last and in this frame, N, world frame.
+    /// Force on each link in the previous and the present step, and in the previous and the present frame, N, world frame.
     step_force: Jump,
     frame_force: Jump,
     frame_rest_angle_rad: Vec<f64>,
     frames_at_rest: u32,
 }
 
-/// Forces on the links at two successive moments.
+/// Forces on the links at two successive times.
 #[derive(Clone, Debug)]
 struct Jump {
     last: Vec<DVec3>,
@@ -98,7 +98,7 @@ impl Jump {
         }
     }
 
-    /// The largest change of a link's force from the moment before to this one.
+    /// The largest change of a link's force since the previous time.
     fn observe(&mut self, contacts: &[Contact], scale: f64) -> f64 {
         std::mem::swap(&mut self.last, &mut self.now);
         self.now.fill(DVec3::ZERO);
@@ -128,7 +128,7 @@ impl Auditor {
     /// The audit so far.
     pub fn audit(&self) -> Audit {
         let sums = self.energy.sums();
-        // An arm whose actuators have not moved has nothing to compare with.
+        // If the actuators have not moved, there is no work to compare with.
         let share = |part_j: f64| {
             if sums.exchanged_j > 0.0 {
                 part_j.abs() / sums.exchanged_j
@@ -186,7 +186,7 @@ impl Auditor {
         let contact_torque_nm = report.contact_torque_nm(arm);
         let (mut torque, mut missing) = (0.0, 0.0);
         for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&contact_torque_nm) {
-            // At a stop, which gives way, the stop carries the rest.
+            // At a mechanical stop, which is compliant, the stop carries the rest.
             let [lower, upper] = joint.limits_rad;
             if lower + 1e-3 < state.angle_rad && state.angle_rad < upper - 1e-3 {
                 let spring_nm = joint.stiffness_nm_per_rad * (state.rest_angle_rad - state.angle_rad);
@@ -194,7 +194,7 @@ impl Auditor {
                 missing += (spring_nm + contact_nm).powi(2);
             }
         }
-        if torque > least_contact_torque_nm(arm).powi(2) {
+        if torque > min_contact_torque_nm(arm).powi(2) {
             self.audit.rest_frames += 1;
             self.audit.largest_static_residual = self.audit.largest_static_residual.max((missing / torque).sqrt());
         }

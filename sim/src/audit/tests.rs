@@ -25,9 +25,9 @@ fn free_arm(step_s: f64, substeps: usize) -> Simulation {
     })
 }
 
-/// Pins the balance on the free arm after its actuators made one step δ: they did the work Σ ½ K δ², and once the arm
-/// rests again dampers and integrator have all of it. The part unexplained is of the step's order, and falls with it;
-/// with the same order the integrator's own part does.
+/// Pins the energy balance of the free arm after a step δ of its actuators: they do the work Σ ½ K δ², and once the arm is
+/// at rest again, dampers and integrator have taken all of it. The unexplained part and the integrator's part are both first
+/// order in the time step.
 #[test]
 fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     let mut found = Vec::new();
@@ -63,8 +63,8 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     );
 }
 
-/// Pins that every bound is of a known figure, and every figure but the jump of a step has one (a link that meets a
-/// trunk is stopped within a step).
+/// Pins that every bound belongs to a known figure, and that every figure has one except the jump within a step: a link that
+/// meets a trunk is stopped within one step.
 #[test]
 fn every_figure_has_its_bound() {
     let layout = Arm::cody().unwrap().skin.layout;
@@ -75,12 +75,12 @@ fn every_figure_has_its_bound() {
         .filter(|name| !bounded.contains(name))
         .collect();
     assert_eq!(unbounded, ["largest_step_force_jump_n"]);
-    assert!(bounds(&layout).all(|bound| bound.most > 0.0 && !bound.reason.is_empty()));
+    assert!(bounds(&layout).all(|bound| bound.max > 0.0 && !bound.reason.is_empty()));
 }
 
-/// Pins that the bound of the moment and the torque under which nothing is compared follow the arm: for Cody about the 4 cm
-/// of its flipper's sparsest taxels and 0.7 Nm. A skin larger by a fifth raises the first by a fifth (up to the 5 cm that any
-/// taxel reaches at most), and dampers twice as strong double the second.
+/// Pins that the bound of the moment and the smallest torque that is compared follow the arm. For Cody they are about 4 cm,
+/// the spacing of the flipper's sparsest taxels, and 0.7 Nm. A skin larger by a fifth raises the first by a fifth, and dampers
+/// twice as strong double the second.
 #[test]
 fn bounds_follow_the_arm_and_its_skin() {
     let moment_m = |arm: &Arm| {
@@ -88,11 +88,11 @@ fn bounds_follow_the_arm_and_its_skin() {
         bounds
             .find(|bound| bound.field.name == "largest_moment_residual_m")
             .unwrap()
-            .most
+            .max
     };
     let cody = Arm::cody().unwrap();
     assert!((moment_m(&cody) - 0.04).abs() < 0.005, "{}", moment_m(&cody));
-    assert!((least_contact_torque_nm(&cody) - 0.7).abs() < 0.02);
+    assert!((min_contact_torque_nm(&cody) - 0.7).abs() < 0.02);
     let mut larger = cody.clone();
     for taxel in larger
         .skin
@@ -107,7 +107,7 @@ fn bounds_follow_the_arm_and_its_skin() {
         joint.damping_nm_s_per_rad *= 2.0;
     }
     assert!((moment_m(&larger) / moment_m(&cody) - 1.2).abs() < 1e-12);
-    let ratio = least_contact_torque_nm(&larger) / least_contact_torque_nm(&cody);
+    let ratio = min_contact_torque_nm(&larger) / min_contact_torque_nm(&cody);
     assert!((ratio - 2.0).abs() < 1e-12);
     // The forearm's taxels alone are much closer to each other.
     let mut forearm = cody.clone();
@@ -115,7 +115,7 @@ fn bounds_follow_the_arm_and_its_skin() {
     assert!(moment_m(&forearm) < 0.015, "{}", moment_m(&forearm));
 }
 
-/// Pins the jump of a force: the largest change of the sum on one link, scaled.
+/// Pins the jump of a force: the largest change of the sum over one link, scaled.
 #[test]
 fn jumps_are_changes_of_a_links_force() {
     let contact = |link: usize, force: f64| Contact {

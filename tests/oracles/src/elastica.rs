@@ -1,11 +1,11 @@
-//! Euler's elastica: a clamped strip under loads that bend it far.
+//! Euler's elastica: a clamped strip under large loads.
 
 /// Place of the tip of a clamped strip of unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tip {
     /// Deflection across the strip, in lengths.
     pub sideways: f64,
-    /// How much nearer to the clamp the tip is along the strip, in lengths.
+    /// Displacement of the tip towards the clamp, in lengths.
     pub shortening: f64,
 }
 
@@ -63,7 +63,7 @@ fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) 
     (tip, state[1])
 }
 
-/// Share by which a small tip load bends less than P L³ / 3 E I, to leading order: (4 / 35) (P L² / E I)².
+/// Relative error of P L³ / 3 E I for a small tip load, to leading order: (4 / 35) (P L² / E I)².
 ///
 /// With α = P L² / E I the slope is θ = α (s − s²/2) + O(α³). The load's lever is the height ∫ cos θ ds, so the curvature
 /// lacks −½ α ∫ θ² from s on and the sideways way lacks θ³/6; added up, that is (4 / 105) α³ of α / 3.

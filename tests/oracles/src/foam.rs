@@ -13,10 +13,10 @@ pub fn sag_m(density_kg_per_m3: f64, gravity_m_per_s2: f64, height_m: f64, modul
     density_kg_per_m3 * gravity_m_per_s2 * height_m * height_m / (2.0 * modulus_pa)
 }
 
-/// A standard linear solid in Maxwell's form: a spring beside a spring and a dashpot in series.
+/// A standard linear solid in Maxwell's form: a spring parallel to a spring and a dashpot in series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandardLinearSolid {
-    /// Stiffness felt at once, k₀ (any unit of force over displacement).
+    /// Instantaneous stiffness k₀ (any unit of force over displacement).
     pub stiffness: f64,
     /// Share of it that relaxes away.
     pub relaxing_share: f64,
@@ -56,8 +56,8 @@ impl StandardLinearSolid {
 }
 
 impl StandardLinearSolid {
-    /// Force at `time_s` on a way that goes out at unit speed until `turn_s` and then back at the same speed: by Boltzmann's
-    /// superposition of the relaxation, k∞ x + k₁ τ (1 − e^(−t/τ)) for each of the two ramps.
+    /// Force at `time_s` for a displacement that grows at unit speed until `turn_s` and then returns at the same speed. By
+    /// Boltzmann's superposition of the relaxation: k∞ x + k₁ τ (1 − e^(−t/τ)) for each of the two ramps.
     pub fn there_and_back_force(&self, turn_s: f64, time_s: f64) -> f64 {
         let relaxing = self.stiffness * self.relaxing_share;
         let ramp = |time_s: f64| {
@@ -118,7 +118,7 @@ mod tests {
         assert_relative_eq!(area, EXAMPLE.loop_area(1.0, frequency), max_relative = 1e-3);
     }
 
-    /// Pins the force on a way there and back against the dashpot's equation integrated in small steps.
+    /// Pins the force during loading and unloading against the dashpot's equation integrated in small steps.
     #[test]
     fn there_and_back_solves_the_dashpot() {
         let (k0, share, tau) = (5000.0, 0.45, 1.7);

@@ -1,5 +1,5 @@
-//! A thin elastic layer over a hard body, each place pressed by itself (Winkler; Johnson, *Contact Mechanics*, section
-//! 4.3). The stiffness k is per volume: pressure over indentation.
+//! A thin elastic layer over a hard body as a Winkler foundation (Johnson, *Contact Mechanics*, section 4.3). The stiffness k
+//! is per volume: pressure over indentation.
 
 use std::f64::consts::PI;
 

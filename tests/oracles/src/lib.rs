@@ -1,14 +1,14 @@
 //! Closed-form solutions that judge the simulation and the models.
 //!
-//! Formulas only: nothing here knows simulator, engine or classifier, so agreement with it is agreement with mechanics.
-//! Each is tested against published figures or a second way of computing it.
+//! This crate contains only formulas. It depends on no simulator, engine or classifier. Each formula is tested against
+//! published figures or against a second way of computing it.
 //!
 //! | what | where |
 //! |---|---|
 //! | cantilevers under small loads; first frequency | [`beam`] |
 //! | cantilevers as chains with hinges at Gauss-Legendre nodes | [`chain`] |
 //! | cantilevers under large loads | [`elastica`] |
-//! | damped oscillators, exact and as an implicit Euler step sees them | [`oscillator`] |
+//! | damped oscillators, exact and under implicit Euler | [`oscillator`] |
 //! | an elastic layer over a hard body (Winkler) | [`foundation`] |
 //! | foam: bars, sag, standard linear solids | [`foam`] |
 //! | friction on a slope, stiffnesses in series | [`statics`] |

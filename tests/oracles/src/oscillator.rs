@@ -1,4 +1,4 @@
-//! A mass on a spring and a damper: its step response, and what an implicit Euler step makes of it.
+//! A mass on a spring and a damper: its step response, exact and under implicit Euler.
 
 use std::f64::consts::{PI, TAU};
 
@@ -35,7 +35,7 @@ impl Oscillator {
         TAU * self.damping_ratio / (1.0 - self.damping_ratio.powi(2)).sqrt()
     }
 
-    /// Overshoot of the step response, in steps: exp(−π ζ / √(1 − ζ²)).
+    /// Overshoot of the step response, relative to the step: exp(−π ζ / √(1 − ζ²)).
     pub fn overshoot(&self) -> f64 {
         (-PI * self.damping_ratio / (1.0 - self.damping_ratio.powi(2)).sqrt()).exp()
     }
@@ -47,8 +47,8 @@ impl Oscillator {
         1.0 - (-decay * time_s).exp() * ((damped * time_s).cos() + decay / damped * (damped * time_s).sin())
     }
 
-    /// What an implicit Euler step of `step_s` makes of it: the eigenvalue s = −ζω₀ ± iω_d becomes the factor
-    /// 1 / (1 − s Δt) a step, which is an oscillator too.
+    /// The oscillator that implicit Euler with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the factor
+    /// 1 / (1 − s Δt) per step, which is that of an oscillator, too.
     pub fn under_implicit_euler(&self, step_s: f64) -> Oscillator {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
         let (real, imaginary) = (1.0 + decay * step_s, self.damped_frequency_rad_per_s() * step_s);

@@ -10,7 +10,7 @@ pub fn sliding_acceleration_m_per_s2(gravity_m_per_s2: f64, slope_rad: f64, fric
     gravity_m_per_s2 * (slope_rad.sin() - friction * slope_rad.cos())
 }
 
-/// Stiffness, N/m, of springs one behind the other: (Σ 1/k)⁻¹.
+/// Stiffness of springs in series, N/m: (Σ 1/k)⁻¹.
 pub fn in_series(stiffness_n_per_m: &[f64]) -> f64 {
     1.0 / stiffness_n_per_m.iter().map(|stiffness| 1.0 / stiffness).sum::<f64>()
 }
