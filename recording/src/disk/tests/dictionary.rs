@@ -9,7 +9,7 @@ use crate::disk::dictionary::{FRAMES, RECORDING_TRUTH, TABLES, Table};
 use crate::disk::write_recording;
 
 /// The columns of a Parquet file, each with its metadata, in order.
-fn columns(path: &Path) -> Vec<(String, std::collections::HashMap<String, String>)> {
+pub(super) fn columns(path: &Path) -> Vec<(String, std::collections::HashMap<String, String>)> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
     let fields = builder.schema().fields().iter();
     fields

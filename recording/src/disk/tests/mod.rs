@@ -1,5 +1,6 @@
 //! Tests of the disk formats, and recordings for them.
 
+mod categories;
 pub(in crate::disk) mod dataset;
 mod dictionary;
 mod finish;
