@@ -1,4 +1,4 @@
-//! Foam block: what leaves stand in, and an obstacle itself (paper, section IV-A: 25 cm × 10 cm, wet or dry).
+//! Foam block: leaves stand in it, and the arm can hit it (paper, section IV-A: 25 cm × 10 cm, wet or dry).
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ pub struct FoamBlockSpecification {
     #[serde(default = "default_height")]
     #[schemars(transform = Within(HEIGHT_LIMITS_M))]
     pub height_m: Quantity,
-    /// Share of wet blocks, 0 to 1.
+    /// Probability that a block is wet, 0 to 1.
     #[serde(default = "default_wet_share")]
     #[schemars(transform = Within(SHARE_LIMITS))]
     pub wet_share: Quantity,
@@ -40,18 +40,18 @@ pub struct FoamBlockSpecification {
     #[serde(default = "default_dry_modulus")]
     #[schemars(transform = Within(MODULUS_LIMITS_PA))]
     pub dry_modulus_pa: Quantity,
-    /// Modulus of wet foam as a leaf's root feels it, Pa.
+    /// Modulus of wet foam around a leaf's root, Pa.
     #[serde(default = "default_wet_modulus")]
     #[schemars(transform = Within(MODULUS_LIMITS_PA))]
     pub wet_modulus_pa: Quantity,
 }
 
-/// Choice: bricks of floral foam are 8 cm high; one height keeps the platform level, as in the paper's Fig. 2.
+/// Choice: bricks of floral foam are 8 cm high. A single height keeps the platform level, as in the paper's Fig. 2.
 fn default_height() -> Quantity {
     Quantity::fixed(0.08)
 }
 
-/// The paper combines wet and dry foams without a figure: half and half.
+/// The paper combines wet and dry foam but gives no proportion. Choice: half of each.
 fn default_wet_share() -> Quantity {
     Quantity::fixed(0.5)
 }
@@ -61,12 +61,12 @@ fn default_dry_modulus() -> Quantity {
     Quantity::uniform(1.0e6, 3.0e6)
 }
 
-/// Choice: soaked and already pierced foam holds a root about forty times more softly.
+/// Choice: foam that is soaked and has been pierced before holds a root about forty times more softly.
 fn default_wet_modulus() -> Quantity {
     Quantity::uniform(3.0e4, 8.0e4)
 }
 
-/// From a mat to a block that the arm cannot see over.
+/// From a mat to a block as high as the clutter.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.01, 0.5);
 const SHARE_LIMITS: (f64, f64) = (0.0, 1.0);
 /// From the softest foams, of a few kPa, to solid plastic.
@@ -130,15 +130,16 @@ impl Specification for FoamBlockSpecification {
     }
 }
 
-/// Density of the foam itself, kg/m³: a dry brick of two litres weighs some 50 g. Choice: in wet foam too only this moves
-/// with the top; the water flows through the cells. (The engine's contacts scale with the mass that moves: with 25 g
-/// they have the skin's 1e4 N/m, see `SKIN_ON_BENDABLE`.)
+/// Density of the foam without water, kg/m³: a dry brick of two litres weighs some 50 g. Choice: in wet foam, too, only
+/// this mass moves with the top, and the water flows through the cells. (The softness of the engine's contacts scales
+/// with the moving mass; at 25 g they have the skin's 1e4 N/m, see `SKIN_ON_BENDABLE`.)
 const DENSITY_KG_PER_M3: f64 = 25.0;
-/// Share of the stiffness that relaxes away, and the time it takes, s. Choices: dry phenolic foam is a brittle solid and
-/// creeps little; through soaked foam water must flow, which takes some seconds through a hand's breadth.
+/// Share of the stiffness that relaxes, and the relaxation time, s. Choices: dry phenolic foam is a brittle solid and
+/// creeps little; in soaked foam water must flow, which takes some seconds over a hand's breadth.
 const RELAXING_SHARE: Kinds = Kinds { dry: 0.05, wet: 0.3 };
 const RELAXATION_TIME_S: Kinds = Kinds { dry: 1.0, wet: 2.0 };
-/// Damping ratio of the top on its spring: half the loss factor of some 0.2 of rigid foam, and of water moved in wet.
+/// Damping ratio of the top on its spring: half the loss factor, about 0.2 for rigid foam. Choice: more in wet foam, which
+/// moves water.
 const DAMPING_RATIO: Kinds = Kinds { dry: 0.1, wet: 0.3 };
 
 struct Kinds {
@@ -152,10 +153,10 @@ impl Kinds {
     }
 }
 
-/// One foam block: a bar under pressure from above, whose top sinks as a whole on a standard linear solid of stiffness
-/// E A / H. Feet of leaves stay where they are: what they feel of the foam is the stiffness of their roots.
+/// One foam block: a bar under axial pressure, whose top sinks as a whole on a standard linear solid of stiffness E A / H.
+/// The feet of leaves do not move with it; their roots have the stiffness of the foam.
 ///
-/// A dry block has some 600 kN/m and a wet one 15 kN/m, two to four orders above the arm's 0.1–0.4 kN/m.
+/// A dry block has some 600 kN/m and a wet one 15 kN/m, two to four orders of magnitude above the arm's 0.1–0.4 kN/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoamBlock {
     /// Height, m.
@@ -167,13 +168,13 @@ pub struct FoamBlock {
 }
 
 impl FoamBlock {
-    /// Stiffness of the whole top against being pressed in, felt at once, N/m: E A / H.
+    /// Instantaneous stiffness of the top against being pressed in, N/m: E A / H of an axially loaded bar.
     pub fn stiffness_n_per_m(&self) -> f64 {
         self.modulus_pa * LENGTH_M * WIDTH_M / self.height_m
     }
 
-    /// Mass that moves with the top, kg: half of the block's. Its weight sinks the top by ρ g H² / 2 E, as the weight
-    /// of the whole bar does.
+    /// Mass that moves with the top, kg: half of the block's. Its weight then lowers the top by ρ g H² / (2 E), as the
+    /// weight of a uniform bar does.
     pub fn moving_mass_kg(&self) -> f64 {
         0.5 * DENSITY_KG_PER_M3 * LENGTH_M * WIDTH_M * self.height_m
     }
@@ -201,7 +202,7 @@ impl Object for FoamBlock {
         CATEGORY
     }
 
-    /// Goals lie above it.
+    /// No: goals lie above it.
     fn is_obstacle(&self) -> bool {
         false
     }

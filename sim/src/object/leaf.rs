@@ -16,22 +16,23 @@ pub use specification::{LeafSpecification, SEGMENT_LIMITS};
 
 const CATEGORY: Category = Category::LEAF;
 
-/// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad: a rigid peg on an elastic
-/// foundation of modulus E per unit length, turning about the surface, resists with ∫ E x² dx = E d³ / 3.
+/// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad. A rigid peg in a Winkler
+/// foundation of modulus E per unit length that rotates about the surface resists with ∫ E x² dx = E d³ / 3 (Hetényi,
+/// *Beams on Elastic Foundation*, 1946).
 pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
     foam_modulus_pa * depth_m.powi(3) / 3.0
 }
 
-/// One leaf: a chain of rigid pieces on a root that turns in the foam about both horizontal axes and twists a little.
+/// One leaf: a chain of rigid pieces on a root that rotates in the foam about both horizontal axes and twists a little.
 ///
-/// Its n bending hinges stand at the nodes of Gauss-Legendre quadrature over the height and have the stiffness
-/// E I / (w H), w their weight. The deflection by a load at height a, P ∫ (a − x)² dx / E I, is then a sum over the hinges
-/// below it that is exact for a load at the tip; hinges at the middles of equal segments are 1/(4n²) off. With four
-/// hinges the first frequency is within 0.02 % of the beam's (eight at the middles: 0.4 %), and the deflection by a load
-/// anywhere over 0.3 of the height within 4 % (eight at the middles: 4 %).
+/// Its n bending hinges stand at the nodes of Gauss-Legendre quadrature over the height H and have the stiffness
+/// E I / (w H), where w is the node's weight. The deflection under a load P at height a, P ∫ (a − x)² dx / (E I), thus
+/// becomes a sum over the hinges below the load, which is exact for a load at the tip. Hinges at the midpoints of equal
+/// segments have a relative error of 1/(4n²) there. With four hinges the first frequency is within 0.02 % of the beam's
+/// (eight at midpoints: 0.4 %), and the deflection under a load above 0.3 H is within 4 % (eight at midpoints: 4 %).
 ///
-/// The root's turn about the blade's weak axis and the lowest hinge, not a segment apart, are one
-/// ([`Leaf::lowest_hinge`]).
+/// The root's rotation about the blade's weak axis and the lowest hinge are less than a segment apart and are combined
+/// into one hinge ([`Leaf::lowest_hinge`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
     /// Height, m.
@@ -50,24 +51,24 @@ pub struct Leaf {
     pub segments: u32,
 }
 
-/// Thickness of the collision shape, m: about twice a plastic blade's, the least that the engine handles safely at
-/// the arm's speed.
+/// Thickness of the collision shape, m. Choice: about twice that of a plastic blade, the minimum that the engine handles
+/// safely at the arm's speed.
 const COLLISION_THICKNESS_M: f64 = 0.002;
 
 /// Poisson's ratio of plastics, for the blade's torsional rigidity G J = 2 E I / (1 + ν).
 const POISSON_RATIO: f64 = 0.35;
 
-/// Artificial leaves stand on a round wire stem, about a quarter of their height, several times as stiff as the blade;
-/// sideways, where the blade itself does not give, the stem does. Choices.
+/// Artificial leaves stand on a stem of round wire, about a quarter of their height and several times as stiff as the
+/// blade. Sideways, where the blade itself does not bend, the stem does. Choices.
 const STEM_SHARE_OF_HEIGHT: f64 = 0.25;
 const STEM_RIGIDITY_OVER_BLADE: f64 = 4.0;
 
-/// A leaf stands by itself where its weight is at most this share of the load under which it would buckle: it is then
-/// no softer than 3/5 of what it would be without weight.
+/// A leaf stands by itself if its weight is at most this share of its buckling load. Choice: its stiffness is then at
+/// least 3/5 of a weightless leaf's.
 const LARGEST_LOAD_SHARE: f64 = 0.4;
 
-/// Inertia on the massless stacked hinges at the root, kg m²: a hundredth of the lightest leaf's about its root; a
-/// trial found 2e-6 to be stable.
+/// Armature of the stacked massless hinges at the root, kg m². Choice: a hundredth of the lightest leaf's inertia about
+/// its root; 2e-6 was found to be stable.
 const ROOT_ARMATURE_KG_M2: f64 = 2.0e-6;
 
 impl Leaf {
@@ -76,14 +77,15 @@ impl Leaf {
         self.mass_per_area_kg_per_m2 * self.width_m
     }
 
-    /// First natural angular frequency of the clamped continuum, rad/s: 1.8751² √(EI / ρA H⁴).
+    /// First natural angular frequency of the clamped beam, rad/s: 1.8751² √(E I / (ρA H⁴)) (Blevins, *Formulas for Natural
+    /// Frequency and Mode Shape*).
     pub fn first_frequency_rad_per_s(&self) -> f64 {
         1.875_104_068_711_961_f64.powi(2)
             * (self.flexural_rigidity_n_m2 / (self.mass_per_length_kg_per_m() * self.height_m.powi(4))).sqrt()
     }
 
-    /// Share of its weight in the load under which it would buckle: Greenhill's g ρA H³ / 7.84 E I of the blade, and
-    /// the weight's moment about the root, g ρA H² / 2, over the root's stiffness.
+    /// The leaf's weight as a share of its buckling load: g ρA H³ / (7.84 E I) for the blade (Greenhill 1881), plus the
+    /// weight's destabilizing moment g ρA H² / 2 over the stiffness of the root.
     pub fn load_share(&self) -> f64 {
         let weight_n_per_m = EARTH_GRAVITY_M_PER_S2 * self.mass_per_length_kg_per_m();
         let blade = weight_n_per_m * self.height_m.powi(3) / (7.84 * self.flexural_rigidity_n_m2);
@@ -93,7 +95,7 @@ impl Leaf {
         blade + root
     }
 
-    /// Whether the leaf carries its own weight and comes back upright.
+    /// Whether the leaf carries its own weight and returns upright.
     pub fn stands_by_itself(&self) -> bool {
         self.load_share() <= LARGEST_LOAD_SHARE
     }
@@ -104,14 +106,13 @@ impl Leaf {
         in_series(stem, self.root_stiffness_nm_per_rad)
     }
 
-    /// Stiffness against twist about the vertical, Nm/rad: the blade's own over half its height, in series with the
-    /// foam.
+    /// Stiffness against twist about the vertical, Nm/rad: the blade over half its height, in series with the foam.
     pub fn twist_stiffness_nm_per_rad(&self) -> f64 {
         let blade = 2.0 * self.flexural_rigidity_n_m2 / (1.0 + POISSON_RATIO) / (self.height_m / 2.0);
         in_series(blade, self.root_stiffness_nm_per_rad)
     }
 
-    /// Places over the foam, m, and compliances, rad/Nm, of the bending hinges of the blade, lowest first.
+    /// Heights over the foam, m, and compliances, rad/Nm, of the blade's bending hinges, lowest first.
     pub fn blade_hinges(&self) -> Vec<(f64, f64)> {
         gauss_legendre(self.segments)
             .into_iter()
@@ -122,11 +123,12 @@ impl Leaf {
             .collect()
     }
 
-    /// The blade's lowest hinge (place, m, and compliance, rad/Nm) made one with the root in the foam: in series, at the
-    /// mean of their places weighted by compliance.
+    /// Combines the blade's lowest hinge (height, m, and compliance, rad/Nm) with the root in the foam: their compliances
+    /// add, at the mean of their heights weighted by compliance.
     ///
-    /// So a load's moment turns the leaf as both would; its deflection by a tip load P is less by P x² c₁ c₂ / (c₁ + c₂)
-    /// with compliances c and the lowest node's place x: under a thousandth of the whole at four segments, in any foam.
+    /// A moment thus rotates the leaf as both hinges would. The deflection under a tip load P is smaller by
+    /// P x² c₁ c₂ / (c₁ + c₂), where c are the compliances and x is the height of the lowest node: less than a thousandth
+    /// of the total with four segments, in any foam.
     pub fn lowest_hinge(&self, (place_m, blade): (f64, f64)) -> (f64, f64) {
         let root = self.root_stiffness_nm_per_rad.map_or(0.0, |stiffness| 1.0 / stiffness);
         (place_m * blade / (blade + root), blade + root)
@@ -197,7 +199,7 @@ impl Object for Leaf {
     }
 
     fn structure(&self) -> Structure {
-        // The root leans sideways on its own massless link: no joint has two free rotations.
+        // No joint has two free rotations, so the root leans sideways on a massless link of its own.
         let sideways = self.at_root(self.sideways_stiffness_nm_per_rad());
         let root = Body::between_hinges(Joint {
             parent: 0,
@@ -214,7 +216,7 @@ impl Object for Leaf {
         let axes = std::iter::once((Axis::RotationZ, twist)).chain(hinges.iter().map(bend));
         let bottoms = std::iter::once(0.0).chain(hinges.iter().map(|hinge| hinge.0));
         let tops = hinges.iter().map(|hinge| hinge.0).chain([self.height_m]);
-        // Pieces lie between hinges, the first from the foot to the lowest hinge, the last up to the tip.
+        // Pieces lie between hinges: the first from the foot to the lowest hinge, the last from the highest hinge to the tip.
         let mut origin_parent = DVec3::ZERO;
         for (piece, ((axis, bottom), top)) in axes.zip(bottoms).zip(tops).enumerate() {
             let length = top - bottom;

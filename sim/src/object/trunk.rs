@@ -33,19 +33,19 @@ pub struct TrunkSpecification {
     pub height_m: Quantity,
 }
 
-/// Choice: the stems of artificial trees and the pipes that stand for them are 2 to 4 cm thick.
+/// Choice: stems of artificial trees, and the pipes used in their place, are 2 to 4 cm thick.
 fn default_diameter() -> Quantity {
     Quantity::uniform(0.02, 0.04)
 }
 
-/// Choice: as tall over the table as the tallest leaves, so that both are met at the same heights.
+/// Choice: as high over the table as the tallest leaves, so that the arm meets both at the same heights.
 fn default_height() -> Quantity {
     Quantity::uniform(0.40, 0.55)
 }
 
 /// From a twig to a tree trunk.
 const DIAMETER_LIMITS_M: (f64, f64) = (0.005, 0.3);
-/// Lower ones pass under the arm, higher ones are far above it.
+/// The arm passes over lower ones, and higher ones only add length above it.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
 
 impl Specification for TrunkSpecification {
@@ -130,7 +130,7 @@ impl Object for Trunk {
     }
 
     fn structure(&self) -> Structure {
-        // A capsule: its sides are the trunk's, its upper round end tops it, and its lower one is beneath the table.
+        // A capsule whose upper round end is the top of the trunk; the lower one is under the table.
         let radius_m = self.diameter_m / 2.0;
         let length_m = (self.height_m - radius_m).max(0.0);
         let trunk = Body {

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use super::*;
+use crate::object::{Footing, Specification};
 
 /// Pins that a group whose rolls would all topple is refused with the modulus that it takes, that of a mixed group only
 /// rolls that stand are drawn, and that all rolls of the default ranges stand.

@@ -46,7 +46,7 @@ pub struct LeafSpecification {
     pub segments: u32,
 }
 
-/// The rough trial of the whole chain used 25–40 cm; the foliage in the paper's Fig. 2 looks so.
+/// Choice: the foliage in the paper's Fig. 2 looks 25–40 cm high.
 fn default_height() -> Quantity {
     Quantity::uniform(0.25, 0.40)
 }
@@ -56,8 +56,8 @@ fn default_width() -> Quantity {
     Quantity::uniform(0.02, 0.05)
 }
 
-/// E I = E w t³ / 12 of plastic sheet spans 1e-4 to 4e-2 N m²; far below 5e-3 a leaf of this height could not carry its
-/// own weight, and one that cannot is drawn anew.
+/// E I = E w t³ / 12 of plastic sheet ranges from 1e-4 to 4e-2 N m². Choice: far below 5e-3 a leaf of this height could not
+/// carry its own weight, and a leaf that cannot is drawn again.
 fn default_flexural_rigidity() -> Quantity {
     Quantity::uniform(0.005, 0.05)
 }
@@ -78,15 +78,15 @@ fn default_root_depth() -> Quantity {
     Quantity::uniform(0.03, 0.05)
 }
 
-/// Four: pushed at a third of its height or higher, the leaf is within 4 % of the continuum, far under what is known of
-/// a plant's stiffness; the engine's cost grows with the cube.
+/// Choice: with four, a leaf that is pushed at a third of its height or higher is within 4 % of the continuous beam, far less
+/// than the uncertainty of a plant's stiffness. The engine's cost grows with the cube of the number.
 fn default_segments() -> u32 {
     4
 }
 
-/// Largest number of segments: the cost of a leaf grows with its cube.
+/// Smallest and largest number of segments; the cost of a leaf grows with the cube.
 pub const SEGMENT_LIMITS: (u32, u32) = (2, 40);
-/// Lower leaves pass under the arm; higher ones are bushes.
+/// The arm passes over lower leaves; higher ones are bushes.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 1.0);
 /// From a blade of grass to a banana leaf.
 const WIDTH_LIMITS_M: (f64, f64) = (0.003, 0.3);
@@ -96,7 +96,7 @@ const RIGIDITY_LIMITS: (f64, f64) = (1.0e-5, 10.0);
 const MASS_LIMITS: (f64, f64) = (0.01, 20.0);
 /// Rubber at its glass transition reaches 2.
 const LOSS_LIMITS: (f64, f64) = (0.0, 2.0);
-/// From a stem that hardly holds to the height of two blocks of foam.
+/// From a stem that hardly holds to the height of two foam blocks.
 const DEPTH_LIMITS_M: (f64, f64) = (0.005, 0.2);
 
 impl Specification for LeafSpecification {
@@ -151,7 +151,7 @@ impl Specification for LeafSpecification {
             }
             drawn = self.draw_once(random, footing)?;
         }
-        // Nearly all leaves of these ranges would lie down: the rigidity is what to change.
+        // Nearly all leaves of these ranges would lie down. The error asks for a higher rigidity.
         let needed = drawn.flexural_rigidity_n_m2 * drawn.load_share() / LARGEST_LOAD_SHARE;
         Err(DrawError {
             draw: self.flexural_rigidity_n_m2.draw,
@@ -161,9 +161,9 @@ impl Specification for LeafSpecification {
     }
 
     fn fault(&self) -> Option<(&'static str, String, String)> {
-        let (least, most) = SEGMENT_LIMITS;
-        (!(least..=most).contains(&self.segments))
-            .then(|| ("segments", self.segments.to_string(), format!("{least} to {most}")))
+        let (min, max) = SEGMENT_LIMITS;
+        (!(min..=max).contains(&self.segments))
+            .then(|| ("segments", self.segments.to_string(), format!("{min} to {max}")))
     }
 
     fn category(&self) -> Category {
@@ -175,7 +175,7 @@ impl Specification for LeafSpecification {
     }
 }
 
-/// A leaf is drawn anew where it could not carry itself, this many times.
+/// How often a leaf that could not carry its own weight is drawn again.
 const DRAWS: usize = 100;
 
 impl LeafSpecification {
