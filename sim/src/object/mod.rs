@@ -1,8 +1,9 @@
-//! What stands in the clutter: one file an object, and `for_each_object_kind` as the one list of them.
+//! The kinds of objects in the clutter: one file for each, and the list `for_each_object_kind`.
 //!
-//! An object has two faces: a *specification* (what a scene file says of a group of such objects, with ranges) and a
-//! *drawn object* (one concrete thing that describes its bodies and joints). To add one, write a file like `trunk.rs`
-//! and add its line to the list below.
+//! A kind has two types: a *specification*, which holds what a scene file says about a group of such objects, and an
+//! *object*, one concrete instance drawn from it. The object describes its bodies and joints as plain data
+//! ([`structure`]) and knows nothing of the engine. To add a kind, write a file like `trunk.rs` and add its line to the
+//! list; a kind that is none of the built-in categories defines its own (`wand.rs` does, for the tests).
 
 use std::collections::BTreeMap;
 
@@ -17,44 +18,50 @@ pub mod foam_roll;
 pub mod leaf;
 pub mod structure;
 pub mod trunk;
+#[cfg(test)]
+pub mod wand;
 
 pub use structure::Structure;
 
-/// The one list of object kinds: `key in the scene file: specification type`.
+/// The list of object kinds, as `key in the scene file: specification type`. Objects are placed in this order, so whatever
+/// others stand on comes before them.
 macro_rules! for_each_object_kind {
     ($apply:ident) => {
         $apply! {
             /// Stiff stems fixed to the table.
             trunk: $crate::object::trunk::TrunkSpecification,
-            /// The outlier.
+            /// Soft rolls, foreign to the foliage.
             foam_roll: $crate::object::foam_roll::FoamRollSpecification,
-            /// Ground platform and obstacle; must come before what stands in it.
+            /// Blocks of the ground platform.
             foam_block: $crate::object::foam_block::FoamBlockSpecification,
-            /// Bendable leaves stuck in foam.
+            /// Bendable leaves that stand in foam.
             leaf: $crate::object::leaf::LeafSpecification,
+            /// A made-up object of the tests.
+            #[cfg(test)]
+            wand: $crate::object::wand::WandSpecification,
         }
     };
 }
 pub(crate) use for_each_object_kind;
 
-/// What a scene file says of a group of objects of one kind.
+/// What a scene file says about a group of objects of one kind.
 pub trait Specification {
     /// How many there are.
     fn count(&self) -> u32;
 
-    /// Where they may stand, where the group says so.
+    /// Where they may stand, if the group says so.
     fn place(&self) -> Option<&Placement>;
 
-    /// Every range of it with its name and the physical limits of its values, for validation and error texts.
+    /// Every range with its name and the physical limits of its values, for validation and error messages.
     fn quantities(&self) -> Vec<Limited<'_>>;
 
     /// Draws one object. `footing` is what it stands on.
     ///
     /// # Errors
-    /// When a range has (almost) no share of physical values.
+    /// If a range holds (almost) no physical values.
     fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError>;
 
-    /// What else is wrong with the group, if anything: `(field, found, allowed)`.
+    /// Any other error in the group: `(field, found, allowed)`.
     fn fault(&self) -> Option<(&'static str, String, String)> {
         None
     }
@@ -66,7 +73,7 @@ pub trait Specification {
     fn category(&self) -> Category;
 }
 
-/// What an object needs under its foot.
+/// What an object must stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandsOn {
     /// The table beneath the foam.
@@ -96,7 +103,7 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn may_stand_in_foam(&self) -> bool;
     /// Its ground area at rest.
     fn footprint(&self) -> Footprint;
-    /// Half its thickness along its own x and y, m, for questions of nearness.
+    /// Half its thickness along its own x and y, m, for clearance queries.
     fn half_sizes_m(&self) -> [f64; 2] {
         match self.footprint() {
             Footprint::Disc(radius) => [radius, radius],
@@ -109,20 +116,23 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn parameters(&self) -> BTreeMap<String, f64>;
     /// Its bodies, joints and springs at rest.
     fn structure(&self) -> Structure;
-    /// How far its surface gives way under pressure, m³/N: the skin's layer and it are pressed in together. 0 where it is
-    /// rigid against the skin's cover, as most things are.
+    /// Compliance of its surface under pressure, m³/N, in series with the skin's. 0 for a surface that is rigid compared
+    /// with the skin, as most are.
     fn surface_compliance_m3_per_n(&self) -> f64 {
         0.0
     }
-    /// Modulus and height of the foam in which others may stand, Pa and m, where it is such foam.
+    /// For foam that others may stand in: its modulus, Pa, and its height, m.
     fn foam_top(&self) -> Option<(f64, f64)> {
         None
     }
 }
 
-/// Gravity under which a drawn object must stand by itself, m/s².
+/// Gravity under which an object must stand by itself, m/s².
 pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 
-/// Friction between the skin and whatever it touches: the paper gives none; 0.2–0.4 is usual for
-/// fabric and silicone on plastic, and the authors' planar simulation uses 0.4.
+/// Coefficient of friction between the skin and whatever it touches. The paper gives none; 0.2–0.4 is usual for fabric and
+/// silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;
+
+#[cfg(test)]
+mod tests;

@@ -15,7 +15,7 @@ use super::{Footing, Object, Specification, StandsOn};
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity};
 
-pub(super) const CATEGORY: Category = Category::new("wand", 4).unwrap();
+pub(super) const CATEGORY: Category = Category::new("wand", 127).unwrap();
 
 const HEIGHT_LIMITS_M: (f64, f64) = (0.1, 1.0);
 const RADIUS_M: f64 = 0.01;

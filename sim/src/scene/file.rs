@@ -181,19 +181,20 @@ impl PhysicsSection {
 }
 
 macro_rules! define_objects {
-    ($($(#[$doc:meta])* $key:ident: $specification:ty,)*) => {
+    ($($(#[$attribute:meta])* $key:ident: $specification:ty,)*) => {
         /// All groups of objects in a scene file, one list a kind.
         #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, default)]
         pub struct Objects {
-            $($(#[$doc])* pub $key: Vec<$specification>,)*
+            $($(#[$attribute])* pub $key: Vec<$specification>,)*
         }
 
         impl Objects {
             /// Every group with its key and its number in the list of its kind, in the order in which they are placed.
+            #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields")]
             pub fn groups(&self) -> Vec<(&'static str, usize, &dyn Specification)> {
                 let mut groups: Vec<(&'static str, usize, &dyn Specification)> = Vec::new();
-                $(for (number, group) in self.$key.iter().enumerate() {
+                $($(#[$attribute])* for (number, group) in self.$key.iter().enumerate() {
                     groups.push((stringify!($key), number, group));
                 })*
                 groups
