@@ -1,5 +1,5 @@
-//! Hidden Markov models of ten states, the paper's online size, and of twenty, over force: scores of trials, training,
-//! and the verdicts on a hundred taxels in one frame. Frames come at 100 Hz: an update may take 10 ms.
+//! Hidden Markov models over force with ten states, as in the paper's online experiment, and with twenty: scoring trials,
+//! training, and verdicts on a hundred taxels in one frame. Frames arrive at 100 Hz, so an update may take 10 ms.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::hint::black_box;
@@ -21,7 +21,7 @@ const STATES: [usize; 2] = [10, 20];
 /// Iterations of one measured training.
 const ITERATIONS: usize = 10;
 
-/// A press of one second that rises, holds and gives way; no two are alike.
+/// A press of one second that increases, holds and decreases; no two are the same.
 fn press(category: &str, force_n: f64, number: u64) -> Trial {
     let samples = (0..SAMPLES)
         .map(|index| {
@@ -52,7 +52,7 @@ fn trials() -> Vec<Trial> {
         .collect()
 }
 
-/// The authors' models of so many states, trained on the presses.
+/// Models of the authors' recipe with this many states, trained on the presses.
 fn models(states: usize) -> ModelSet {
     let recipe = Recipe {
         states,
@@ -77,7 +77,7 @@ fn score(criterion: &mut Criterion) {
     for states in STATES {
         let models = models(states);
         let model = &models.models()["leaf"];
-        // The model's own category, and the other, which no path through the states fits.
+        // The model's own category and the other, which no path through the states fits.
         for (name, category) in [("own", "leaf"), ("foreign", "trunk")] {
             let sequences = sequences(category);
             let all: Vec<&Observations> = sequences.iter().collect();
@@ -103,7 +103,7 @@ fn training(criterion: &mut Criterion) {
         ..TrainingOptions::default()
     };
     let mut group = criterion.benchmark_group("hmm/baum_welch");
-    // The last model's likelihood takes one pass more than there are iterations.
+    // The likelihood of the final model takes one pass more than there are iterations.
     let passes = ITERATIONS as u64 + 1;
     group.sample_size(20).throughput(Throughput::Elements(
         passes * u64::from(SAMPLES) * sequences.len() as u64,
@@ -123,7 +123,7 @@ fn training(criterion: &mut Criterion) {
     }
 }
 
-/// A patch of a hundred taxels, and a frame in which all of them feel something.
+/// A patch of a hundred taxels, and a frame in which all of them are in contact.
 fn hundred_taxels() -> (SkinLayout, Frame) {
     let taxels = (0..100)
         .map(|number| Taxel {

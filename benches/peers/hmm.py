@@ -3,10 +3,10 @@
     pip install -r benches/peers/hmm-requirements.txt
     python benches/peers/hmm.py [--states 10 20] [--repeats 3]
 
-Run it from the workspace. Sequences are presses of two categories, models left-to-right as in the authors' recipe;
-every model scores both categories. First the log-likelihoods must agree within 1e-9 where the peer's are finite; what
-disagrees or fails is counted and printed. Then nanoseconds a sample, one thread, the quickest of several runs:
-processor time, so that other programs disturb less. Ours are by `benches/peers/hmm.rs`.
+Run it from the workspace. Sequences are presses of two categories, models are left-to-right as in the authors' recipe, and
+every model scores both categories. First, log-likelihoods are compared: they must agree within 1e-9 where the peer's are
+finite, and disagreements and failures are counted and printed. Then nanoseconds per sample are measured on one thread, as
+the fastest of several runs, in processor time so that other programs disturb less. Ours come from `benches/peers/hmm.rs`.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-//! This project's side of the comparison of HMM libraries: `hmm.py` runs it and says what is measured.
+//! This project's side of the comparison of HMM libraries. `hmm.py` runs it and describes what is measured.
 //!
 //!     hmm_peer TRIALS.csv MODELS.json REPEATS
 //!
-//! Prints one JSON object: per model nanoseconds (the quickest of all repeats, one thread) and log-likelihoods.
+//! Prints one JSON object: for each model, nanoseconds (the fastest of all repeats, one thread) and log-likelihoods.
 #![allow(clippy::print_stdout, reason = "prints its result")]
 
 use std::error::Error;

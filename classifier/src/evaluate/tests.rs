@@ -6,7 +6,7 @@ use crate::feature::FeatureSet;
 use crate::model_set::ModelSet;
 use crate::recipe::Recipe;
 
-/// Trials of 12 samples: leaves rise to about 0.4 N and move far, trunks rise to about 2 N and move little.
+/// Trials of 12 samples. Leaves reach about 0.4 N and move far; trunks reach about 2 N and move little.
 fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
     let trial = |number: u64, category: &str, reach: u64, top_n: f64, speed: f64| {
         let wobble = |k: f64| 1.0 + 0.2 * (1.7 * k + number as f64).sin();
@@ -44,7 +44,8 @@ fn recipe() -> Recipe {
     }
 }
 
-/// Pins first half, second half of each category, also where they alternate in the table and are odd in number.
+/// Pins that folds by position are the first and second half of each category, also if the categories alternate in the
+/// table or have an odd number of trials.
 #[test]
 fn positions_split_each_category_in_order() {
     let mut table = trials(3, 5);
@@ -58,7 +59,7 @@ fn positions_split_each_category_in_order() {
     assert_eq!(Folds::paper().assign(&table), Ok(vec![0, 0, 0, 0, 0, 1, 1, 1]));
 }
 
-/// Pins that folds by reach cut between reaches, in each category.
+/// Pins that folds by reach keep each reach in one fold, in each category.
 #[test]
 fn reaches_stay_together() {
     let table = trials(12, 9);
@@ -109,7 +110,7 @@ fn impossible_splits_are_named() {
     assert_eq!(error(&[], 2, FoldBy::Position), EvaluateError::NoTruth);
 }
 
-/// Pins order, folds and figures against a cross-validation put together by hand from two trainings.
+/// Pins order, folds and figures against a cross-validation assembled by hand from two fits.
 #[test]
 fn cross_validation_tests_each_trial_once_on_the_other_fold() {
     let mut table = trials(9, 8);
@@ -201,7 +202,7 @@ pub(super) fn scored(rows: &[(&str, [f64; 2])]) -> Evaluation {
     Evaluation::of(predictions.collect(), &names, vec![]).unwrap()
 }
 
-/// Pins rows, columns, recall, precision and F1 on counts made up by hand, an outlier among them.
+/// Pins rows, columns, recall, precision and F1 on hand-made counts that include an outlier.
 #[test]
 fn figures_follow_from_the_counts() {
     let rows = [
@@ -236,7 +237,7 @@ fn figures_follow_from_the_counts() {
     assert_eq!((block.recall, block.precision, block.f1), (0.0, None, 0.0));
 }
 
-/// Pins the interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
+/// Pins Wilson's interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
 #[test]
 fn wilson_intervals_match_published_figures() {
     let interval = wilson(81, 263);
@@ -249,8 +250,8 @@ fn wilson_intervals_match_published_figures() {
     assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
 }
 
-/// Pins that resampling reaches sees their dependence: 20 reaches, all right or all wrong, 50 trials each. The
-/// accuracy then has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
+/// Pins that the bootstrap over reaches accounts for dependence within them: in each of 20 reaches, all 50 trials are right
+/// or all are wrong. The accuracy has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
 #[test]
 fn clusters_widen_the_interval() {
     let rows: Vec<_> = (0..20)
@@ -268,7 +269,7 @@ fn clusters_widen_the_interval() {
     assert_eq!(bootstrap_by_reach(&homeless, 2000, 7), None);
 }
 
-/// Pins the cells' order and recipe, and equal results with one and with three threads.
+/// Pins the order and recipe of the cells, and equal results with one and with three threads.
 #[test]
 fn the_table_has_twelve_cells_in_print_order_whatever_the_threads() {
     let (components, taxels) = (trials(8, 8), trials(10, 12));

@@ -8,7 +8,7 @@ use crate::evaluate::FoldBy;
 use crate::hmm::TrainingHistory;
 use crate::model_set::ModelError;
 
-/// A trial of `length` samples; its force rises to the true category only with the third sample.
+/// A trial of `length` samples whose force reveals its category only from the third sample on.
 fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
     let samples = (0..length).map(|k| Sample {
         time_s: 0.01 * k as f64,
@@ -30,7 +30,7 @@ fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
     }
 }
 
-/// Learns nothing but the lengths it is given: all must be `min` or more. Takes for a trunk what has passed 1.5 N.
+/// Checks that all trials it is fitted on have at least `min` samples. Calls trunk whatever has exceeded 1.5 N.
 struct Threshold {
     min: usize,
 }
@@ -62,7 +62,7 @@ impl Classifier for Passed {
     }
 }
 
-/// Four leaves and twelve trunks, two of each category a single sample long and never touched.
+/// Four leaves and twelve trunks. Two of each category have a single sample and were never touched.
 fn trials() -> Vec<Trial> {
     let of = |category: &'static str, first: u64, count: u64| {
         (first..first + count).map(move |n| match n % 2 == 0 && n < first + 4 {
@@ -78,14 +78,14 @@ const FOLDS: Folds = Folds {
     by: FoldBy::Position,
 };
 
-/// Pins the series over all contacts on trials that can be counted by hand: short contacts count at every point, with
-/// their last verdict, though none was learned from; leaving them out flatters the accuracy.
+/// Pins the series over all contacts on trials that can be counted by hand: short contacts count at every point with their
+/// last verdict, although none was used for fitting. Leaving them out overestimates the accuracy.
 #[test]
-fn short_contacts_count_though_none_is_learned_from() {
+fn short_contacts_count_although_none_is_fitted_on() {
     let all = trials();
     let series = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap();
     let points: Vec<_> = [0, 2, 9].map(|index| &series[index]).into();
-    // After 1 sample everything is taken for a leaf; after 3 the ten long trunks are right.
+    // After 1 sample everything is classified as leaf; after 3 the ten long trunks are right.
     assert_eq!(points[0].accuracy, 4.0 / 16.0);
     assert_eq!((points[1].samples, points[1].accuracy), (Some(3), 14.0 / 16.0));
     assert_eq!((points[1].lasting, points[1].accuracy_of_lasting), (12, Some(1.0)));
@@ -99,8 +99,8 @@ fn short_contacts_count_though_none_is_learned_from() {
     assert_eq!(series[2].accuracy, 1.0);
 }
 
-/// Pins the split by touch at each point: of the four untouched trials the two leaves are right, by luck of the verdict
-/// that comes first.
+/// Pins the accuracy by touch at each point: of the four untouched trials the two leaves are right, because leaf happens to
+/// be the verdict without evidence.
 #[test]
 fn the_series_is_split_by_touch() {
     let series = accuracy_by_samples(&trials(), &Threshold { min: 1 }, FOLDS).unwrap();
@@ -112,9 +112,9 @@ fn the_series_is_split_by_touch() {
     assert_eq!(series[0].by_touch.unwrap().touched.unwrap().accuracy, 2.0 / 12.0);
 }
 
-/// Pins that a category whose trials are all too short to learn from is named.
+/// Pins that the error names a category whose trials are all too short for fitting.
 #[test]
-fn nothing_long_enough_to_learn_from_is_refused() {
+fn nothing_long_enough_to_fit_on_is_refused() {
     let mut all = trials();
     all.retain(|trial| trial.category.as_deref() == Some("trunk") || trial.samples.len() == 1);
     let error = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap_err();

@@ -3,7 +3,7 @@ use crate::evaluate::EvaluateError;
 use crate::evaluate::Evaluation;
 use crate::evaluate::tests::predictions;
 
-/// The figures of rows (truth, verdict, count) by a classifier of leaf and trunk.
+/// The figures of a classifier of leaf and trunk, from rows of truth, verdict and count.
 fn accuracy(rows: &[(&str, &str, usize)]) -> Accuracy {
     evaluation(rows).confusion.accuracy().unwrap()
 }
@@ -16,8 +16,8 @@ fn evaluation(rows: &[(&str, &str, usize)]) -> Evaluation {
     Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap()
 }
 
-/// Pins the definitions on counts made up by hand: 30 leaves of which 24 are found, 10 trunks of which 4 are found,
-/// and that the evaluation carries the same figures.
+/// Pins the definitions on hand-made counts, 24 of 30 leaves and 4 of 10 trunks found, and that the evaluation has the same
+/// figures.
 #[test]
 fn baseline_and_balance_follow_from_the_counts() {
     let rows = [
@@ -39,8 +39,8 @@ fn baseline_and_balance_follow_from_the_counts() {
     assert_eq!(found.balanced_accuracy, expected.balanced_accuracy);
 }
 
-/// Pins what the figures are for: a classifier that always says trunk reaches the majority baseline exactly, and half
-/// of everything in balance, whatever the share of trunks.
+/// Pins that a classifier that always says trunk reaches exactly the majority baseline, and a balanced accuracy of one half,
+/// whatever the fraction of trunks.
 #[test]
 fn one_verdict_for_all_is_the_baseline() {
     for (leaves, trunks) in [(10, 90), (40, 60), (3, 500)] {
@@ -50,7 +50,7 @@ fn one_verdict_for_all_is_the_baseline() {
     }
 }
 
-/// Pins that uncertain counts as wrong, and that outlier is wrong for what the classifier knows.
+/// Pins that uncertain counts as wrong, and that outlier is wrong for a known category.
 #[test]
 fn uncertain_and_outlier_are_wrong() {
     let found = accuracy(&[
@@ -64,8 +64,8 @@ fn uncertain_and_outlier_are_wrong() {
     assert_eq!(found.majority_baseline, 0.5);
 }
 
-/// Pins that outliers count for accuracy and baseline but not for the balance, which is the known categories' alone,
-/// and that no verdict is right for a block: not even outlier, since the leaves stand in it.
+/// Pins that outliers count in accuracy and baseline but not in the balanced accuracy, which covers known categories only,
+/// and that no verdict is right for a block, not even outlier.
 #[test]
 fn a_block_is_no_outlier() {
     let found = accuracy(&[
@@ -82,7 +82,7 @@ fn a_block_is_no_outlier() {
     assert_eq!(found.balanced_accuracy, Some(0.5));
 }
 
-/// Pins that there is no balance without a trial of a known category, and no accuracy without any trial.
+/// Pins that there is no balanced accuracy without a trial of a known category, and no accuracy without any trial.
 #[test]
 fn without_trials_there_are_no_figures() {
     assert_eq!(accuracy(&[("outlier", "leaf", 3)]).balanced_accuracy, None);
@@ -92,8 +92,8 @@ fn without_trials_there_are_no_figures() {
     assert_eq!(Evaluation::of(vec![], &models, vec![]), Err(EvaluateError::NoTruth));
 }
 
-/// Pins the split of an accuracy into touched and untouched trials, each with its own baseline and balance, and that
-/// nothing is split where no trial knows.
+/// Pins the accuracy of touched and untouched trials, each with its own baseline and balanced accuracy, and that there is
+/// none by touch if it is unknown for all trials.
 #[test]
 fn touched_and_untouched_are_judged_apart() {
     let models = ["leaf".to_owned(), "trunk".to_owned()];

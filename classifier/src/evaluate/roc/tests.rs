@@ -2,7 +2,7 @@ use super::*;
 use crate::decision::Decision;
 use crate::evaluate::tests::scored;
 
-/// Pins the area against counting all pairs, ties half, with ties and infinite scores.
+/// Pins the area against counting all pairs, with ties counted half, on scores with ties and infinities.
 #[test]
 fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     let positives = [3.0, 1.0, 1.0, f64::INFINITY, -2.0, 0.0];
@@ -25,7 +25,7 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     assert!((curve.area + turned.area - 1.0).abs() < 1e-15);
 }
 
-/// Pins both ends, that the curve never falls, and each point against counting what scores so much or more.
+/// Pins both ends, that the curve never decreases, and each point against counting the scores at or above its threshold.
 #[test]
 fn points_are_the_counts_at_their_thresholds() {
     let positives = [0.9, 0.8, 0.8, 0.3];
@@ -86,7 +86,7 @@ fn the_smallest_leads_are_called_outliers_first() {
         ("trunk", [0.0, 200.0]),
         ("outlier", [60.0, 0.0]),
         ("outlier", [0.0, 85.0]),
-        // A block is neither: it does not count.
+        // A block is neither and does not count.
         ("block", [1.0, 0.0]),
     ]);
     let curve = outlier_roc(&evaluation, &judge, 0.0).unwrap();
@@ -106,7 +106,7 @@ fn the_smallest_leads_are_called_outliers_first() {
         thresholds,
         [None, Some(30.0), Some(60.0), Some(85.0), Some(90.0), Some(200.0)]
     );
-    // Outliers whose margins are all smaller than any other are found without a false alarm; all larger, never.
+    // Outliers with smaller margins than all others are found without a false alarm; with larger ones they never are.
     let apart = |outlier: f64, known: f64| scored(&[("outlier", [outlier, 0.0]), ("leaf", [known, 0.0])]);
     let area = |evaluation| outlier_roc(&evaluation, &judge, 0.0).unwrap().area;
     assert_eq!(area(apart(2.0, 50.0)), 1.0);
@@ -150,6 +150,6 @@ fn the_curve_passes_through_the_rule() {
         (at_80.false_positive_rate, at_80.true_positive_rate),
         (verdicts(false), verdicts(true))
     );
-    // From the last certain trial straight to the end.
+    // A straight line from the last trial that is not uncertain to the end.
     assert_eq!(rates(&curve)[3..], [(2.0 / 3.0, 0.5), (1.0, 1.0)]);
 }

@@ -33,8 +33,8 @@ fn options(rule: Rule) -> OnlineOptions {
     }
 }
 
-/// Six frames: taxel 2 feels the leaf (object 0) softly, taxel 7 the trunk (object 1) softly, taxel 9 the trunk hard
-/// and with a break in frame 4, taxel 11 feels hard without an object.
+/// Six frames: taxel 2 touches the leaf (object 0) lightly, taxel 7 the trunk (object 1) lightly, taxel 9 the trunk firmly
+/// with a break in frame 4, and taxel 11 senses a large force without an object.
 fn reach() -> Recording {
     let full = [(2, 0.5, Some(0)), (7, 0.5, Some(1)), (9, 3.0, Some(1)), (11, 3.0, None)];
     let broken = [full[0], full[1], full[3]];
@@ -44,8 +44,8 @@ fn reach() -> Recording {
     recording(&frames)
 }
 
-/// Pins counts of a reach that can be counted by hand, argmax: one leaf right, one soft trunk wrong, one hard trunk
-/// right but in the frame of its break, one taxel without truth.
+/// Pins the counts with argmax on a reach that can be counted by hand: one leaf right, one lightly touched trunk wrong, one
+/// firmly touched trunk right except in the frame of its break, and one taxel without truth.
 #[test]
 fn verdicts_are_tallied_by_truth() {
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
@@ -75,7 +75,7 @@ fn verdicts_are_tallied_by_truth() {
     assert_eq!(stream.seconds.len(), 6);
 }
 
-/// Pins StreamTruth::Environment: in a trunk-only environment also the taxel without an object is judged by trunk.
+/// Pins StreamTruth::Environment: in a trunk-only environment, trunk is the truth even for the taxel without an object.
 #[test]
 fn an_environment_is_everyones_truth() {
     let truth = StreamTruth::Environment(Category::TRUNK);
@@ -89,8 +89,8 @@ fn an_environment_is_everyones_truth() {
     assert_eq!(stream.total(), total);
 }
 
-/// Pins Fig. 9's quantity: with a margin of 10 nats required and 3.125 a sample a verdict needs 4 samples; before it counts 0,
-/// afterwards it stays 4 while samples since contact go on. A new contact begins anew.
+/// Pins the quantity of Fig. 9: with a required margin of 10 nats and 3.125 nats per sample, a verdict needs 4 samples. It is
+/// 0 before that and stays 4 afterwards, while the samples since contact increase. A new contact starts again at 0.
 #[test]
 fn samples_used_are_those_at_the_verdict() {
     let rule = Rule::UncertainBelow { margin: 10.0 };
@@ -107,7 +107,8 @@ fn samples_used_are_those_at_the_verdict() {
     assert_eq!(stream.frames[5].tally.uncertain, 1);
 }
 
-/// Pins truth without a model: outlier is right, a category wrong; a trained category called an outlier is wrong.
+/// Pins that for a category without a model outlier is right and a known category wrong, and that a known category called
+/// outlier is wrong.
 #[test]
 fn a_foreign_object_is_rightly_an_outlier() {
     let mut recording = reach();
@@ -121,15 +122,15 @@ fn a_foreign_object_is_rightly_an_outlier() {
         category_above: 10.0,
     };
     let stream = classify_stream(&models(), &recording, &options(rule), StreamTruth::Object).unwrap();
-    // Margins grow by 3.125 a sample: samples 1 to 3 are outliers, later ones a category.
+    // Margins grow by 3.125 nats per sample: outlier after samples 1 to 3, then a category.
     assert_eq!(stream.taxel_frames[0], [3, 0, 0, 3]);
     assert_eq!(stream.taxel_frames[3], [3, 1, 0, 3 + 3 + 1]);
     assert_eq!(stream.total().correct, 3 + 7);
     assert_eq!(stream.total().misclassified, 3 + 4);
 }
 
-/// Pins that an object has the same right and wrong verdicts in a stream and as a whole trial, for each category and
-/// verdict; before, a block called an outlier was right in a stream and wrong as a trial.
+/// Pins that the same verdicts are right in a stream and for a whole trial, for each category and verdict. Earlier, a block
+/// called outlier was right in a stream and wrong as a trial.
 #[test]
 fn right_in_a_stream_is_right_as_a_trial() {
     let verdicts = [
@@ -171,7 +172,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
     assert_eq!(right, expected);
 }
 
-/// Pins that a reach without contact divides nothing by nothing.
+/// Pins that a reach without contact does not divide zero by zero.
 #[test]
 fn no_contact_has_no_means() {
     let nothing: &[(u16, f64, Option<u16>)] = &[];

@@ -15,7 +15,8 @@ const TARGETS: ThresholdTargets = ThresholdTargets {
     outlier_prior: 0.05,
 };
 
-/// Scores of `count` trials of each category whose margin for their own is normal with mean 3 and deviation 3 nats.
+/// Scores of `count` trials per category, whose margin in favour of the true one is normal with mean 3 and standard
+/// deviation 3 nats.
 fn drawn(count: usize, seed: u64) -> Evaluation {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let margin = Normal::new(3.0, 3.0).unwrap();
@@ -66,9 +67,9 @@ fn thresholds_are_the_quantiles_of_the_distribution() {
     );
 }
 
-/// Pins the counting where its conditions hold, with independent trials and one scoring rule: over many small training
-/// sets, new trials of another category are taken for a category with probability at most the rate; 40 trials a
-/// category, so that counting k/n instead of (k+1)/(n+1) would fail.
+/// Pins the rate where its conditions hold, with independent trials and a single scoring rule: over many small training
+/// sets, a new trial of another category is classified as a category with at most this probability. With 40 trials per
+/// category, counting k/n instead of (k+1)/(n+1) would fail.
 #[test]
 fn new_trials_keep_the_rate_on_average() {
     let (mut mistakes, mut trials) = (0, 0);
@@ -89,7 +90,7 @@ fn new_trials_keep_the_rate_on_average() {
     assert!(rate <= 0.1 && rate > 0.06, "{rate}");
 }
 
-/// Pins the counting on eleven hand-made trials a category: at a rate of 0.25 of 12, two mistakes may stay above.
+/// Pins the counting on eleven hand-made trials per category: at a rate of 0.25 of 12, two mistakes may remain above.
 #[test]
 fn counts_stand_at_the_border() {
     let mut rows: Vec<(&str, [f64; 2])> = Vec::new();
@@ -110,7 +111,7 @@ fn counts_stand_at_the_border() {
     assert_eq!((chosen.outlier, chosen.uncertain), (4.0 / 22.0, 1.0 / 22.0));
 }
 
-/// Pins that a prior of zero makes the band empty but for a margin on the threshold itself.
+/// Pins that with an outlier prior of zero the band contains only a margin equal to the threshold.
 #[test]
 fn no_outliers_expected_leaves_no_band() {
     let targets = ThresholdTargets {
@@ -124,7 +125,7 @@ fn no_outliers_expected_leaves_no_band() {
     assert!(band(&wide).0 < band(&wide).1);
 }
 
-/// Pins the errors: targets out of range, too few trials, infinite mistakes, foreign priors.
+/// Pins the errors for rates out of range, too few trials, mistakes with infinite margin, and priors of other categories.
 #[test]
 fn what_cannot_be_held_is_refused() {
     let data = drawn(8, 4);
@@ -171,7 +172,7 @@ fn what_cannot_be_held_is_refused() {
     assert!(matches!(error, ThresholdError::Decision(_)), "{error}");
 }
 
-/// The score of a trunk after k samples is the sum of their forces, that of a leaf 0: nothing is learned.
+/// The score of trunk after k samples is the sum of their forces, that of leaf is 0; nothing is fitted.
 struct Sum;
 
 impl Estimator for Sum {
@@ -191,9 +192,9 @@ impl Classifier for Sum {
     }
 }
 
-/// Pins what thresholds of whole trials do sample by sample, on trials of 10 samples that can be counted by hand. Right
-/// ones have a margin of 1 nat a sample, three leaves are wrong by 0.5 a sample, so that at a rate of 0.25 of 13 the threshold is
-/// 5. No whole trial is uncertain; but right ones are for 4 of their 10 samples and wrong ones for 9.
+/// Pins the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand. Right
+/// ones have a margin of 1 nat per sample; three leaves are wrong by 0.5 nats per sample, so that at a rate of 0.25 of 13
+/// the threshold is 5. No whole trial is uncertain, but right ones are for 4 of their 10 samples and wrong ones for 9.
 #[test]
 fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let trial = |number: u64, category: &str, force_n: f64| Trial {

@@ -1,8 +1,8 @@
-//! Components and the regions that taxels are part of.
+//! Components, and the regions that taxels belong to.
 
 use super::*;
 
-/// Pins 4-connectivity (no diagonals), wrap-around by the layout, and its override.
+/// Pins 4-connectivity (no diagonals), wrap-around as the layout says, and its override.
 #[test]
 fn components_wrap_around_only_where_asked() {
     let recording = recording(&[(
@@ -21,7 +21,7 @@ fn components_wrap_around_only_where_asked() {
     assert_eq!(largest(Some(false)), [1.0, 2.0, 3.0, 4.0]);
 }
 
-/// Pins both features: taxels 7, 8 (centre column 1.5) then 7, 8, 9 (centre column 2), the patch 1 mm further on.
+/// Pins both features: taxels 7, 8 (centre at column 1.5), then 7, 8, 9 (centre at column 2) with the patch moved by 1 mm.
 #[test]
 fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
     let recording = recording(&[
@@ -32,7 +32,7 @@ fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
     assert_eq!(trials.len(), 1);
     assert_eq!(forces(&trials[0]), [0.9, 1.1]);
     assert_eq!(motions_mm(&trials[0]), [0.0, 6.0]);
-    // The strongest taxel of the second frame touches nothing (crosstalk): the truth is that of its neighbours.
+    // The strongest taxel of the second frame touches nothing (crosstalk), so the truth comes from its neighbours.
     assert_eq!((trials[0].trial.taxel, trials[0].object), (Some(8), Some(1)));
 }
 
@@ -57,7 +57,7 @@ fn without_wrap(frames: &[Drawn]) -> Vec<ContactTrial> {
     component_trials(&recording(frames), &options).unwrap()
 }
 
-/// Pins merging: columns 0–1 and column 3 become 0–3 (centre 1.5): the first was 10 mm away, the second 15 mm.
+/// Pins merging: columns 0–1 and column 3 become 0–3 (centre 1.5). The first was 10 mm away, the second 15 mm.
 #[test]
 fn of_two_merging_components_the_nearer_goes_on() {
     let trials = without_wrap(&[APART, TOGETHER]);
@@ -68,7 +68,7 @@ fn of_two_merging_components_the_nearer_goes_on() {
     assert_eq!(motions_mm(&trials[0]), [0.0, 10.0]);
 }
 
-/// Pins splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm off) and 3 (15 mm off), which starts from zero motion.
+/// Pins splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm away) and 3 (15 mm away), which starts with zero motion.
 #[test]
 fn of_a_splitting_component_the_nearer_piece_goes_on() {
     let trials = without_wrap(&[TOGETHER, APART]);
@@ -79,8 +79,8 @@ fn of_a_splitting_component_the_nearer_piece_goes_on() {
     assert_eq!(motions_mm(&trials[1]), [0.0]);
 }
 
-/// Pins association: a patch that slides 10 mm in x under a fixed contact moves it by one column at rest in the
-/// world; a contact that jumps farther than allowed ends and begins anew.
+/// Pins association: when a patch slides 10 mm in x under a fixed contact, the contact moves by one column and stays at rest
+/// in the world. If a contact jumps farther than allowed, its trial ends and a new one starts.
 #[test]
 fn tracking_is_greedy_by_world_distance() {
     let recording = recording(&[
@@ -99,8 +99,9 @@ fn tracking_is_greedy_by_world_distance() {
     assert_eq!(motions_mm(&trials[0]), [0.0; 3]);
 }
 
-/// Pins taxels, largest force and sum of the region that a taxel is part of, at each instant, in taxel and in component
-/// trials: 1, 2 and 8 hang together in a grid of rows of six, 11 stands alone; then 2 breaks and parts the others.
+/// Pins number of taxels, largest force and force sum of a taxel's region in each frame, in trials by taxel and by
+/// component. In a grid with six columns, 1, 2 and 8 are connected and 11 is alone; then 2 loses contact and separates 1
+/// and 8.
 #[test]
 fn samples_know_their_contact_region() {
     let recording = recording(&[
@@ -147,7 +148,7 @@ fn samples_know_their_contact_region() {
             .iter()
             .all(|contact| of(contact).len() == contact.trial.samples.len())
     );
-    // Where the patch has no grid, nobody knows the neighbours.
+    // Without a grid the neighbours are unknown.
     let mut loose = recording;
     loose.layout.patches[0].grid = None;
     let trials = taxel_trials(&loose, &options).unwrap();

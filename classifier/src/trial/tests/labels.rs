@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins the majority vote, that samples without object have no vote, and no category without any.
+/// Pins the majority vote, that samples without an object do not vote, and that there is no category without votes.
 #[test]
 fn truth_is_the_object_of_most_samples() {
     let recording = recording(&[
@@ -20,8 +20,8 @@ fn truth_is_the_object_of_most_samples() {
     assert_eq!((trials[1].object, &trials[1].trial.category), (None, &None));
 }
 
-/// Pins labels: by contact a trial without an object has none; by environment it has that of the only category, foam
-/// blocks aside; in mixed clutter both label alike.
+/// Pins both kinds of label: by contact, a trial without an object has none; by environment, it has the only category apart
+/// from foam blocks. In mixed clutter both are the same.
 #[test]
 fn the_environment_labels_what_nothing_touched() {
     let touched: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1)), (9, 1.0, None)];
@@ -39,12 +39,12 @@ fn the_environment_labels_what_nothing_touched() {
     assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), trunk]);
 }
 
-/// Pins that a trial knows in which samples an object truly pressed: by taxel the taxel's own, by component any of its
-/// taxels'; a sensed force without a true one (a spurious reading, creep) is untouched, also where the environment labels it; and a
-/// recording without objects knows nothing.
+/// Pins that a trial stores in which samples an object truly pressed: on the taxel itself, or on any taxel of a component. A
+/// sensed force without a true one (a spurious reading, creep) is untouched even if the environment labels it. Without
+/// objects in the recording it is unknown.
 #[test]
 fn a_trial_knows_when_it_was_touched() {
-    // Taxels 7 and 8 are neighbours, 12 is by itself and only sensed.
+    // Taxels 7 and 8 are neighbours; 12 is alone, and no object presses on it.
     let lit: &[(u16, f64, Option<u16>)] = &[(7, 1.0, Some(1)), (8, 0.5, None), (12, 0.2, None)];
     let mut reach = recording(&[(0.0, lit), (0.0, lit), (0.0, lit)]);
     reach.objects[0].category = Category::BLOCK;

@@ -1,4 +1,4 @@
-//! Tests on hand-drawn frames: here trials by taxel and what is refused.
+//! Tests on hand-made frames: trials by taxel, and what is refused.
 
 mod components;
 mod labels;
@@ -10,7 +10,7 @@ use underbrush_recording::{Audit, Category, Frame, Grid, ObjectRecord, Patch, Po
 
 use super::*;
 
-/// Options under which every taxel that senses anything is in contact: the hand-made recordings hold small forces.
+/// Options under which every taxel that senses any force is in contact; the hand-made recordings have small forces.
 pub(crate) fn any_force() -> TrialOptions {
     TrialOptions {
         threshold_n: 0.0,
@@ -20,7 +20,7 @@ pub(crate) fn any_force() -> TrialOptions {
 
 const PITCH_M: f64 = 0.01;
 
-/// A flat 3 × 6 patch in the link's x-y plane, taxel (row, column) at (0.01 column, 0.01 row, 0) m.
+/// A flat 3 × 6 patch in the link's x-y plane, with taxel (row, column) at (0.01 column, 0.01 row, 0) m.
 pub(crate) fn layout() -> SkinLayout {
     let taxels = (0..18)
         .map(|index| Taxel {
@@ -48,7 +48,7 @@ pub(crate) fn layout() -> SkinLayout {
 /// One frame: (taxel, sensed force, object) of each taxel, and the patch's shift along world x, m.
 pub(crate) type Drawn<'a> = (f64, &'a [(u16, f64, Option<u16>)]);
 
-/// A recording with a leaf (object 0) and a trunk (object 1), from hand-drawn frames.
+/// A recording with a leaf (object 0) and a trunk (object 1), from hand-made frames.
 pub(crate) fn recording(frames: &[Drawn]) -> Recording {
     let object = |kind: &str, category| ObjectRecord {
         kind: kind.into(),
@@ -119,7 +119,8 @@ fn motions_mm(contact: &ContactTrial) -> Vec<f64> {
         .collect()
 }
 
-/// Pins cutting at contact and break, motion in the world frame from each contact's own start, order and numbers.
+/// Pins that trials start and end with contact, motion in the world frame from the start of each contact, and the order and
+/// numbers of trials.
 #[test]
 fn a_taxel_makes_one_trial_per_contact() {
     let recording = recording(&[
@@ -156,7 +157,7 @@ fn a_taxel_makes_one_trial_per_contact() {
     assert_eq!(trials[1].trial.samples[0].time_s, 0.01);
 }
 
-/// Pins that a force equal to the threshold is no contact, and that short trials go.
+/// Pins that a force equal to the threshold is not contact, and that short trials are left out.
 #[test]
 fn threshold_and_length_leave_out_trials() {
     let recording = recording(&[
@@ -190,7 +191,7 @@ fn threshold_and_length_leave_out_trials() {
     );
 }
 
-/// Pins the errors for unknown patches, missing grids, bad options and frames that do not fit.
+/// Pins the errors for unknown patches, missing grids, invalid options and frames that do not fit.
 #[test]
 fn bad_input_is_named() {
     let sound = recording(&[(0.0, &[(0, 1.0, Some(0))])]);
@@ -247,7 +248,7 @@ fn bad_input_is_named() {
     }
 }
 
-/// Pins that the paper's trials have a sample for each of the 20 time slices of its largest models, and none fewer.
+/// Pins that the paper's trials have at least one sample for each of the 20 time slices of its largest models.
 #[test]
 fn the_papers_trials_fill_twenty_slices() {
     let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];
