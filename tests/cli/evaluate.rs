@@ -1,5 +1,7 @@
 //! `underbrush evaluate`.
 
+use std::fs;
+
 use underbrush_recording::disk::{read_trials, write_trials};
 
 use crate::support::fixture::fixture;
@@ -291,4 +293,18 @@ fn by_samples_is_also_about_short_contacts() {
     let text = call("--jobs=1").success();
     assert!(text.contains("already known to last that long"), "{text}");
     assert!(text.contains("over all contacts, including short ones"), "{text}");
+}
+
+/// Pins that the smallest model file shown in docs/classifiers.md can be read and gives a verdict on every trial.
+#[test]
+fn the_documented_model_file_classifies() {
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/classifiers.md")).unwrap();
+    let (_, after) = text.split_once("```json\n").unwrap();
+    let (json, _) = after.split_once("```").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("model.json");
+    fs::write(&model, json).unwrap();
+    let table = fixture().table_csv();
+    let verdicts = underbrush!["classify", model, table].success();
+    assert!(verdicts.contains("leaf") && verdicts.contains("trunk"), "{verdicts}");
 }
