@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DQuat, DVec3};
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::feature::{FeatureSet, Observations};
 use underbrush_classifier::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions, equal_slice_start, train};
@@ -52,13 +52,13 @@ fn trials() -> Vec<Trial> {
         .collect()
 }
 
-/// Models of the authors' recipe with this many states, trained on the presses.
-fn models(states: usize) -> ModelSet {
+/// The authors' models of so many states, trained on the presses.
+fn models(states: usize) -> HmmClassifier {
     let recipe = Recipe {
         states,
         ..Recipe::authors()
     };
-    ModelSet::train(&trials(), &recipe)
+    HmmClassifier::train(&trials(), &recipe)
         .expect("the trials can be trained on")
         .0
 }
@@ -172,15 +172,15 @@ fn online(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("hmm/online_update");
     group.throughput(Throughput::Elements(frame.taxels.len() as u64));
     for states in STATES {
-        let models = models(states);
+        let mut models = models(states);
         for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
             let options = OnlineOptions {
                 patch: None,
                 threshold_n: 0.0,
-                score,
                 decision: Decision::argmax(),
             };
-            let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options).expect("models fit the skin");
+            models.score_by(score);
+            let mut classifier = OnlineClassifier::new(&models, &layout, &options).expect("models fit the skin");
             group.bench_function(format!("{name}/{states} states, 100 taxels, 2 models"), |bencher| {
                 bencher.iter(|| {
                     classifier

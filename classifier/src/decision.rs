@@ -239,7 +239,7 @@ impl Judge {
         }
     }
 
-    /// The verdict for scores in the form that [`crate::ModelSet::score`] returns.
+    /// The verdict for scores in the form that [`crate::HmmClassifier::score`] returns.
     ///
     /// # Errors
     /// [`DecisionError::ScoreCount`] unless there is one score per category.

@@ -2,26 +2,28 @@
 //! (and motions) that tactile skin feels in incidental contact, after Bhattacharjee, Kapusta, Rehg and Kemp,
 //! "Rapid Categorization of Object Properties from Incidental Contact with a Tactile Sensing Robot Arm", 2013.
 //!
-//! The way through the crate is that of the data:
+//! The modules follow the data:
 //!
 //! | step | where |
 //! |---|---|
 //! | a recording is cut into trials, from contact to break | [`trial::taxel_trials`], [`trial::component_trials`] |
-//! | a trial becomes a matrix of features | [`feature::FeatureSet`] |
-//! | trials train one model per category, by a recipe | [`ModelSet::train`], [`recipe::Recipe`], [`hmm`] |
-//! | models score a trial, or a stream while the arm moves | [`ModelSet::score`], [`online::OnlineClassifier`] |
+//! | samples become features | [`feature::FeatureSet`], [`feature::FEATURES`] |
+//! | an estimator is fitted to trials | [`estimator::Estimator`]; the list of all: [`registry::CLASSIFIERS`] |
+//! | … one hidden Markov model per category | [`recipe::Recipe`], [`HmmClassifier`], [`hmm`] |
+//! | … or another classifier | [`baseline`], [`stream_feature`] |
+//! | a classifier is saved and loaded | [`Model`] |
+//! | it scores trials, or contacts while the arm moves | [`estimator::Classifier`], [`online::OnlineClassifier`] |
 //! | scores become a verdict | [`decision::Decision`] |
-//! | anything else that learns from trials stands beside them | [`estimator::Estimator`], [`baseline`] |
 //! | verdicts become tables with confidence intervals | [`evaluate`] |
 //!
-//! Nothing here knows the simulator: recordings of a real robot and anyone's table of trials will do.
+//! Nothing here depends on the simulator: recordings of a real robot and any table of trials work as well.
 //!
 //! # Tutorial
 //!
 //! Twenty presses against something soft and twenty against something stiff; train; ask about a new one.
 //!
 //! ```
-//! use underbrush_classifier::ModelSet;
+//! use underbrush_classifier::HmmClassifier;
 //! use underbrush_classifier::decision::Decision;
 //! use underbrush_classifier::recipe::Recipe;
 //! use underbrush_recording::{Sample, Trial};
@@ -42,7 +44,7 @@
 //! let trials: Vec<Trial> = soft.chain(stiff).collect();
 //!
 //! let recipe = Recipe { states: 5, ..Recipe::authors() };
-//! let (models, report) = ModelSet::train(&trials, &recipe)?;
+//! let (models, report) = HmmClassifier::train(&trials, &recipe)?;
 //! println!("{:?}", report.categories["leaf"].stop);
 //!
 //! let scores = models.score(&press(None, 180.0, 99), models.score_kind())?;
@@ -53,16 +55,22 @@
 
 pub mod baseline;
 pub mod decision;
+mod document;
+mod error;
 pub mod estimator;
 pub mod evaluate;
 pub mod feature;
 pub mod hmm;
+mod hmm_classifier;
 mod model_file;
-mod model_set;
 pub mod online;
 pub mod recipe;
+pub mod registry;
 pub mod stream_feature;
 pub mod trial;
 
-pub use model_file::FORMAT;
-pub use model_set::{ModelError, ModelSet, TrainingReport, is_trained};
+pub use document::{Document, FORMAT};
+pub use error::ModelError;
+pub use estimator::is_trained;
+pub use hmm_classifier::{HmmClassifier, TrainingReport};
+pub use model_file::Model;

@@ -1,4 +1,4 @@
-//! Classification while the arm moves: one new frame in, one verdict per taxel in contact out.
+//! Classification while the arm moves: each new frame gives a verdict for every taxel in contact.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,9 +8,8 @@ use thiserror::Error;
 use underbrush_recording::{Frame, Sample, SkinLayout};
 
 use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
-use crate::feature::{FeatureError, SampleFault};
-use crate::hmm::{FilterBank, ScoreKind};
-use crate::model_set::ModelSet;
+use crate::estimator::{Classifier, OnlineScorer};
+use crate::feature::SampleFault;
 use crate::trial::{PatchImage, Regions, Travel, TrialError};
 
 /// Why online classification stops.
@@ -19,12 +18,9 @@ pub enum OnlineError {
     /// A skin or frame that does not fit.
     #[error(transparent)]
     Trial(#[from] TrialError),
-    /// Priors or thresholds that make no sense for these models.
+    /// Priors or thresholds that do not fit the classifier.
     #[error(transparent)]
     Decision(#[from] DecisionError),
-    /// A sample that the models cannot take.
-    #[error(transparent)]
-    Feature(#[from] FeatureError),
     /// A sample that cannot be used.
     #[error("taxel {taxel} {fault}")]
     BadSample {
@@ -33,13 +29,16 @@ pub enum OnlineError {
         /// What is wrong.
         fault: SampleFault,
     },
-    /// The models need the contact region, and the taxels form no grid.
-    #[error("the feature {feature} needs the contact region: {source}; use a model without {feature}")]
+    /// The classifier needs the contact region, and the taxels form no grid.
+    #[error(
+        "the feature {feature} needs the contact region, but the taxels of patch {patch} form no grid of rows × columns; \
+         give its grid, or use a model without {feature}"
+    )]
     NoRegion {
         /// Name of the feature.
         feature: &'static str,
-        /// Why there is no region.
-        source: TrialError,
+        /// The patch.
+        patch: String,
     },
 }
 
@@ -50,96 +49,91 @@ pub struct OnlineOptions {
     pub patch: Option<String>,
     /// A taxel is in contact where its sensed force is above this, N.
     pub threshold_n: f64,
-    /// The running score.
-    pub score: ScoreKind,
     /// From scores to verdicts.
     pub decision: Decision,
 }
 
-/// What one taxel in contact is taken for at the moment.
+/// The verdict on one taxel in contact at the moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaxelVerdict {
     /// Index of the taxel in its patch.
     pub taxel: usize,
-    /// Samples since its contact began, at least 1. Beyond the recipe's `max_samples` the score stands still.
+    /// Samples since its contact began, at least 1. After those that the classifier uses, the scores stay the same.
     pub samples: usize,
-    /// Running score under each model, nats, in the order of [`ModelSet::categories`]; without priors.
-    pub log_likelihood: Vec<f64>,
-    /// The verdict on what was felt so far.
+    /// Score of each category, nats, in the order of [`Classifier::categories`]; without priors.
+    pub scores: Vec<f64>,
+    /// The verdict from the samples so far.
     pub verdict: Verdict,
 }
 
-/// A filter per taxel and model: begins with a contact, ends with its break (paper, section V-B).
+/// Scores each taxel of a patch from the start of its contact to its end (paper, section V-B), by any classifier.
 ///
-/// After k samples of a contact the scores equal those of [`ModelSet::score`] for a trial of these k samples, bit for
-/// bit, since both run the same filter. Once a taxel was in contact, its state is kept and nothing more is allocated
-/// for it (but for the name where its verdict changes).
-#[derive(Clone, Debug)]
+/// After k samples of a contact its scores equal [`Classifier::scores_after`] k samples of the same trial, bit for bit.
+/// With hidden Markov models nothing is allocated after the first frame, except for the name where a verdict changes and
+/// for contact regions where a feature describes them.
+#[derive(Debug)]
 pub struct OnlineClassifier {
-    models: ModelSet,
+    scorer: Box<dyn OnlineScorer>,
     judge: Judge,
     image: PatchImage,
-    /// Only where the models need them: finding them allocates.
+    /// Only where a feature describes the contact region.
     regions: Option<Regions>,
-    /// The features of the sample at hand.
-    values: Vec<f64>,
-    bank: FilterBank,
-    /// Streams of the bank without a contact; the first go first, so that those in use stay side by side.
+    /// Contacts of the scorer that no taxel uses. The smallest is used first, so that those in use lie side by side.
     free: BinaryHeap<Reverse<usize>>,
-    /// One a taxel.
+    /// One per taxel.
     contacts: Vec<Contact>,
     frames: usize,
 }
 
-/// What is known of a taxel.
+/// The state of a taxel.
 #[derive(Clone, Debug)]
 struct Contact {
-    /// Its stream in the bank, while it is in contact.
-    stream: Option<usize>,
+    /// Its contact in the scorer, while there is one.
+    slot: Option<usize>,
     travel: Travel,
-    /// Whether the frame at hand gave the filters a sample.
+    /// Whether the current frame gave the scorer a sample with influence.
     scored: bool,
     choice: Choice,
     verdict: TaxelVerdict,
 }
 
 impl OnlineClassifier {
-    /// A classifier for streams of frames of this skin; no contact is open.
+    /// A classifier of streams of frames of this skin, without contacts so far.
     ///
     /// # Errors
-    /// [`OnlineError`] where the patch is unknown, or threshold, priors or rule make no sense.
-    pub fn new(models: ModelSet, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
-        let judge = options.decision.prepare(&models.categories())?;
+    /// [`OnlineError`] where the patch is unknown, threshold, priors or rule do not fit, or a feature describes the
+    /// contact region and the patch has no grid.
+    pub fn new(classifier: &dyn Classifier, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
+        let categories = classifier.categories();
         let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;
-        let regions = match models.features().of_region().next() {
+        let no_region = |feature| OnlineError::NoRegion {
+            feature,
+            patch: image.patch().name.clone(),
+        };
+        let regions = match classifier.features().of_region().next() {
             None => None,
-            Some(feature) => Some(Regions::new(&image, None).map_err(|source| OnlineError::NoRegion {
-                feature: feature.name,
-                source,
-            })?),
+            Some(feature) => Some(Regions::new(&image, None).map_err(|_| no_region(feature.name))?),
         };
         let taxels = image.patch().taxels.len();
         let contact = |taxel| Contact {
-            stream: None,
+            slot: None,
             travel: Travel::from(DVec3::ZERO),
             scored: false,
             choice: Choice::Uncertain,
             verdict: TaxelVerdict {
                 taxel,
                 samples: 0,
-                log_likelihood: vec![0.0; models.models().len()],
+                scores: vec![0.0; categories.len()],
                 verdict: Verdict::Uncertain,
             },
         };
         Ok(OnlineClassifier {
-            judge,
+            judge: options.decision.prepare(&categories)?,
+            scorer: classifier.online_scorer(taxels),
             image,
             regions,
-            values: vec![0.0; models.features().dimension()],
-            bank: FilterBank::new(options.score, models.models().values(), taxels),
             free: (0..taxels).map(Reverse).collect(),
             contacts: (0..taxels).map(contact).collect(),
-            models,
             frames: 0,
         })
     }
@@ -147,8 +141,8 @@ impl OnlineClassifier {
     /// Takes in the next frame and gives the verdict for each taxel in contact, in ascending order of taxels.
     ///
     /// # Errors
-    /// [`OnlineError`] where the frame does not fit the skin or holds NaN or infinity; its index counts the frames
-    /// given to this classifier, from 0.
+    /// [`OnlineError`] where the frame does not fit the skin or holds NaN or infinity; frames count from 0, the first one
+    /// given to this classifier.
     pub fn update(&mut self, frame: &Frame) -> Result<impl Iterator<Item = &TaxelVerdict>, OnlineError> {
         self.image.read(self.frames, frame)?;
         self.frames += 1;
@@ -158,55 +152,43 @@ impl OnlineClassifier {
         for taxel in 0..self.contacts.len() {
             if self.image.is_in_contact(taxel) {
                 self.sense(taxel, frame.time_s)?;
-            } else if let Some(stream) = self.contacts[taxel].stream.take() {
-                self.free.push(Reverse(stream));
+            } else if let Some(slot) = self.contacts[taxel].slot.take() {
+                self.free.push(Reverse(slot));
             }
         }
-        self.bank.advance(self.models.models().values());
+        self.scorer.advance();
         for contact in &mut self.contacts {
-            if let Some(stream) = contact.stream.filter(|_| contact.scored) {
-                contact
-                    .verdict
-                    .log_likelihood
-                    .iter_mut()
-                    .zip(self.bank.scores(stream))
-                    .for_each(|(out, score)| *out = score);
+            if let Some(slot) = contact.slot.filter(|_| contact.scored) {
+                self.scorer.scores(slot, &mut contact.verdict.scores);
                 contact.decide(&self.judge);
             }
         }
         Ok(self
             .contacts
             .iter()
-            .filter(|contact| contact.stream.is_some())
+            .filter(|contact| contact.slot.is_some())
             .map(|contact| &contact.verdict))
     }
 
-    /// Gives the filters of a taxel in contact its sample.
+    /// Gives the scorer the sample of a taxel in contact.
     fn sense(&mut self, taxel: usize, time_s: f64) -> Result<(), OnlineError> {
         let contact = &mut self.contacts[taxel];
         let position_world = self.image.position_world(taxel);
-        let stream = match contact.stream {
-            Some(stream) => stream,
+        let slot = match contact.slot {
+            Some(slot) => slot,
             None => {
-                // There are as many streams as taxels.
-                let Some(Reverse(stream)) = self.free.pop() else {
+                // There are as many slots as taxels.
+                let Some(Reverse(slot)) = self.free.pop() else {
                     return Ok(());
                 };
-                self.bank.begin(stream);
-                contact.stream = Some(stream);
+                self.scorer.begin(slot);
+                contact.slot = Some(slot);
                 contact.travel = Travel::from(position_world);
                 contact.verdict.samples = 0;
-                stream
+                slot
             }
         };
         contact.verdict.samples += 1;
-        contact.scored = self
-            .models
-            .max_samples()
-            .is_none_or(|most| contact.verdict.samples <= most);
-        if !contact.scored {
-            return Ok(());
-        }
         let sample = Sample {
             time_s,
             force_n: self.image.sensed_force_n(taxel),
@@ -214,19 +196,15 @@ impl OnlineClassifier {
             region: self.regions.as_ref().and_then(|regions| regions.of(taxel)),
             touched: None,
         };
-        let values = &mut self.values[..];
-        let bad_sample = |fault| OnlineError::BadSample { taxel, fault };
-        self.models.features().read(&sample, values).map_err(bad_sample)?;
-        if let Some(scaling) = self.models.scaling() {
-            scaling.apply(values);
-        }
-        Ok(self.bank.put(stream, values)?)
+        let pushed = self.scorer.push(slot, &sample);
+        contact.scored = pushed.map_err(|fault| OnlineError::BadSample { taxel, fault })?;
+        Ok(())
     }
 }
 
 impl Contact {
     fn decide(&mut self, judge: &Judge) {
-        let choice = judge.choose(&self.verdict.log_likelihood);
+        let choice = judge.choose(&self.verdict.scores);
         if choice != self.choice {
             self.choice = choice;
             self.verdict.verdict = judge.verdict(choice);

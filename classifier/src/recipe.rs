@@ -2,8 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
+use underbrush_recording::Limits;
+
+use crate::error::{Fault, check_limits};
 use crate::feature::FeatureSet;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
+
+/// States of a model: the paper has up to 20, and the cost of a sample grows with the square.
+pub(crate) const STATES: Limits = Limits::new(1.0, 1000.0, "states");
+
+/// Samples of a trial that are used: weeks at 100 Hz.
+const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");
+
+/// Iterations of Baum-Welch, which converges in some hundred.
+const ITERATIONS: Limits = Limits::new(0.0, 1e6, "iterations");
+
+/// Relative gain at which training ends. With 1 it ends after the first iteration.
+const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");
+
+/// Floor of variances: as small as a variance that a model file may hold, or off.
+const VARIANCE_FLOOR: Limits = Limits::new(1e-30, 1e12, "").or_off_at(0.0);
 
 /// Whether features enter the models as measured or z-scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -64,5 +82,24 @@ impl Recipe {
             scaling: ScalingKind::ZScore,
             ..Recipe::authors()
         }
+    }
+
+    /// Checks that every number is within its range.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        let training = &self.training;
+        for (option, value, limits) in [
+            ("states", self.states as f64, STATES),
+            (
+                "max_samples",
+                self.max_samples.map_or(1.0, |count| count as f64),
+                SAMPLES,
+            ),
+            ("training.iterations", training.iterations as f64, ITERATIONS),
+            ("training.tolerance", training.tolerance, TOLERANCE),
+            ("training.variance_floor", training.variance_floor, VARIANCE_FLOOR),
+        ] {
+            check_limits(option, value, limits)?;
+        }
+        Ok(())
     }
 }

@@ -8,8 +8,8 @@
 
 use std::path::PathBuf;
 
-use underbrush_classifier::ModelSet;
 use underbrush_classifier::hmm::{ScoreKind, Stop, TrainingOptions};
+use underbrush_classifier::{HmmClassifier, Model};
 use underbrush_recording::{Sample, Trial};
 
 fn data(name: &str) -> PathBuf {
@@ -79,7 +79,7 @@ fn oracle(configuration: &str) -> Vec<Row> {
 }
 
 /// The worst relative difference of one kind of score, start (0) or trained (2), over all models and trials.
-fn worst(models: &ModelSet, trials: &[Trial], rows: &[Row], column: usize) -> f64 {
+fn worst(models: &HmmClassifier, trials: &[Trial], rows: &[Row], column: usize) -> f64 {
     let mut worst = 0.0f64;
     for (kind, column) in [(ScoreKind::Forward, column), (ScoreKind::Viterbi, column + 1)] {
         for row in rows {
@@ -97,7 +97,8 @@ fn worst(models: &ModelSet, trials: &[Trial], rows: &[Row], column: usize) -> f6
 fn check(configuration: &str) {
     let (trials, rows) = (trials(), oracle(configuration));
     assert_eq!((trials.len(), rows.len()), (80, 160));
-    let start = ModelSet::load(data(&format!("{configuration}.start.json"))).unwrap();
+    let start = Model::load(data(&format!("{configuration}.start.json"))).unwrap();
+    let start = start.into_hmm().unwrap();
     let at_start = worst(&start, &trials, &rows, 0);
     assert!(at_start < 1e-9, "{configuration}, start: {at_start:e}");
 
@@ -106,7 +107,7 @@ fn check(configuration: &str) {
         tolerance: 0.0,
         variance_floor: 0.0,
     };
-    let (trained, report) = ModelSet::train_from(start, &trials, &options).unwrap();
+    let (trained, report) = HmmClassifier::train_from(start, &trials, &options).unwrap();
     for history in report.categories.values() {
         assert_eq!((history.log_likelihood.len(), history.stop), (21, Stop::MaxIterations));
         for pair in history.log_likelihood.windows(2) {

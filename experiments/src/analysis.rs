@@ -1,6 +1,6 @@
 //! From reaches to results.
 
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneUnit};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
@@ -33,7 +33,7 @@ pub struct Data {
 /// What comes of the data. What needs reaches of its own is still empty in `results`: campaigns, splits and ablation.
 pub struct Analysis {
     pub results: Results,
-    pub models: ModelSet,
+    pub models: HmmClassifier,
     pub online: Online,
     pub thresholds: Thresholds,
 }
@@ -47,7 +47,9 @@ impl Analysis {
         let speeds = stages.run("How fast classifiers decide", || {
             classifiers::speeds(&trials.taxel, &data.contacts)
         })?;
-        let models = stages.run("Models", || Ok(ModelSet::train(&trials.taxel, &Recipe::authors())?.0))?;
+        let models = stages.run("Models", || {
+            Ok(HmmClassifier::train(&trials.taxel, &Recipe::authors())?.0)
+        })?;
         let thresholds = stages.run("Thresholds", || {
             thresholds::choose(&trials.taxel, &models, &tested.outlier)
         })?;

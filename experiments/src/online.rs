@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{Stream, StreamTruth, Tally, classify_stream};
 use underbrush_classifier::online::OnlineOptions;
@@ -79,12 +79,11 @@ pub fn uncertain_rule() -> Rule {
     }
 }
 
-pub fn options(models: &ModelSet, rule: Rule) -> OnlineOptions {
+pub fn options(rule: Rule) -> OnlineOptions {
     let cut = data::trial_options();
     OnlineOptions {
         patch: cut.patch,
         threshold_n: cut.threshold_n,
-        score: models.score_kind(),
         decision: Decision::new(rule),
     }
 }
@@ -112,12 +111,12 @@ fn untouched_percent(tally: &Tally) -> Option<f64> {
 
 /// Classifies the reaches of a scene. One after the other: the time per frame is measured.
 fn classify(
-    models: &ModelSet,
+    models: &HmmClassifier,
     found: &Found,
     rule: Rule,
     truth: StreamTruth,
 ) -> Result<Vec<Classified>, ExperimentError> {
-    let options = options(models, rule);
+    let options = options(rule);
     let one = |recording: &Recording| {
         Ok(Classified {
             scene: found.scene.clone(),
@@ -130,7 +129,11 @@ fn classify(
 
 impl Online {
     /// Classifies all reaches; `chosen` is a rule to compare with the paper's on the outlier reaches.
-    pub fn run(models: &ModelSet, reaches: &TestReaches, chosen: Option<&Decision>) -> Result<Self, ExperimentError> {
+    pub fn run(
+        models: &HmmClassifier,
+        reaches: &TestReaches,
+        chosen: Option<&Decision>,
+    ) -> Result<Self, ExperimentError> {
         // First, alone on the machine, what Fig. 8 shows the time of.
         let mixed = classify(models, &reaches.mixed, uncertain_rule(), StreamTruth::Object)?;
         let engineered = |(category, found): &(Category, Found)| {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Rule, Verdict};
 use underbrush_classifier::online::OnlineClassifier;
 use underbrush_recording::{Frame, SkinLayout};
@@ -30,7 +30,7 @@ pub struct Moment {
 /// Runs a reach of a plan once more and stops it where most taxels are in contact: the moment is chosen by how much there
 /// is to see, not by how well it is classified. `None` where there is no such reach.
 pub fn take(
-    models: &ModelSet,
+    models: &HmmClassifier,
     shown: Option<&Classified>,
     plan: &ReachPlan,
     rule: Rule,
@@ -43,9 +43,9 @@ pub fn take(
         .enumerate()
         .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
     let Some((chosen, _)) = most else { return Ok(None) };
-    let options = online::options(models, rule);
+    let options = online::options(rule);
     let layout = plan.arm.skin.layout.clone();
-    let mut classifier = OnlineClassifier::new(models.clone(), &layout, &options)?;
+    let mut classifier = OnlineClassifier::new(models, &layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);
     plan.run(shown.reach_index, &mut |simulation, frame| {
         if index <= chosen && fault.is_none() {

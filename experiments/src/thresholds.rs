@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{
     ChosenThresholds, FoldBy, Folds, RocCurve, ThresholdTargets, category_roc, choose_thresholds, cross_validate,
@@ -27,7 +27,7 @@ pub struct Thresholds {
 }
 
 /// Chooses thresholds on taxel trials held out by whole reaches; the outlier reaches only show what comes of it.
-pub fn choose(taxel_trials: &[Trial], models: &ModelSet, outlier: &Found) -> Result<Thresholds, ExperimentError> {
+pub fn choose(taxel_trials: &[Trial], models: &HmmClassifier, outlier: &Found) -> Result<Thresholds, ExperimentError> {
     let folds = Folds {
         count: 2,
         by: FoldBy::Reach,

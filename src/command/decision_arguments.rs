@@ -1,7 +1,7 @@
 //! Options for turning scores into verdicts, for every command that gives verdicts.
 
 use clap::{Args, ValueEnum};
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::Model;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::hmm::ScoreKind;
@@ -49,43 +49,48 @@ pub struct Scores<'a> {
     /// Whether the models' own thresholds were chosen on this kind of score.
     are_own: bool,
     /// Why the paper's thresholds do not apply; `None` if they do.
-    misfit: Option<&'static str>,
+    misfit: Option<String>,
 }
 
 impl<'a> Scores<'a> {
-    /// Scores of this kind from these models.
-    pub fn of_models(models: &'a ModelSet, kind: ScoreKind) -> Self {
+    /// Scores by this model.
+    pub fn of_model(model: &'a Model) -> Self {
+        let (are_own, misfit) = match model.as_hmm() {
+            None => (true, Some(NOT_HMM.to_owned())),
+            Some(models) => {
+                let kind = models.score_kind();
+                let misfit = misfit(kind, models.features(), models.scaling().is_some());
+                (kind == models.own_score_kind(), misfit)
+            }
+        };
         Scores {
-            own: models.decision.as_ref(),
-            are_own: kind == models.score_kind(),
-            misfit: misfit(kind, models.features(), models.scaling().is_some()),
+            own: model.decision.as_ref(),
+            are_own,
+            misfit,
         }
     }
 
-    /// Scores of models trained with this recipe.
-    pub fn of_recipe(recipe: &Recipe) -> Self {
+    /// Scores of hidden Markov models by this recipe, or of another classifier.
+    pub fn of_recipe(recipe: Option<&Recipe>) -> Self {
+        let misfit = match recipe {
+            None => Some(NOT_HMM.to_owned()),
+            Some(recipe) => misfit(recipe.score, recipe.features, recipe.scaling != ScalingKind::Unscaled),
+        };
         Scores {
             own: None,
             are_own: true,
-            misfit: misfit(recipe.score, recipe.features, recipe.scaling != ScalingKind::Unscaled),
-        }
-    }
-
-    /// Scores of another classifier.
-    pub fn of_another() -> Self {
-        Scores {
-            own: None,
-            are_own: true,
-            misfit: Some("this classifier gives log-posteriors"),
+            misfit,
         }
     }
 }
 
-fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<&'static str> {
+const NOT_HMM: &str = "this classifier gives log-posteriors";
+
+fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String> {
     match kind {
-        ScoreKind::Forward => Some("these are forward scores"),
-        ScoreKind::Viterbi if features != FeatureSet::FORCE => Some("these are not scores of force alone"),
-        ScoreKind::Viterbi if scaled => Some("these are scores of scaled features"),
+        ScoreKind::Forward => Some("these are forward scores".into()),
+        ScoreKind::Viterbi if features != FeatureSet::FORCE => Some(format!("these are scores of {features}")),
+        ScoreKind::Viterbi if scaled => Some("these are scores of scaled features".into()),
         ScoreKind::Viterbi => None,
     }
 }
@@ -102,7 +107,7 @@ impl DecisionArguments {
             ));
         }
         let own = scores.own.cloned().unwrap_or(Decision::argmax());
-        let rule = match (self.decision, scores.misfit) {
+        let rule = match (self.decision, &scores.misfit) {
             (None, _) if !scores.are_own && own.rule != Rule::Argmax => {
                 return Err(Failure::usage(
                     "--score does not fit the thresholds in the model, which were chosen on its own kind of score; leave \

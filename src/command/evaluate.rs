@@ -7,18 +7,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use underbrush_classifier::ModelSet;
-use underbrush_classifier::baseline::{EchoStateNetwork, Logistic, NaiveBayes, NearestNeighbours};
-use underbrush_classifier::estimator::{Classifier, Estimator};
+use underbrush_classifier::Model;
+use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
     evaluate,
 };
-use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::Trial;
 
 use super::decision_arguments::{DecisionArguments, Scores};
-use super::recipe_arguments::RecipeArguments;
+use super::estimator_arguments::EstimatorArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -41,9 +39,6 @@ these are.";
 pub struct Options {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required)
     trials: PathBuf,
-    /// The classifier to fit and test
-    #[arg(long, value_enum, default_value = "hmm")]
-    classifier: ClassifierName,
     /// Also report the accuracy (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact. With
     /// --min-samples above 1, report it over all contacts as well; only the long ones are used for fitting
     #[arg(long, conflicts_with = "model")]
@@ -70,27 +65,10 @@ pub struct Options {
     roc: Option<PathBuf>,
     #[command(flatten)]
     decision: DecisionArguments,
-    #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
-    recipe: RecipeArguments,
+    #[command(flatten)]
+    estimator: EstimatorArguments,
     #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum ClassifierName {
-    /// The paper's hidden Markov models, by the recipe given
-    Hmm,
-    /// The authors' earlier method: nearest neighbours on principal components of the first half second
-    NearestNeighbours,
-    /// Naive Bayes on what the taxel felt so far
-    NaiveBayes,
-    /// Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample
-    #[value(alias = "recursive")]
-    EchoStateNetwork,
-    /// Logistic regression on what the taxel and its contact region felt so far
-    Logistic,
-    /// The same without the contact region: it knows what the hidden Markov models know with force and motion
-    LogisticTaxel,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -109,24 +87,22 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let mut folds = None;
     let (evaluation, decision) = match (&options.model, &options.train) {
         (Some(model), _) => {
-            let models = ModelSet::load(model)?;
-            let decision = options
-                .decision
-                .decision(&Scores::of_models(&models, models.score_kind()))?;
-            (evaluate(&models, &trials, &decision), decision)
+            let model = Model::load(model)?;
+            let decision = options.decision.decision(&Scores::of_model(&model))?;
+            (evaluate(model.classifier.as_ref(), &trials, &decision), decision)
         }
         (None, Some(train)) => {
-            let decision = options.decision.decision(&options.scores())?;
+            let decision = options.decision.decision(&options.scores()?)?;
             (
                 evaluate(fitted(&options, train)?.as_ref(), &trials, &decision),
                 decision,
             )
         }
         (None, None) => {
-            let decision = options.decision.decision(&options.scores())?;
+            let decision = options.decision.decision(&options.scores()?)?;
             let own = *folds.insert(options.folds(&trials));
             (
-                cross_validate(&trials, options.estimator().as_ref(), own, &decision),
+                cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision),
                 decision,
             )
         }
@@ -137,7 +113,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     let (mut by_samples, mut by_samples_of_all) = (None, None);
     if let Some(folds) = folds.filter(|_| options.by_samples) {
-        let estimator = options.estimator();
+        let estimator = options.estimator.estimator()?;
         let series = accuracy_by_samples(&trials, estimator.as_ref(), folds);
         by_samples = Some(series.map_err(|error| about(error.into()))?);
         let min_samples = options.cut.min_samples();
@@ -173,41 +149,17 @@ struct Results {
 impl Options {
     /// Refuses options that would be ignored.
     fn check(&self) -> Result<(), Failure> {
-        let Some(option) = self.recipe.given().first().copied() else {
-            return Ok(());
-        };
-        let why = if self.model.is_some() {
-            "the models of --model, which are trained already"
-        } else if self.classifier != ClassifierName::Hmm {
-            "this --classifier: it is about hidden Markov models"
-        } else {
-            return Ok(());
-        };
-        Err(Failure::usage(format!(
-            "{option} does not apply to {why}; leave it out"
-        )))
-    }
-
-    /// The scores that the decision applies to.
-    fn scores(&self) -> Scores<'static> {
-        match self.classifier {
-            ClassifierName::Hmm => Scores::of_recipe(&self.recipe.recipe()),
-            _ => Scores::of_another(),
+        match self.estimator.given() {
+            Some(option) if self.model.is_some() => Err(Failure::usage(format!(
+                "{option} does not apply to the models of --model, which are trained already; leave it out"
+            ))),
+            _ => self.estimator.hmm().map(|_| ()),
         }
     }
 
-    fn estimator(&self) -> Box<dyn Estimator> {
-        match self.classifier {
-            ClassifierName::Hmm => Box::new(self.recipe.recipe()),
-            ClassifierName::NearestNeighbours => Box::new(NearestNeighbours::default()),
-            ClassifierName::NaiveBayes => Box::new(NaiveBayes::default()),
-            ClassifierName::EchoStateNetwork => Box::new(EchoStateNetwork::default()),
-            ClassifierName::Logistic => Box::new(Logistic::default()),
-            ClassifierName::LogisticTaxel => Box::new(Logistic {
-                features: FeatureSet::FORCE_AND_MOTION,
-                ..Logistic::default()
-            }),
-        }
+    /// The kind of scores that are judged.
+    fn scores(&self) -> Result<Scores<'static>, Failure> {
+        Ok(Scores::of_recipe(self.estimator.hmm()?.as_ref()))
     }
 
     fn folds(&self, trials: &[Trial]) -> Folds {
@@ -226,6 +178,6 @@ impl Options {
 /// A classifier fitted to the trials in another file.
 fn fitted(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
     let trials = input::some_trials(path, &options.cut)?;
-    let classifier = options.estimator().fit(&trials.iter().collect::<Vec<_>>());
+    let classifier = options.estimator.estimator()?.fit(&trials.iter().collect::<Vec<_>>());
     classifier.map_err(|error| Failure::from(error).about(path))
 }

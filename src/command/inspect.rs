@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::Model;
 use underbrush_experiments::audit;
 use underbrush_experiments::ends::Ends;
 use underbrush_recording::disk::{Dataset, FileText, is_recording, read_recording, read_trials};
@@ -182,19 +182,34 @@ fn trials(path: &Path) -> Result<Value, Failure> {
 }
 
 fn model(path: &Path) -> Result<Value, Failure> {
-    let models = ModelSet::load(path)?;
-    let states: BTreeMap<&str, usize> = models
-        .models()
-        .iter()
-        .map(|(category, scorer)| (category.as_str(), scorer.model().state_count()))
-        .collect();
-    Ok(json!({
-        "model": path.display().to_string(),
-        "features": models.features().columns(),
-        "states by category": states,
-        "score": models.score_kind(),
-        "recipe": models.recipe,
-        "provenance": models.provenance,
-        "check": "sound; distributions sum to one, covariances are positive definite",
-    }))
+    let model = Model::load(path)?;
+    let classifier = &model.classifier;
+    let mut found = serde_json::Map::from_iter([
+        ("model".to_owned(), json!(path.display().to_string())),
+        ("classifier".to_owned(), json!(classifier.name())),
+        ("categories".to_owned(), json!(classifier.categories())),
+        ("features".to_owned(), json!(classifier.features().columns())),
+        ("decision".to_owned(), json!(model.decision)),
+        ("provenance".to_owned(), json!(model.provenance)),
+        (
+            "check".to_owned(),
+            json!("sound; all numbers are within their ranges and fit together"),
+        ),
+    ]);
+    if let Some(models) = model.as_hmm() {
+        let states: BTreeMap<&str, usize> = models
+            .models()
+            .iter()
+            .map(|(category, scorer)| (category.as_str(), scorer.model().state_count()))
+            .collect();
+        found.insert("states by category".into(), json!(states));
+        found.insert("score".into(), json!(models.score_kind()));
+        found.insert("recipe".into(), json!(models.recipe));
+        let check = "sound; distributions sum to one, covariances are positive definite";
+        found.insert("check".into(), json!(check));
+    } else {
+        let options = classifier.file_entries().into_iter().find(|(key, _)| *key == "options");
+        found.extend(options.map(|(key, value)| (key.to_owned(), value)));
+    }
+    Ok(Value::Object(found))
 }

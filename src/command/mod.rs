@@ -2,11 +2,12 @@
 
 pub mod classify;
 mod decision_arguments;
+mod estimator_arguments;
 pub mod evaluate;
 pub mod generate;
 pub mod inspect;
 pub mod reach;
-mod recipe_arguments;
+
 pub mod reproduce;
 pub mod schema;
 pub mod score;

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use underbrush_classifier::Model;
 use underbrush_classifier::decision::Decision;
 use underbrush_experiments::analysis::{Analysis, Data};
 use underbrush_experiments::campaign::{self, Trials};
@@ -89,7 +90,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         online,
         thresholds,
     } = Analysis::of(&data, &mut stages)?;
-    output::write_file(&out.join("model.json"), models.save_string()?.as_bytes())?;
+    output::write_file(
+        &out.join("model.json"),
+        Model::new(Box::new(models.clone())).save_string()?.as_bytes(),
+    )?;
 
     let moments = stages.run("A moment of a general and of an outlier reach", || {
         let take = |scene, reach, rule| snapshot::take(&models, reach, &reaches::plan(scene, seed)?, rule);

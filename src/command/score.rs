@@ -1,10 +1,10 @@
-//! `underbrush score`: the log-likelihood of each trial under each model.
+//! `underbrush score`: the score of each trial for each category.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::Model;
 use underbrush_classifier::hmm::ScoreKind;
 
 use crate::failure::Failure;
@@ -16,9 +16,9 @@ use crate::output;
 pub struct Options {
     /// Model file
     model: PathBuf,
-    /// Table of trials (only `trial`, `time_s`, `force_n` are required), data set or recording
+    /// Table of trials (`trial`, `time_s` and the model's features are required), data set or recording
     trials: PathBuf,
-    /// Score: the sum over all state paths, or the best path; the model's own if not given, as in classify
+    /// Kind of score of hidden Markov models [default: the model's own]
     #[arg(long, value_enum)]
     by: Option<Score>,
 }
@@ -26,9 +26,9 @@ pub struct Options {
 /// A score as named on the command line.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Score {
-    /// ln P(O|λ), over all state paths
+    /// Log-likelihood, the sum over all state paths
     Forward,
-    /// ln of the probability of the best state path
+    /// Log-probability of the best state path
     Viterbi,
 }
 
@@ -41,26 +41,43 @@ impl From<Score> for ScoreKind {
     }
 }
 
+/// Reads a model and chooses its kind of score; `option` names the option that asks for it.
+pub fn load(path: &Path, by: Option<Score>, option: &str) -> Result<Model, Failure> {
+    let mut model = Model::load(path)?;
+    if let Some(kind) = by {
+        let name = model.classifier.name();
+        model.score_by(kind.into()).map_err(|_| {
+            Failure::usage(format!(
+                "{option} applies to hidden Markov models only, and {} is a model of the classifier {name}; leave it out",
+                path.display()
+            ))
+        })?;
+    }
+    Ok(model)
+}
+
 #[derive(Serialize)]
 struct Row {
     model: String,
     trial: u64,
-    /// `None` in JSON where the trial is impossible under the model (−∞).
+    /// In nats: the log-likelihood of hidden Markov models, the log-posterior of other classifiers. JSON `null` where the
+    /// trial is impossible under the model (−∞).
     log_likelihood: f64,
 }
 
-/// Prints CSV, one row a model and trial.
+/// Prints CSV, one row per category and trial.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let models = ModelSet::load(&options.model)?;
+    let model = load(&options.model, options.by, "--by")?;
     let trials = input::trials(&options.trials, &TrialArguments::default())?;
-    let kind = options.by.map_or(models.score_kind(), ScoreKind::from);
-    let scored = models
-        .score_all(&trials.iter().collect::<Vec<_>>(), kind)
+    let scored = model
+        .classifier
+        .scores_of_all(&trials.iter().collect::<Vec<_>>())
         .map_err(|error| Failure::from(error).about(&options.trials))?;
     let rows = || {
-        models.categories().into_iter().enumerate().flat_map(|(index, model)| {
+        let categories = model.classifier.categories().into_iter().enumerate();
+        categories.flat_map(|(index, category)| {
             trials.iter().zip(&scored).map(move |(trial, scores)| Row {
-                model: model.clone(),
+                model: category.clone(),
                 trial: trial.trial,
                 log_likelihood: scores[index],
             })

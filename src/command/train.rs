@@ -1,4 +1,4 @@
-//! `underbrush train`: one hidden Markov model per category.
+//! `underbrush train`: a classifier fitted to trials, as a model file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::decision::Rule;
+use underbrush_classifier::estimator::{Classifier, Estimator};
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
 use underbrush_classifier::hmm::Stop;
-use underbrush_classifier::{ModelSet, TrainingReport};
+use underbrush_classifier::{HmmClassifier, Model, ModelError, TrainingReport, is_trained};
 use underbrush_recording::Trial;
 
-use super::recipe_arguments::RecipeArguments;
+use super::estimator_arguments::EstimatorArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -25,12 +26,12 @@ pub struct Options {
     #[arg(long, value_name = "MODEL")]
     out: PathBuf,
     #[command(flatten)]
-    recipe: RecipeArguments,
-    /// Continue training from the models in this file; their states, features and other choices stay as they are
+    estimator: EstimatorArguments,
+    /// Continue training the hidden Markov models in this file; their states, features and other options stay the same
     #[arg(
         long,
         value_name = "MODEL",
-        conflicts_with_all = ["recipe", "states", "features", "topology", "initial", "max_samples"]
+        conflicts_with_all = ["classifier", "recipe", "states", "features", "topology", "initial", "max_samples"]
     )]
     start: Option<PathBuf>,
     /// Choose thresholds for classify by cross-validation and store them in the model: of the held-out trials of other
@@ -50,26 +51,51 @@ pub struct Options {
 struct Trained<'a> {
     #[serde(serialize_with = "output::path")]
     model: &'a Path,
-    report: &'a TrainingReport,
+    report: &'a Report,
     #[serde(skip_serializing_if = "Option::is_none")]
     thresholds: Option<&'a ChosenThresholds>,
 }
 
-/// Trains and writes the model file.
+/// How the fit went.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Report {
+    /// Of hidden Markov models, which are trained iteratively.
+    Training(TrainingReport),
+    Counts(Counts),
+}
+
+#[derive(Serialize)]
+struct Counts {
+    categories: BTreeMap<String, Count>,
+    skipped_trials: usize,
+}
+
+#[derive(Default, Serialize)]
+struct Count {
+    trials: usize,
+    samples: usize,
+}
+
+/// Fits the classifier and writes the model file.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let estimator = options.estimator.estimator()?;
     let trials = input::some_trials(&options.trials, &options.cut)?;
-    let trained = match &options.start {
-        Some(start) => ModelSet::train_from(ModelSet::load(start)?, &trials, &options.recipe.training()),
-        None => ModelSet::train(&trials, &options.recipe.recipe()),
+    let mut model = match &options.start {
+        Some(start) => continued(&options, start, &trials)?,
+        None => {
+            let fitted = estimator.fit(&trials.iter().collect::<Vec<_>>());
+            Model::new(fitted.map_err(|error| about(&options, error))?)
+        }
     };
-    let (mut models, report) = trained.map_err(|error| Failure::from(error).about(&options.trials))?;
-    let thresholds = thresholds(&options, &trials)?;
-    models.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
-    models.provenance.insert(
+    let report = report(model.classifier.as_ref(), &trials);
+    let thresholds = thresholds(&options, estimator.as_ref(), &trials)?;
+    model.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
+    model.provenance.insert(
         "program".into(),
         concat!("underbrush ", env!("CARGO_PKG_VERSION")).into(),
     );
-    output::write_file(&options.out, models.save_string()?.as_bytes())?;
+    output::write_file(&options.out, model.save_string()?.as_bytes())?;
     output::result(
         json,
         &Trained {
@@ -78,15 +104,75 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             thresholds: thresholds.as_ref(),
         },
         || {
-            text(&report)
-                + &thresholds_text(thresholds.as_ref())
-                + &format!("Model written to {}", options.out.display())
+            let report = match &report {
+                Report::Training(report) => text(report),
+                Report::Counts(counts) => counts_text(options.estimator.classifier_name(), counts),
+            };
+            report + &thresholds_text(thresholds.as_ref()) + &format!("Model written to {}", options.out.display())
         },
     )
 }
 
+/// The models of a file, trained further.
+fn continued(options: &Options, start: &Path, trials: &[Trial]) -> Result<Model, Failure> {
+    let start = Model::load(start)?;
+    let provenance = start.provenance.clone();
+    let models = start.into_hmm().map_err(|_| {
+        Failure::usage(
+            "--start continues the training of hidden Markov models only; give such a model, or leave it out",
+        )
+    })?;
+    let trained = HmmClassifier::train_from(models, trials, &options.estimator.training());
+    let (models, _) = trained.map_err(|error| about(options, error))?;
+    Ok(Model {
+        provenance,
+        ..Model::new(Box::new(models))
+    })
+}
+
+/// An error about the trials, unless an option is at fault.
+fn about(options: &Options, error: ModelError) -> Failure {
+    match error {
+        ModelError::BadOption { .. } => error.into(),
+        _ => Failure::from(error).about(&options.trials),
+    }
+}
+
+fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
+    let own = classifier.categories();
+    let mut categories: BTreeMap<String, Count> = BTreeMap::new();
+    for trial in trials {
+        let Some(category) = trial
+            .category
+            .as_ref()
+            .filter(|name| is_trained(name) && own.contains(name))
+        else {
+            continue;
+        };
+        let count = categories.entry(category.clone()).or_default();
+        count.trials += 1;
+        count.samples += trial.samples.len();
+    }
+    let used: usize = categories.values().map(|count| count.trials).sum();
+    let skipped_trials = trials.len() - used;
+    match classifier.training() {
+        Some(training) => Report::Training(TrainingReport {
+            categories: training.clone(),
+            skipped_trials,
+        }),
+        None => Report::Counts(Counts {
+            categories,
+            skipped_trials,
+        }),
+    }
+}
+
 /// Thresholds from the training trials, where they are asked for.
-fn thresholds(options: &Options, trials: &[Trial]) -> Result<Option<ChosenThresholds>, Failure> {
+fn thresholds(
+    options: &Options,
+    estimator: &dyn Estimator,
+    trials: &[Trial],
+) -> Result<Option<ChosenThresholds>, Failure> {
     let Some(false_positive_rate) = options.false_positive_rate else {
         return Ok(None);
     };
@@ -95,8 +181,8 @@ fn thresholds(options: &Options, trials: &[Trial]) -> Result<Option<ChosenThresh
         outlier_prior: options.outlier_prior,
     };
     let about = |failure: Failure| failure.about(&options.trials);
-    let (recipe, folds) = (options.recipe.recipe(), Folds::for_thresholds(trials));
-    let held_out = HeldOut::of(trials, &recipe, folds).map_err(|error| about(error.into()))?;
+    let held_out =
+        HeldOut::of(trials, estimator, Folds::for_thresholds(trials)).map_err(|error| about(error.into()))?;
     let chosen = held_out
         .choose_thresholds(&BTreeMap::new(), targets)
         .map_err(|error| match error {
@@ -214,11 +300,24 @@ fn text(report: &TrainingReport) -> String {
             );
         }
     }
-    if report.skipped_trials > 0 {
-        text += &format!(
-            "{} trials without a category to train were left out\n",
-            report.skipped_trials
-        );
+    text + &skipped_text(report.skipped_trials)
+}
+
+fn skipped_text(skipped: usize) -> String {
+    match skipped {
+        0 => String::new(),
+        _ => format!("{skipped} trials without a category to train were left out\n"),
     }
-    text
+}
+
+fn counts_text(classifier: &str, counts: &Counts) -> String {
+    let row = |(category, count): (&String, &Count)| {
+        vec![category.clone(), count.trials.to_string(), count.samples.to_string()]
+    };
+    let rows: Vec<Vec<String>> = counts.categories.iter().map(row).collect();
+    let table = output::table(&["category", "trials", "samples"], &rows);
+    format!(
+        "Classifier {classifier}\n{table}{}",
+        skipped_text(counts.skipped_trials)
+    )
 }

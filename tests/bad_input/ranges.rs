@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use underbrush_classifier::{ModelError, ModelSet};
+use underbrush_classifier::{Model, ModelError};
 use underbrush_recording::InputError;
 use underbrush_recording::disk::{DiskError, read_trials};
 use underbrush_sim::arm::Arm;
@@ -250,7 +250,7 @@ fn every_number_has_a_range() {
         assert!(MODEL.contains(from), "no {from}");
         let path = folder.path().join("model.json");
         try_all(key, &|text| {
-            match ModelSet::from_json(&path, &MODEL.replacen(from, text, 1)) {
+            match Model::from_json(&path, &MODEL.replacen(from, text, 1)) {
                 Ok(_) => Ok(()),
                 // JSON has no NaN and no infinity; the error then has a line.
                 Err(ModelError::Input(error)) if error.field == "JSON" && error.line.is_some() => Err(InputError {

@@ -1,36 +1,100 @@
 //! Echo-state network: a fixed random recurrent network with a fitted linear readout.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::{Sample, Trial};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use underbrush_recording::{InputError, Limits, Sample, Trial};
 
-use crate::estimator::{Classifier, Estimator};
+use super::file::{self, FITTED, check_table};
+use crate::document::Document;
+use crate::error::{Fault, ModelError, check_limits};
+use crate::estimator::{
+    Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
+};
 use crate::feature::{FeatureError, FeatureSet, SampleFault};
-use crate::model_set::{ModelError, trials_by_category};
 
-/// Ridge regression on the state of a fixed random recurrent network, in the spirit of the online recursive kernel Gaussian
-/// process of \[3\]: such a network is a finite form of a recursive kernel (Hermans and Schrauwen 2012, Neural Computation
-/// 24), in which the mean of a Gaussian process is ridge regression. Nothing is stored of the past but the state.
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = ClassifierKind {
+    name: "echo-state-network",
+    aliases: &["recursive"],
+    summary: "Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample",
+    estimator: |features| {
+        let default = EchoStateNetwork::default();
+        Box::new(EchoStateNetwork {
+            features: features.unwrap_or(default.features),
+            ..default
+        })
+    },
+    load,
+};
+
+/// Units. Choice: the cost of a fit grows with the cube.
+const UNITS: Limits = Limits::new(1.0, 2000.0, "units");
+
+/// Leak rates; at 0 the state would never change.
+const LEAK: Limits = Limits::new(1e-6, 1.0, "");
+
+/// Penalties. Choice: without any the regression may have no solution, and above 1e6 all weights are zero.
+const PENALTY: Limits = Limits::new(1e-12, 1e6, "");
+
+/// An echo-state network: ridge regression on the state of a fixed random recurrent network. It stands for the online
+/// recursive kernel Gaussian process of \[3\]: such a network is a finite form of a recursive kernel (Hermans and
+/// Schrauwen 2012, Neural Computation 24), for which the mean of a Gaussian process is ridge regression.
 ///
-/// The state x takes in force and contact motion, x ← (1 − a) x + a tanh(W x + V u); the readout is fitted to the
-/// category (one or zero) at every sample, trials of a category and categories weighing alike. The score is the logarithm
-/// of the readout's mean since contact, which is an estimate of the posterior.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The state x follows the features u of each sample, x ← (1 − a) x + a tanh(W x + V u). The readout is fitted to the
+/// category (one or zero) at every sample; all categories weigh alike, and so do the trials of a category. The score is
+/// the logarithm of the readout's mean since contact, an estimate of the posterior. Samples are assumed to come at the
+/// rate of the training data, since the network's memory is measured in samples.
+///
+/// ```
+/// use underbrush_classifier::baseline::EchoStateNetwork;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_recording::{Region, Sample, Trial};
+///
+/// let press = |category: &str, newtons: f64, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| Sample {
+///             time_s: 0.01 * f64::from(k),
+///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
+///             motion_m: Some(0.001 * f64::from(k)),
+///             region: Some(Region { taxels: 2, largest_force_n: newtons * 30.0, force_sum_n: newtons * 40.0 }),
+///             touched: None,
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
+///
+/// let classifier = EchoStateNetwork::default().fit(&trials.iter().collect::<Vec<_>>())?;
+/// // After three samples of a new contact:
+/// let scores = &classifier.scores_after(&press("trunk", 0.25, 3), &[3])?[0];
+/// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct EchoStateNetwork {
-    /// What of a sample enters the network.
+    /// The features of each sample.
     pub features: FeatureSet,
     /// Units of the network.
     pub units: usize,
-    /// The part a of the state that is renewed at each sample; above 0, at most 1.
+    /// The fraction a of the state that each sample renews; above 0, at most 1.
     pub leak: f64,
-    /// Half the squared length of the readout's weights counts this much beside the mean squared error; above 0.
+    /// Weight of half the squared norm of the readout beside the mean squared error; above 0.
     pub penalty: f64,
 }
 
 impl Default for EchoStateNetwork {
-    /// 60 units; a tenth of a second's memory at 100 Hz, the order of the mean number of samples at which the paper
-    /// decides (11.9); a penalty that only keeps the regression well posed. Choices.
+    /// Choice: 60 units; a memory of a tenth of a second at 100 Hz, similar to the mean number of samples at which the
+    /// paper decides (11.9); a penalty that only keeps the regression well posed.
     fn default() -> Self {
         EchoStateNetwork {
             features: FeatureSet::FORCE_AND_MOTION,
@@ -41,29 +105,44 @@ impl Default for EchoStateNetwork {
     }
 }
 
-/// The recurrent weights have this spectral radius for many units; below 1, so that the past fades.
+/// Spectral radius of the recurrent weights for many units; below 1, so that the past fades.
 const RADIUS: f64 = 0.9;
-/// Readouts are no probabilities; they are kept above this before the logarithm is taken.
-const LEAST_POSTERIOR: f64 = 1e-3;
+/// Readouts are not probabilities. They are clamped to this minimum before taking the logarithm.
+const MIN_POSTERIOR: f64 = 1e-3;
+
+impl EchoStateNetwork {
+    fn check(&self) -> Result<(), Fault> {
+        check_limits("units", self.units as f64, UNITS)?;
+        check_limits("leak", self.leak, LEAK)?;
+        check_limits("penalty", self.penalty, PENALTY)
+    }
+
+    /// Length of the input: a constant and the features.
+    fn inputs(&self) -> usize {
+        1 + self.features.dimension()
+    }
+}
 
 impl Estimator for EchoStateNetwork {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let by_category = trials_by_category(trials.iter().copied());
-        if by_category.is_empty() {
-            return Err(ModelError::NoCategories { trials: trials.len() });
-        }
+        self.check()?;
+        let by_category = trials_by_category(trials.iter().copied())?;
         let network = Network::new(self);
-        let size = network.size();
+        let size = self.units + self.inputs();
         let mut precision = DMatrix::from_diagonal_element(size, size, self.penalty);
         let mut target = DMatrix::zeros(size, by_category.len());
         for (category, trials) in by_category.values().enumerate() {
             for trial in trials {
                 let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
-                let mut state = network.rest();
+                let mut state = DVector::zeros(size);
                 for (index, sample) in trial.samples.iter().enumerate() {
                     network
                         .step(&mut state, sample)
-                        .map_err(|fault| bad_sample(trial, index, fault))?;
+                        .map_err(|fault| FeatureError::BadSample {
+                            trial: trial.trial,
+                            sample: index,
+                            fault,
+                        })?;
                     precision.ger(weight, &state, &state, 1.0);
                     target.column_mut(category).axpy(weight, &state, 1.0);
                 }
@@ -72,109 +151,167 @@ impl Estimator for EchoStateNetwork {
         let readout = precision.cholesky().map(|factor| factor.solve(&target));
         let readout = readout.ok_or_else(|| ModelError::Mismatch {
             found: format!("a regression with penalty {} that has no solution", self.penalty),
-            allowed: "finite samples and a positive penalty".into(),
+            allowed: "a larger penalty".into(),
         })?;
-        Ok(Box::new(Fitted {
+        Ok(Box::new(EchoStateClassifier(Arc::new(Fitted {
             categories: by_category.into_keys().collect(),
             network,
             readout,
-        }))
+        }))))
     }
 }
 
-/// The fixed random network. Its state is followed by its inputs, so that the readout sees both.
+/// The fixed random network. Its state vector ends with the inputs, so that the readout sees both.
+#[derive(Debug)]
 struct Network {
-    features: FeatureSet,
-    leak: f64,
+    options: EchoStateNetwork,
     recurrent: DMatrix<f64>,
     inputs: DMatrix<f64>,
 }
 
 impl Network {
-    /// The same weights for the same options, always.
+    /// The weights depend on the options only.
     fn new(options: &EchoStateNetwork) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut draw = |rows: usize, columns: usize, most: f64| {
             DMatrix::from_fn(rows, columns, |_, _| most * (2.0 * rng.random::<f64>() - 1.0))
         };
-        // Independent entries of deviation σ give a spectral radius of σ √units; uniform ones have σ = most / √3.
-        let most = RADIUS * (3.0 / options.units.max(1) as f64).sqrt();
+        // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform ones have σ = most / √3.
+        let most = RADIUS * (3.0 / options.units as f64).sqrt();
         Network {
-            features: options.features,
-            leak: options.leak,
+            options: *options,
             recurrent: draw(options.units, options.units, most),
-            inputs: draw(options.units, 1 + options.features.dimension(), 1.0),
+            inputs: draw(options.units, options.inputs(), 1.0),
         }
     }
 
-    /// Length of the state with its inputs.
-    fn size(&self) -> usize {
-        self.recurrent.nrows() + self.inputs.ncols()
-    }
-
-    fn rest(&self) -> DVector<f64> {
-        DVector::zeros(self.size())
-    }
-
     fn step(&self, state: &mut DVector<f64>, sample: &Sample) -> Result<(), SampleFault> {
-        let units = self.recurrent.nrows();
-        let mut input = DVector::from_element(self.inputs.ncols(), 1.0);
-        self.features.read(sample, &mut input.as_mut_slice()[1..])?;
-        for (value, feature) in input.iter_mut().skip(1).zip(self.features.iter()) {
+        let EchoStateNetwork {
+            features, units, leak, ..
+        } = self.options;
+        let mut input = DVector::from_element(self.options.inputs(), 1.0);
+        features.read(sample, &mut input.as_mut_slice()[1..])?;
+        for (value, feature) in input.iter_mut().skip(1).zip(features.iter()) {
             *value *= feature.to_order_one;
         }
         let drive = &self.recurrent * state.rows(0, units) + &self.inputs * &input;
         for (unit, drive) in drive.iter().enumerate() {
-            state[unit] += self.leak * (drive.tanh() - state[unit]);
+            state[unit] += leak * (drive.tanh() - state[unit]);
         }
         state.rows_mut(units, input.len()).copy_from(&input);
         Ok(())
     }
 }
 
-fn bad_sample(trial: &Trial, sample: usize, fault: SampleFault) -> FeatureError {
-    FeatureError::BadSample {
-        trial: trial.trial,
-        sample,
-        fault,
-    }
-}
-
+#[derive(Debug)]
 struct Fitted {
     categories: Vec<String>,
     network: Network,
-    /// A column a category.
+    /// One column per category.
     readout: DMatrix<f64>,
 }
 
-impl Classifier for Fitted {
-    fn categories(&self) -> Vec<String> {
-        self.categories.clone()
+/// The random weights are stored, too: then a file does not depend on how a program draws them.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameters {
+    /// One row per source unit.
+    recurrent: Vec<Vec<f64>>,
+    /// One row per input.
+    inputs: Vec<Vec<f64>>,
+    /// One row per category.
+    readout: Vec<Vec<f64>>,
+}
+
+#[derive(Debug)]
+struct EchoStateClassifier(Arc<Fitted>);
+
+fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
+    let file::Fitted {
+        categories,
+        options,
+        parameters,
+    } = file::Fitted::<EchoStateNetwork, Parameters>::read(document)?;
+    options
+        .check()
+        .map_err(|fault| document.fault(fault.within("options")))?;
+    let Parameters {
+        recurrent,
+        inputs,
+        readout,
+    } = &parameters;
+    let (units, size) = (options.units, options.units + options.inputs());
+    check_table("recurrent", recurrent, (units, units), FITTED)
+        .and_then(|()| check_table("inputs", inputs, (options.inputs(), units), FITTED))
+        .and_then(|()| check_table("readout", readout, (categories.len(), size), FITTED))
+        .map_err(|fault| document.fault(fault.within("parameters")))?;
+    let network = Network {
+        options,
+        recurrent: file::from_columns(units, recurrent),
+        inputs: file::from_columns(units, inputs),
+    };
+    let readout = file::from_columns(size, readout);
+    Ok(Box::new(EchoStateClassifier(Arc::new(Fitted {
+        categories,
+        network,
+        readout,
+    }))))
+}
+
+impl Classifier for EchoStateClassifier {
+    fn name(&self) -> &'static str {
+        KIND.name
     }
 
-    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        if trial.samples.is_empty() {
-            return Err(FeatureError::Empty { trial: trial.trial }.into());
+    fn features(&self) -> FeatureSet {
+        self.0.network.options.features
+    }
+
+    fn categories(&self) -> Vec<String> {
+        self.0.categories.clone()
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        let fresh = Contact {
+            state: DVector::zeros(self.0.readout.nrows()),
+            sum: DVector::zeros(self.0.categories.len()),
+            samples: 0,
+            fitted: Arc::clone(&self.0),
+        };
+        Box::new(Independent::new(fresh, contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        let parameters = Parameters {
+            recurrent: file::columns(&self.0.network.recurrent),
+            inputs: file::columns(&self.0.network.inputs),
+            readout: file::columns(&self.0.readout),
+        };
+        file::entries(&self.0.categories, &self.0.network.options, &parameters)
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Contact {
+    fitted: Arc<Fitted>,
+    state: DVector<f64>,
+    /// Sum of the readouts so far.
+    sum: DVector<f64>,
+    samples: usize,
+}
+
+impl ContactScorer for Contact {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        self.fitted.network.step(&mut self.state, sample)?;
+        self.sum += self.fitted.readout.tr_mul(&self.state);
+        self.samples += 1;
+        Ok(true)
+    }
+
+    fn scores(&self, scores: &mut [f64]) {
+        let mean = &self.sum / self.samples.max(1) as f64;
+        for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
+            *score = posterior.clamp(MIN_POSTERIOR, 1.0).ln();
         }
-        let mut state = self.network.rest();
-        let mut sum = DVector::zeros(self.categories.len());
-        let mut taken = 0;
-        let mut scores = Vec::with_capacity(counts.len());
-        for &count in counts {
-            for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                self.network
-                    .step(&mut state, sample)
-                    .map_err(|fault| bad_sample(trial, taken, fault))?;
-                sum += self.readout.tr_mul(&state);
-                taken += 1;
-            }
-            let mean = &sum / taken.max(1) as f64;
-            scores.push(
-                mean.iter()
-                    .map(|posterior| posterior.clamp(LEAST_POSTERIOR, 1.0).ln())
-                    .collect(),
-            );
-        }
-        Ok(scores)
     }
 }

@@ -1,71 +1,220 @@
 //! Multinomial logistic regression over stream features.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
-use underbrush_recording::Trial;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use underbrush_recording::{InputError, Limits, Sample, Trial};
 
+use super::file::{self, FITTED, check_table};
 use super::table::{Standardization, Table};
-use crate::estimator::{Classifier, Estimator};
-use crate::feature::FeatureSet;
-use crate::model_set::ModelError;
-use crate::stream_feature::{Selection, TAXEL_AND_REGION};
+use crate::document::Document;
+use crate::error::{Fault, ModelError, check_limits};
+use crate::estimator::{Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer};
+use crate::feature::{FeatureSet, SampleFault};
+use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 
-/// Logistic regression on the stream features of taxel and contact region ([`crate::stream_feature`]): the
-/// log-posterior is a weighted sum of the features. It is trained on every contact at several moments of its life, so
-/// that it can be asked at any.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = ClassifierKind {
+    name: "logistic",
+    aliases: &[],
+    summary: "Logistic regression on the force course of taxel and contact region so far",
+    estimator: |features| Box::new(Logistic::with(features.unwrap_or(TAXEL_AND_REGION))),
+    load,
+};
+
+/// The same without the contact region: it sees what hidden Markov models of force and motion see.
+pub(crate) const TAXEL_KIND: ClassifierKind = ClassifierKind {
+    name: "logistic-taxel",
+    aliases: &[],
+    summary: "The same without the contact region: logistic with the features force,motion",
+    estimator: |features| Box::new(Logistic::with(features.unwrap_or(FeatureSet::FORCE_AND_MOTION))),
+    load,
+};
+
+/// Penalties. Choice: without any the minimum may not exist, and above 1e6 all weights are zero.
+const PENALTY: Limits = Limits::new(1e-12, 1e6, "nats");
+
+/// Multinomial logistic regression: the log-posterior of each category is a weighted sum of the stream features of the
+/// contact so far ([`crate::stream_feature`]), up to normalization.
+///
+/// The weights minimize the mean cross-entropy plus a quadratic penalty, by Newton's method. Each training contact is used
+/// at several times ([`crate::stream_feature::SAMPLE_COUNTS`]), so that scores are meaningful at any time. Categories are
+/// assumed to be separable by a linear function of the stream features.
+///
+/// ```
+/// use underbrush_classifier::baseline::Logistic;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_recording::{Region, Sample, Trial};
+///
+/// let press = |category: &str, newtons: f64, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| Sample {
+///             time_s: 0.01 * f64::from(k),
+///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
+///             motion_m: Some(0.001 * f64::from(k)),
+///             region: Some(Region { taxels: 2, largest_force_n: newtons * 30.0, force_sum_n: newtons * 40.0 }),
+///             touched: None,
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
+///
+/// let classifier = Logistic::default().fit(&trials.iter().collect::<Vec<_>>())?;
+/// // After three samples of a new contact:
+/// let scores = &classifier.scores_after(&press("trunk", 0.25, 3), &[3])?[0];
+/// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Logistic {
-    /// The features that the stream features are computed from.
+    /// The features of each sample that stream features are computed from.
     pub features: FeatureSet,
-    /// Half the squared length of the weights counts this much beside the mean cross-entropy, nats; above 0.
+    /// Weight of half the squared norm of the weights beside the mean cross-entropy, nats; above 0.
     pub penalty: f64,
 }
 
 impl Default for Logistic {
-    /// Taxel and region; a penalty of 0.001 by choice: between 0.0001 and 0.01 accuracy on held-out reaches changes by
-    /// less than its interval.
+    /// Taxel and region. Choice: a penalty of 0.001; between 0.0001 and 0.01 the accuracy on held-out reaches changes by
+    /// less than its confidence interval.
     fn default() -> Self {
+        Logistic::with(TAXEL_AND_REGION)
+    }
+}
+
+impl Logistic {
+    fn with(features: FeatureSet) -> Self {
         Logistic {
-            features: TAXEL_AND_REGION,
+            features,
             penalty: 1e-3,
         }
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        check_limits("penalty", self.penalty, PENALTY)
     }
 }
 
 impl Estimator for Logistic {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let features = Selection::of(self.features);
-        let mut table = Table::of(trials, &features)?;
-        let standardization = Standardization::of(&mut table, &features);
-        let weights = minimize(&table, features.dimension() + 1, self.penalty)?;
-        Ok(Box::new(Fitted {
-            features,
+        self.check()?;
+        let selection = Selection::of(self.features);
+        let mut table = Table::of(trials, &selection)?;
+        let standardization = Standardization::of(&mut table, &selection);
+        let weights = minimize(&table, selection.dimension() + 1, self.penalty)?;
+        Ok(Box::new(LogisticClassifier(Arc::new(Fitted {
+            options: *self,
+            selection,
             categories: table.categories,
             standardization,
             weights,
-        }))
+        }))))
     }
 }
 
+#[derive(Debug)]
 struct Fitted {
-    features: Selection,
+    options: Logistic,
+    selection: Selection,
     categories: Vec<String>,
     standardization: Standardization,
-    /// A row a category: one weight a feature, then the constant.
+    /// One row per category: a weight per stream feature, then the constant.
     weights: DMatrix<f64>,
 }
 
-impl Classifier for Fitted {
-    fn categories(&self) -> Vec<String> {
-        self.categories.clone()
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameters {
+    standardization: Standardization,
+    /// One row per category.
+    weights: Vec<Vec<f64>>,
+}
+
+#[derive(Debug)]
+struct LogisticClassifier(Arc<Fitted>);
+
+fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
+    let file::Fitted {
+        categories,
+        options,
+        parameters,
+    } = file::Fitted::<Logistic, Parameters>::read(document)?;
+    let selection = Selection::of(options.features);
+    let (rows, columns) = (categories.len(), selection.dimension() + 1);
+    options
+        .check()
+        .map_err(|fault| document.fault(fault.within("options")))?;
+    let standardization = parameters.standardization;
+    standardization
+        .check(selection.dimension())
+        .map_err(|fault| document.fault(fault.within("parameters.standardization")))?;
+    check_table("parameters.weights", &parameters.weights, (rows, columns), FITTED)
+        .map_err(|fault| document.fault(fault))?;
+    Ok(Box::new(LogisticClassifier(Arc::new(Fitted {
+        options,
+        selection,
+        categories,
+        standardization,
+        weights: file::from_columns(columns, &parameters.weights).transpose(),
+    }))))
+}
+
+impl Classifier for LogisticClassifier {
+    fn name(&self) -> &'static str {
+        KIND.name
     }
 
-    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let rows = self.features.after(trial, counts)?;
-        let scores = rows.into_iter().map(|mut features| {
-            self.standardization.apply(&mut features);
-            log_posterior(&self.weights, &features)
-        });
-        Ok(scores.collect())
+    fn features(&self) -> FeatureSet {
+        self.0.options.features
+    }
+
+    fn categories(&self) -> Vec<String> {
+        self.0.categories.clone()
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        let fresh = Contact {
+            fitted: Arc::clone(&self.0),
+            state: StreamFeatures::default(),
+        };
+        Box::new(Independent::new(fresh, contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        let Fitted {
+            options, categories, ..
+        } = &*self.0;
+        let parameters = Parameters {
+            standardization: self.0.standardization.clone(),
+            weights: file::columns(&self.0.weights.transpose()),
+        };
+        file::entries(categories, options, &parameters)
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Contact {
+    fitted: Arc<Fitted>,
+    state: StreamFeatures,
+}
+
+impl ContactScorer for Contact {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        self.fitted.selection.push(&mut self.state, sample)?;
+        Ok(true)
+    }
+
+    fn scores(&self, scores: &mut [f64]) {
+        let mut features = self.fitted.selection.values(&self.state);
+        self.fitted.standardization.apply(&mut features);
+        scores.copy_from_slice(&log_posterior(&self.fitted.weights, &features));
     }
 }
 
@@ -85,8 +234,8 @@ fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
     scores.into_iter().map(|score| score - total).collect()
 }
 
-/// The weights of least mean cross-entropy and penalty. The problem is strictly convex, so Newton's method with halved
-/// steps ends at its one minimum.
+/// The weights that minimize mean cross-entropy plus penalty. The problem is strictly convex, so Newton's method with a
+/// backtracking line search finds its only minimum.
 fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>, ModelError> {
     let categories = table.categories.len();
     let objective = |weights: &DMatrix<f64>| {
@@ -103,11 +252,11 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
     };
     let mut weights = DMatrix::zeros(categories, columns);
     let mut value = objective(&weights);
-    // Newton's method doubles the right digits each time; a dozen iterations are usual.
+    // Newton's method doubles the number of correct digits in each iteration; it usually takes a dozen.
     for _ in 0..100 {
         let (gradient, hessian) = derivatives(table, &weights, penalty);
         let step = hessian.cholesky().ok_or_else(failed)?.solve(&gradient);
-        // Half the decrement is what the quadratic model still promises, nats.
+        // The quadratic model predicts a further decrease by half of this, nats.
         let decrement = gradient.dot(&step);
         if !decrement.is_finite() {
             return Err(failed());
@@ -125,7 +274,7 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
                 break;
             }
             length *= 0.5;
-            // No step helps: what is left is rounding.
+            // No step decreases the objective: only rounding is left.
             if length < 1e-10 {
                 return Ok(weights);
             }
@@ -152,7 +301,7 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
             for (d, x) in extended.iter().enumerate() {
                 gradient[a * columns + d] += row.weight * miss * x;
             }
-            // Columns of the matrix lie together in memory.
+            // Matrices are stored by column.
             for b in 0..categories {
                 let bend = row.weight * posterior[a] * (f64::from(u8::from(a == b)) - posterior[b]);
                 for (d, x) in extended.iter().enumerate() {
@@ -168,7 +317,7 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
     (gradient, hessian)
 }
 
-/// The largest slope of the objective at the fitted weights, by central differences.
+/// The largest derivative of the objective at the fitted weights, by central differences.
 #[cfg(test)]
 pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
     let features = Selection::of(estimator.features);

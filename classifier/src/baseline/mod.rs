@@ -1,19 +1,20 @@
-//! Classifiers to hold the hidden Markov models against, behind the same trait ([`crate::estimator::Estimator`]).
+//! Classifiers to compare the hidden Markov models with, behind the same trait ([`crate::estimator::Estimator`]).
 //!
 //! | name | after | sees |
 //! |---|---|---|
-//! | [`NearestNeighbours`] | the authors' earlier method \[1\]: k nearest neighbours on principal components | a fixed first window of force, contact area and motion |
-//! | [`NaiveBayes`] | Liu et al. \[4\]: naive Bayes, updated online | [`crate::stream_feature`] of the taxel alone |
+//! | [`NearestNeighbours`] | the authors' earlier method \[1\]: k nearest neighbours on principal components | force, contact area and motion in a fixed window from first contact |
+//! | [`NaiveBayes`] | Liu et al. \[4\]: naive Bayes, updated online | stream features ([`crate::stream_feature`]) of the taxel |
 //! | [`EchoStateNetwork`] | Soh et al. \[3\]: an online recursive kernel method | force and motion of the taxel, sample by sample |
-//! | [`Logistic`] | no paper; chosen by accuracy on held-out reaches | [`crate::stream_feature`] of taxel and contact region |
+//! | [`Logistic`] | no paper; chosen by its accuracy on held-out reaches | stream features of taxel and contact region |
 //!
 //! Numbers in brackets are the paper's references. Of \[4\] the paper says only that naive Bayes classified shape and pose
 //! while a finger explored; the features are ours.
 
-mod echo_state_network;
-mod logistic;
-mod naive_bayes;
-mod nearest_neighbours;
+pub(crate) mod echo_state_network;
+mod file;
+pub(crate) mod logistic;
+pub(crate) mod naive_bayes;
+pub(crate) mod nearest_neighbours;
 mod table;
 
 pub use echo_state_network::EchoStateNetwork;

@@ -1,22 +1,72 @@
 //! Naive Bayes over stream features.
 
-use underbrush_recording::Trial;
+use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use underbrush_recording::{InputError, Sample, Trial};
+
+use super::file::{self, FITTED, POSITIVE, check_table};
 use super::table::{Standardization, Table};
-use crate::estimator::{Classifier, Estimator};
-use crate::feature::FeatureSet;
-use crate::model_set::ModelError;
-use crate::stream_feature::Selection;
+use crate::document::Document;
+use crate::error::ModelError;
+use crate::estimator::{Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer};
+use crate::feature::{FeatureSet, SampleFault};
+use crate::stream_feature::{Selection, StreamFeatures};
 
-/// One Gaussian a category and feature, as if features were independent, over what the taxel felt so far.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = ClassifierKind {
+    name: "naive-bayes",
+    aliases: &[],
+    summary: "Naive Bayes on the force course of the taxel so far",
+    estimator: |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
+    load,
+};
+
+/// Gaussian naive Bayes over the stream features of the contact so far ([`crate::stream_feature`]): the score of a
+/// category is the sum of the log-densities of its features.
+///
+/// Features are assumed to be independent and normally distributed within each category. They are not independent, so
+/// margins between categories come out too large.
+///
+/// ```
+/// use underbrush_classifier::baseline::NaiveBayes;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_recording::{Region, Sample, Trial};
+///
+/// let press = |category: &str, newtons: f64, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| Sample {
+///             time_s: 0.01 * f64::from(k),
+///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
+///             motion_m: Some(0.001 * f64::from(k)),
+///             region: Some(Region { taxels: 2, largest_force_n: newtons * 30.0, force_sum_n: newtons * 40.0 }),
+///             touched: None,
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
+///
+/// let classifier = NaiveBayes::default().fit(&trials.iter().collect::<Vec<_>>())?;
+/// // After three samples of a new contact:
+/// let scores = &classifier.scores_after(&press("trunk", 0.25, 3), &[3])?[0];
+/// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NaiveBayes {
-    /// The features that the stream features are computed from.
+    /// The features of each sample that stream features are computed from.
     pub features: FeatureSet,
 }
 
 impl Default for NaiveBayes {
-    /// Force and motion of the taxel, as in the method that it stands for.
+    /// Force and motion of the taxel.
     fn default() -> Self {
         NaiveBayes {
             features: FeatureSet::FORCE_AND_MOTION,
@@ -24,68 +74,141 @@ impl Default for NaiveBayes {
     }
 }
 
-/// Least variance of a standardized feature, so that one that never varies within a category does not decide alone.
-/// Choice: a tenth of the deviation over all categories.
-const LEAST_VARIANCE: f64 = 1e-2;
+/// Minimum variance of a standardized feature, so that a feature that never varies within a category does not decide
+/// alone. Choice: a tenth of the standard deviation over all categories.
+const MIN_VARIANCE: f64 = 1e-2;
 
 impl Estimator for NaiveBayes {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let features = Selection::of(self.features);
-        let mut table = Table::of(trials, &features)?;
-        let standardization = Standardization::of(&mut table, &features);
-        let gaussians = (0..table.categories.len()).map(|category| {
+        let selection = Selection::of(self.features);
+        let mut table = Table::of(trials, &selection)?;
+        let standardization = Standardization::of(&mut table, &selection);
+        let (mut mean, mut variance) = (Vec::new(), Vec::new());
+        for category in 0..table.categories.len() {
             let rows = || table.rows.iter().filter(move |row| row.category == category);
             let total: f64 = rows().map(|row| row.weight).sum();
             let of_feature = |d: usize| {
                 let mean = rows().map(|row| row.weight * row.features[d]).sum::<f64>() / total;
                 let squares = rows().map(|row| row.weight * (row.features[d] - mean).powi(2));
-                let variance = (squares.sum::<f64>() / total).max(LEAST_VARIANCE);
-                Gaussian { mean, variance }
+                (mean, (squares.sum::<f64>() / total).max(MIN_VARIANCE))
             };
-            (0..features.dimension()).map(of_feature).collect()
-        });
-        let gaussians = gaussians.collect();
-        Ok(Box::new(Fitted {
-            features,
-            gaussians,
+            let (means, variances): (Vec<f64>, Vec<f64>) = (0..selection.dimension()).map(of_feature).unzip();
+            mean.push(means);
+            variance.push(variances);
+        }
+        Ok(Box::new(NaiveBayesClassifier(Arc::new(Fitted {
+            options: *self,
+            selection,
             categories: table.categories,
-            standardization,
-        }))
+            parameters: Parameters {
+                standardization,
+                mean,
+                variance,
+            },
+        }))))
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Gaussian {
-    mean: f64,
-    variance: f64,
-}
-
+#[derive(Debug)]
 struct Fitted {
-    features: Selection,
+    options: NaiveBayes,
+    selection: Selection,
     categories: Vec<String>,
-    standardization: Standardization,
-    /// By category and feature.
-    gaussians: Vec<Vec<Gaussian>>,
+    parameters: Parameters,
 }
 
-impl Classifier for Fitted {
-    fn categories(&self) -> Vec<String> {
-        self.categories.clone()
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameters {
+    standardization: Standardization,
+    /// One row per category.
+    mean: Vec<Vec<f64>>,
+    variance: Vec<Vec<f64>>,
+}
+
+#[derive(Debug)]
+struct NaiveBayesClassifier(Arc<Fitted>);
+
+fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
+    let file::Fitted {
+        categories,
+        options,
+        parameters,
+    } = file::Fitted::<NaiveBayes, Parameters>::read(document)?;
+    let selection = Selection::of(options.features);
+    let shape = (categories.len(), selection.dimension());
+    let Parameters {
+        standardization,
+        mean,
+        variance,
+    } = &parameters;
+    standardization
+        .check(selection.dimension())
+        .map_err(|fault| fault.within("standardization"))
+        .and_then(|()| check_table("mean", mean, shape, FITTED))
+        .and_then(|()| check_table("variance", variance, shape, POSITIVE))
+        .map_err(|fault| document.fault(fault.within("parameters")))?;
+    Ok(Box::new(NaiveBayesClassifier(Arc::new(Fitted {
+        options,
+        selection,
+        categories,
+        parameters,
+    }))))
+}
+
+impl Classifier for NaiveBayesClassifier {
+    fn name(&self) -> &'static str {
+        KIND.name
     }
 
-    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let rows = self.features.after(trial, counts)?;
-        let scores = rows.into_iter().map(|mut features| {
-            self.standardization.apply(&mut features);
-            let of_category = |gaussians: &Vec<Gaussian>| {
-                let densities = gaussians.iter().zip(&features).map(|(gaussian, feature)| {
-                    let squared = (feature - gaussian.mean).powi(2) / gaussian.variance;
-                    -0.5 * (squared + (std::f64::consts::TAU * gaussian.variance).ln())
-                });
-                densities.sum()
-            };
-            self.gaussians.iter().map(of_category).collect()
-        });
-        Ok(scores.collect())
+    fn features(&self) -> FeatureSet {
+        self.0.options.features
+    }
+
+    fn categories(&self) -> Vec<String> {
+        self.0.categories.clone()
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        let fresh = Contact {
+            fitted: Arc::clone(&self.0),
+            state: StreamFeatures::default(),
+        };
+        Box::new(Independent::new(fresh, contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        file::entries(&self.0.categories, &self.0.options, &self.0.parameters)
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Contact {
+    fitted: Arc<Fitted>,
+    state: StreamFeatures,
+}
+
+impl ContactScorer for Contact {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        self.fitted.selection.push(&mut self.state, sample)?;
+        Ok(true)
+    }
+
+    fn scores(&self, scores: &mut [f64]) {
+        let Parameters {
+            standardization,
+            mean,
+            variance,
+        } = &self.fitted.parameters;
+        let mut features = self.fitted.selection.values(&self.state);
+        standardization.apply(&mut features);
+        for ((score, mean), variance) in scores.iter_mut().zip(mean).zip(variance) {
+            let gaussians = mean.iter().zip(variance).zip(&features);
+            let densities = gaussians.map(|((mean, variance), feature)| {
+                let squared = (feature - mean).powi(2) / variance;
+                -0.5 * (squared + (std::f64::consts::TAU * variance).ln())
+            });
+            *score = densities.sum();
+        }
     }
 }

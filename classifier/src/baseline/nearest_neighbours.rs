@@ -1,20 +1,85 @@
 //! The authors' earlier method: k nearest neighbours on principal components of a fixed window.
 
-use nalgebra::{DMatrix, SymmetricEigen};
-use underbrush_recording::Trial;
+use std::sync::Arc;
 
-use crate::estimator::{Classifier, Estimator};
-use crate::feature::{AREA, FORCE, FeatureError, FeatureSet, MOTION};
-use crate::model_set::{ModelError, trials_by_category};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use underbrush_recording::{InputError, Limits, Sample, Trial};
+
+use super::file::{self, FITTED, check_list, check_table};
+use crate::document::Document;
+use crate::error::{Fault, ModelError, check_limits};
+use crate::estimator::{
+    Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
+};
+use crate::feature::{AREA, FORCE, FeatureSet, MOTION, SampleFault};
+
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = ClassifierKind {
+    name: "nearest-neighbours",
+    aliases: &[],
+    summary: "The authors' earlier method: nearest neighbours on principal components of the first half second",
+    estimator: |features| {
+        let default = NearestNeighbours::default();
+        Box::new(NearestNeighbours {
+            features: features.unwrap_or(default.features),
+            ..default
+        })
+    },
+    load,
+};
+
+/// Samples of a window. Choice: ten seconds at 100 Hz; the cost of a fit grows with the cube.
+const WINDOW: Limits = Limits::new(1.0, 1000.0, "samples");
+
+/// Neighbours that vote. Choice: far more than any sensible number.
+const NEIGHBOURS: Limits = Limits::new(1.0, 1e6, "neighbours");
+
+/// Explained fraction of the variance; at 0 one component is kept.
+const EXPLAINED: Limits = Limits::new(0.0, 1.0, "");
 
 /// k nearest neighbours on principal components of force, contact area and contact motion over a window from the first
-/// contact (Bhattacharjee, Rehg, Kemp, IROS 2012). Contact area is the number of taxels of the contact region.
+/// contact (Bhattacharjee, Rehg, Kemp, IROS 2012). Contact area is the number of taxels in the contact region.
 ///
-/// The method needs sequences of equal length: a trial shorter than the window, or not yet as long, is padded with its
-/// last sample, and what comes after the window has no part.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The score of a category is the logarithm of its share of the votes, corrected for its number of training trials. The
+/// method needs sequences of equal length: a trial shorter than the window, or not yet as long, is padded with its last
+/// sample, and samples after the window are ignored. It assumes that trials of a category are close to each other in
+/// Euclidean distance, sample by sample from the first contact.
+///
+/// ```
+/// use underbrush_classifier::baseline::NearestNeighbours;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_recording::{Region, Sample, Trial};
+///
+/// let press = |category: &str, newtons: f64, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| Sample {
+///             time_s: 0.01 * f64::from(k),
+///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
+///             motion_m: Some(0.001 * f64::from(k)),
+///             region: Some(Region { taxels: 2, largest_force_n: newtons * 30.0, force_sum_n: newtons * 40.0 }),
+///             touched: None,
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
+///
+/// let classifier = NearestNeighbours::default().fit(&trials.iter().collect::<Vec<_>>())?;
+/// // After three samples of a new contact:
+/// let scores = &classifier.scores_after(&press("trunk", 0.25, 3), &[3])?[0];
+/// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NearestNeighbours {
-    /// What a sample of the window holds.
+    /// The features of each sample of the window.
     pub features: FeatureSet,
     /// Samples of the window, at least 1.
     pub window: usize,
@@ -25,8 +90,8 @@ pub struct NearestNeighbours {
 }
 
 impl Default for NearestNeighbours {
-    /// Half a second at 100 Hz by choice: most contacts are shorter, and padding them further adds nothing; five votes,
-    /// and the components that explain 95 % of the variance.
+    /// Choice: half a second at 100 Hz, since most contacts are shorter, and padding them further adds nothing; five
+    /// votes, and the components that explain 95 % of the variance.
     fn default() -> Self {
         NearestNeighbours {
             features: FeatureSet::new([&FORCE, &AREA, &MOTION]),
@@ -37,22 +102,32 @@ impl Default for NearestNeighbours {
     }
 }
 
+impl NearestNeighbours {
+    fn check(&self) -> Result<(), Fault> {
+        check_limits("window", self.window as f64, WINDOW)?;
+        check_limits("neighbours", self.neighbours as f64, NEIGHBOURS)?;
+        check_limits("explained", self.explained, EXPLAINED)
+    }
+
+    /// The first feature at each sample of the window, then the second, and so on. The last sample pads the window.
+    fn channels(&self, samples: &[f64]) -> Vec<f64> {
+        let dimension = self.features.dimension();
+        let last = samples.len() / dimension - 1;
+        let of_channel = |channel| (0..self.window).map(move |k| samples[k.min(last) * dimension + channel]);
+        (0..dimension).flat_map(of_channel).collect()
+    }
+}
+
 impl Estimator for NearestNeighbours {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        if self.window == 0 || self.neighbours == 0 {
-            return Err(ModelError::Mismatch {
-                found: format!("{} samples and {} neighbours", self.window, self.neighbours),
-                allowed: "at least 1 of each".into(),
-            });
-        }
-        let by_category = trials_by_category(trials.iter().copied());
-        if by_category.is_empty() {
-            return Err(ModelError::NoCategories { trials: trials.len() });
-        }
+        self.check()?;
+        let by_category = trials_by_category(trials.iter().copied())?;
         let (mut rows, mut category_of) = (Vec::new(), Vec::new());
         for (category, trials) in by_category.values().enumerate() {
             for trial in trials {
-                rows.push(window(self.features, trial, self.window, trial.samples.len())?);
+                let observations = self.features.observations(trial, Some(self.window))?;
+                let samples: Vec<f64> = observations.samples().flatten().copied().collect();
+                rows.push(self.channels(&samples));
                 category_of.push(category);
             }
         }
@@ -64,7 +139,7 @@ impl Estimator for NearestNeighbours {
                 .for_each(|value| *value = (*value - mean[d]) * scale[d / self.window]);
         }
         let components = principal_components(&matrix, self.explained);
-        Ok(Box::new(Fitted {
+        Ok(Box::new(NearestNeighboursClassifier(Arc::new(Fitted {
             options: *self,
             count: by_category.values().map(Vec::len).collect(),
             categories: by_category.into_keys().collect(),
@@ -73,23 +148,12 @@ impl Estimator for NearestNeighbours {
             known: (&matrix * &components).transpose(),
             components,
             category_of,
-        }))
+        }))))
     }
 }
 
-/// The first feature at each sample of the window, then the second, and so on, of the trial's first `count` samples.
-fn window(features: FeatureSet, trial: &Trial, window: usize, count: usize) -> Result<Vec<f64>, FeatureError> {
-    let observations = features.observations(trial, Some(count.min(window)))?;
-    let last = observations.sample_count() - 1;
-    let channels = 0..features.dimension();
-    let of_channel = |channel| (0..window).map(move |k: usize| (k.min(last), channel));
-    Ok(channels
-        .flat_map(of_channel)
-        .map(|(sample, channel)| observations.sample(sample)[channel])
-        .collect())
-}
-
-/// The mean of each column, and for each channel one over its deviation, so that newtons, taxels and metres weigh alike.
+/// The mean of each column, and for each channel the reciprocal of its standard deviation, so that newtons, taxels and
+/// metres weigh alike.
 fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     let count = rows.len() as f64;
     let mean: Vec<f64> = (0..rows[0].len())
@@ -105,7 +169,7 @@ fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     (mean, scale)
 }
 
-/// The first principal directions of centred rows, one a column, that explain the fraction; at least one.
+/// The first principal components of centred rows, as columns: as many as explain the fraction, at least one.
 fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
     let eigen = SymmetricEigen::new(rows.transpose() * rows);
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
@@ -121,27 +185,94 @@ fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&order[..kept])
 }
 
+#[derive(Debug)]
 struct Fitted {
     options: NearestNeighbours,
     categories: Vec<String>,
-    /// Training trials by category.
+    /// Number of training trials by category.
     count: Vec<usize>,
     mean: Vec<f64>,
     scale: Vec<f64>,
+    /// One column per component.
     components: DMatrix<f64>,
-    /// Training trials, one a column.
+    /// Training trials, one per column.
     known: DMatrix<f64>,
     category_of: Vec<usize>,
 }
 
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameters {
+    /// Of each channel and sample of the window.
+    mean: Vec<f64>,
+    /// Of each channel.
+    scale: Vec<f64>,
+    /// One row per component.
+    components: Vec<Vec<f64>>,
+    /// Index of the category of each training trial.
+    category: Vec<usize>,
+    /// One row per training trial.
+    trials: Vec<Vec<f64>>,
+}
+
+#[derive(Debug)]
+struct NearestNeighboursClassifier(Arc<Fitted>);
+
+fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
+    let file::Fitted {
+        categories,
+        options,
+        parameters,
+    } = file::Fitted::<NearestNeighbours, Parameters>::read(document)?;
+    options
+        .check()
+        .map_err(|fault| document.fault(fault.within("options")))?;
+    check(&options, categories.len(), &parameters).map_err(|fault| document.fault(fault.within("parameters")))?;
+    let category_of = parameters.category;
+    let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
+    Ok(Box::new(NearestNeighboursClassifier(Arc::new(Fitted {
+        count: (0..categories.len()).map(of).collect(),
+        categories,
+        components: file::from_columns(parameters.mean.len(), &parameters.components),
+        known: file::from_columns(parameters.components.len(), &parameters.trials),
+        mean: parameters.mean,
+        scale: parameters.scale,
+        category_of,
+        options,
+    }))))
+}
+
+/// Checks the parameters of a file.
+fn check(options: &NearestNeighbours, categories: usize, parameters: &Parameters) -> Result<(), Fault> {
+    let channels = options.features.dimension();
+    let length = channels * options.window;
+    let (components, trials) = (&parameters.components, &parameters.trials);
+    check_list("mean", &parameters.mean, length, FITTED)?;
+    check_list("scale", &parameters.scale, channels, FITTED)?;
+    check_table("components", components, (components.len().max(1), length), FITTED)?;
+    check_table("trials", trials, (parameters.category.len(), components.len()), FITTED)?;
+    match (0..categories).find(|category| !parameters.category.contains(category)) {
+        Some(missing) => Err(Fault::new(
+            "category",
+            format!("no trial of category {missing}"),
+            "a trial of each",
+        )),
+        None if parameters.category.iter().any(|category| *category >= categories) => {
+            let found = format!("an index beyond {}", categories - 1);
+            Err(Fault::new("category", found, "indices of categories, from 0"))
+        }
+        None => Ok(()),
+    }
+}
+
 impl Fitted {
-    /// ln of votes over trials of the category: frequent categories have more neighbours to offer. Each category has one
-    /// vote more than its neighbours, shared among all, so that none is ever impossible.
-    fn scores(&self, mut channels: Vec<f64>) -> Vec<f64> {
+    /// The logarithm of votes per training trial of the category: frequent categories offer more neighbours. All
+    /// categories share one more vote, so that none is impossible.
+    fn scores(&self, mut channels: Vec<f64>, scores: &mut [f64]) {
         for (d, value) in channels.iter_mut().enumerate() {
             *value = (*value - self.mean[d]) * self.scale[d / self.options.window];
         }
-        let query = self.components.tr_mul(&nalgebra::DVector::from_vec(channels));
+        let query = self.components.tr_mul(&DVector::from_vec(channels));
         let distances = self.known.column_iter().map(|known| (known - &query).norm_squared());
         let mut nearest: Vec<(f64, usize)> = distances.zip(self.category_of.iter().copied()).collect();
         let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
@@ -153,23 +284,68 @@ impl Fitted {
         nearest[..votes]
             .iter()
             .for_each(|&(_, category)| share[category] += 1.0);
-        share
-            .iter()
-            .zip(&self.count)
-            .map(|(share, count)| (share / *count as f64).ln())
-            .collect()
+        for ((score, share), count) in scores.iter_mut().zip(share).zip(&self.count) {
+            *score = (share / *count as f64).ln();
+        }
     }
 }
 
-impl Classifier for Fitted {
-    fn categories(&self) -> Vec<String> {
-        self.categories.clone()
+impl Classifier for NearestNeighboursClassifier {
+    fn name(&self) -> &'static str {
+        KIND.name
     }
 
-    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        counts
-            .iter()
-            .map(|&count| Ok(self.scores(window(self.options.features, trial, self.options.window, count)?)))
-            .collect()
+    fn features(&self) -> FeatureSet {
+        self.0.options.features
+    }
+
+    fn categories(&self) -> Vec<String> {
+        self.0.categories.clone()
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        let fresh = Contact {
+            fitted: Arc::clone(&self.0),
+            samples: Vec::new(),
+        };
+        Box::new(Independent::new(fresh, contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        let parameters = Parameters {
+            mean: self.0.mean.clone(),
+            scale: self.0.scale.clone(),
+            components: file::columns(&self.0.components),
+            category: self.0.category_of.clone(),
+            trials: file::columns(&self.0.known),
+        };
+        file::entries(&self.0.categories, &self.0.options, &parameters)
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Contact {
+    fitted: Arc<Fitted>,
+    /// The samples of the window so far, one after the other.
+    samples: Vec<f64>,
+}
+
+impl ContactScorer for Contact {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        let NearestNeighbours { features, window, .. } = self.fitted.options;
+        let (length, dimension) = (self.samples.len(), features.dimension());
+        if length == window * dimension {
+            return Ok(false);
+        }
+        self.samples.resize(length + dimension, 0.0);
+        let read = features.read(sample, &mut self.samples[length..]);
+        if read.is_err() {
+            self.samples.truncate(length);
+        }
+        read.map(|()| true)
+    }
+
+    fn scores(&self, scores: &mut [f64]) {
+        self.fitted.scores(self.fitted.options.channels(&self.samples), scores);
     }
 }

@@ -1,12 +1,14 @@
 //! Training trials as rows of stream features.
 
+use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
-use crate::evaluate::SAMPLE_COUNTS;
-use crate::model_set::{ModelError, trials_by_category};
-use crate::stream_feature::Selection;
+use super::file::{FITTED, POSITIVE, check_list};
+use crate::error::{Fault, ModelError, check_limits};
+use crate::estimator::trials_by_category;
+use crate::stream_feature::{SAMPLE_COUNTS, Selection};
 
-/// Rows of features, one for each moment at which a training trial is looked at.
+/// Rows of stream features: each training trial at several times.
 pub(super) struct Table {
     /// Alphabetical.
     pub(super) categories: Vec<String>,
@@ -14,25 +16,22 @@ pub(super) struct Table {
     pub(super) rows: Vec<Row>,
 }
 
-/// One moment of a trial.
+/// A trial at one time.
 pub(super) struct Row {
     /// Index of the category.
     pub(super) category: usize,
-    /// Weights of a trial's moments are alike, of a category's trials too, and those of each category add up to
-    /// 1 / number of categories: priors are no part of what is learned.
+    /// Rows of a trial weigh alike, and so do the trials of a category. The weights of each category sum to
+    /// 1 / number of categories, so that fits do not depend on how frequent categories are.
     pub(super) weight: f64,
     /// The features, standardized.
     pub(super) features: Vec<f64>,
 }
 
 impl Table {
-    /// The trials after 1, 2, 3, 6, … samples and at their end, so that a contact just begun is no less trained for than
-    /// one that is over.
+    /// The trials after 1, 2, 3, 6, … samples and at their end, so that contacts that have just begun count as much as
+    /// those that are over.
     pub(super) fn of(trials: &[&Trial], set: &Selection) -> Result<Self, ModelError> {
-        let by_category = trials_by_category(trials.iter().copied());
-        if by_category.is_empty() {
-            return Err(ModelError::NoCategories { trials: trials.len() });
-        }
+        let by_category = trials_by_category(trials.iter().copied())?;
         let mut rows = Vec::new();
         for (category, trials) in by_category.values().enumerate() {
             let of_trial = 1.0 / (by_category.len() * trials.len()) as f64;
@@ -55,18 +54,20 @@ impl Table {
     }
 }
 
-/// Subtracts the weighted mean of the training rows and divides by their deviation.
-#[derive(Clone, Debug, PartialEq)]
+/// Subtracts the weighted mean of the training rows and divides by their standard deviation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Standardization {
     mean: Vec<f64>,
-    deviation: Vec<f64>,
+    /// `None` for a feature that never varies in training; it is then 0.
+    standard_deviation: Vec<Option<f64>>,
 }
 
-/// Standardized features are cut off here, so that one wild sample does not outvote all others.
+/// Standardized features are clamped to this range, so that a single outlying sample does not dominate.
 const MOST_DEVIATIONS: f64 = 5.0;
 
 impl Standardization {
-    /// That of the table's rows, which it standardizes.
+    /// Standardizes the rows of the table, and returns how.
     pub(super) fn of(table: &mut Table, set: &Selection) -> Self {
         let moment = |f: &dyn Fn(&Row) -> f64| table.rows.iter().map(|row| row.weight * f(row)).sum::<f64>();
         let mean: Vec<f64> = (0..set.dimension()).map(|d| moment(&|row| row.features[d])).collect();
@@ -75,11 +76,13 @@ impl Standardization {
             .enumerate()
             .map(|(d, mean)| {
                 let deviation = moment(&|row| (row.features[d] - mean).powi(2)).sqrt();
-                // What never varies tells nothing; as zero it does no harm either.
-                if deviation > 1e-12 { deviation } else { f64::INFINITY }
+                (deviation > 1e-12).then_some(deviation)
             })
             .collect();
-        let standardization = Standardization { mean, deviation };
+        let standardization = Standardization {
+            mean,
+            standard_deviation: deviation,
+        };
         for row in &mut table.rows {
             standardization.apply(&mut row.features);
         }
@@ -87,8 +90,24 @@ impl Standardization {
     }
 
     pub(super) fn apply(&self, features: &mut [f64]) {
-        for ((feature, mean), deviation) in features.iter_mut().zip(&self.mean).zip(&self.deviation) {
-            *feature = ((*feature - mean) / deviation).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS);
+        for ((feature, mean), deviation) in features.iter_mut().zip(&self.mean).zip(&self.standard_deviation) {
+            *feature = deviation.map_or(0.0, |deviation| {
+                ((*feature - mean) / deviation).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS)
+            });
         }
+    }
+
+    /// Checks the numbers of a file, for so many stream features.
+    pub(super) fn check(&self, dimension: usize) -> Result<(), Fault> {
+        check_list("mean", &self.mean, dimension, FITTED)?;
+        let field = "standard_deviation";
+        if self.standard_deviation.len() != dimension {
+            let found = format!("{} numbers", self.standard_deviation.len());
+            return Err(Fault::new(field, found, format!("{dimension} numbers")));
+        }
+        let mut places = self.standard_deviation.iter().enumerate();
+        places.try_for_each(|(index, deviation)| {
+            check_limits(format!("{field}[{index}]"), deviation.unwrap_or(1.0), POSITIVE)
+        })
     }
 }

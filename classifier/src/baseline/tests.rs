@@ -3,10 +3,11 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Region, Sample, Trial};
 
 use super::*;
-use crate::estimator::Estimator;
+use crate::error::ModelError;
+use crate::estimator::{ClassifierKind, Estimator};
 use crate::feature::{AREA, Feature, FeatureError, MOTION, SampleFault};
-use crate::model_set::ModelError;
 use crate::recipe::Recipe;
+use crate::registry::CLASSIFIERS;
 
 /// Presses whose force rises by `newtons_per_s` with noise, on a region of `taxels`.
 fn press(number: u64, category: &str, newtons_per_s: f64, taxels: u32, length: usize) -> Trial {
@@ -43,20 +44,19 @@ fn trials() -> Vec<Trial> {
     leaves.chain(trunks).collect()
 }
 
+/// Every classifier of the list with its default options, except that hidden Markov models have fewer states than the
+/// shortest trial has samples.
 fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
-    vec![
-        (
-            "hidden Markov models",
-            Box::new(Recipe {
+    let estimator = |kind: &ClassifierKind| -> Box<dyn Estimator> {
+        match kind.name {
+            "hmm" => Box::new(Recipe {
                 states: 3,
                 ..Recipe::authors()
             }),
-        ),
-        ("nearest neighbours", Box::new(NearestNeighbours::default())),
-        ("naive Bayes", Box::new(NaiveBayes::default())),
-        ("echo-state network", Box::new(EchoStateNetwork::default())),
-        ("logistic regression", Box::new(Logistic::default())),
-    ]
+            _ => (kind.estimator)(None),
+        }
+    };
+    CLASSIFIERS.map(|kind| (kind.name, estimator(kind))).into()
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn frequent_categories_have_no_advantage() {
         let variance = shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / (SETS - 1) as f64;
         let standard_error = (variance / SETS as f64).sqrt();
         let expected = match name {
-            "nearest neighbours" => 1.0 - (5.0f64 / 6.0).powi(5),
+            "nearest-neighbours" => 1.0 - (5.0f64 / 6.0).powi(5),
             _ => 0.5,
         };
         assert!(standard_error < 0.05, "{name}: ± {standard_error} is no test");
@@ -201,4 +201,72 @@ fn what_cannot_be_learned_is_refused() {
     let known: Vec<&Trial> = trials.iter().collect();
     assert_eq!(NaiveBayes::default().fit(&known).err(), Some(missing.clone()));
     assert_eq!(EchoStateNetwork::default().fit(&known).err(), Some(missing));
+}
+
+/// Pins that every option of the baselines has a range, and that the error names the option.
+#[test]
+fn options_outside_their_range_are_refused() {
+    let trials = trials();
+    let known: Vec<&Trial> = trials.iter().collect();
+    let neighbours = NearestNeighbours::default();
+    let (network, logistic) = (EchoStateNetwork::default(), Logistic::default());
+    let estimators: [(&str, Box<dyn Estimator>); 9] = [
+        (
+            "window",
+            Box::new(NearestNeighbours {
+                window: 0,
+                ..neighbours
+            }),
+        ),
+        (
+            "neighbours",
+            Box::new(NearestNeighbours {
+                neighbours: 0,
+                ..neighbours
+            }),
+        ),
+        (
+            "explained",
+            Box::new(NearestNeighbours {
+                explained: f64::NAN,
+                ..neighbours
+            }),
+        ),
+        ("units", Box::new(EchoStateNetwork { units: 0, ..network })),
+        ("leak", Box::new(EchoStateNetwork { leak: 0.0, ..network })),
+        (
+            "penalty",
+            Box::new(EchoStateNetwork {
+                penalty: -1.0,
+                ..network
+            }),
+        ),
+        (
+            "penalty",
+            Box::new(Logistic {
+                penalty: 0.0,
+                ..logistic
+            }),
+        ),
+        (
+            "states",
+            Box::new(Recipe {
+                states: 0,
+                ..Recipe::authors()
+            }),
+        ),
+        (
+            "max_samples",
+            Box::new(Recipe {
+                max_samples: Some(0),
+                ..Recipe::authors()
+            }),
+        ),
+    ];
+    for (name, estimator) in estimators {
+        match estimator.fit(&known).unwrap_err() {
+            ModelError::BadOption { option, .. } => assert_eq!(option, name),
+            other => panic!("{name}: {other}"),
+        }
+    }
 }

@@ -12,8 +12,7 @@ use super::prediction::Prediction;
 use crate::decision::Decision;
 use crate::estimator::Estimator;
 
-/// Numbers of samples since contact after which a verdict is requested, besides the one at the end.
-pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
+pub use crate::stream_feature::SAMPLE_COUNTS;
 
 /// One point of the series.
 #[derive(Clone, Debug, PartialEq, Serialize)]

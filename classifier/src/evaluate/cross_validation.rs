@@ -12,7 +12,7 @@ use super::prediction::Prediction;
 use crate::decision::Decision;
 use crate::estimator::{Classifier, Estimator};
 use crate::hmm::TrainingHistory;
-use crate::model_set::is_trained;
+use crate::estimator::is_trained;
 
 /// Evaluates a given classifier on trials; those without ground truth are skipped.
 ///

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::decision::DecisionError;
-use crate::model_set::ModelError;
+use crate::error::ModelError;
 
 /// Why an evaluation fails.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
 use super::error::EvaluateError;
-use crate::model_set::is_trained;
+use crate::estimator::is_trained;
 
 /// What is kept together in a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use underbrush_recording::Category;
 
 use super::evaluation::Evaluation;
 use crate::decision::Judge;
-use crate::model_set::is_trained;
+use crate::estimator::is_trained;
 
 /// The rates at one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -7,7 +7,7 @@ use underbrush_recording::{Category, Frame, Recording};
 
 use super::prediction::is_right;
 use crate::decision::Verdict;
-use crate::model_set::ModelSet;
+use crate::estimator::Classifier;
 use crate::online::{OnlineClassifier, OnlineError, OnlineOptions, TaxelVerdict};
 
 /// What counts as the truth for a taxel's verdict.
@@ -77,7 +77,7 @@ pub struct StreamFrame {
 pub struct Stream {
     /// The categories that an object of the recording can have: [`Category::BUILT_IN`], then further ones that occur.
     pub truths: Vec<Category>,
-    /// Names of the verdicts: the models' categories in alphabetical order, uncertain, outlier.
+    /// Names of the verdicts: the classifier's categories in alphabetical order, uncertain, outlier.
     pub verdicts: Vec<String>,
     /// The frames.
     pub frames: Vec<StreamFrame>,
@@ -97,19 +97,19 @@ struct Last {
 /// Classifies a recorded reach frame by frame, as online while the arm moves.
 ///
 /// # Errors
-/// [`OnlineError`] where patch, models, rule or a frame do not fit.
+/// [`OnlineError`] where patch, classifier, rule or a frame do not fit.
 pub fn classify_stream(
-    models: &ModelSet,
+    classifier: &dyn Classifier,
     recording: &Recording,
     options: &OnlineOptions,
     truth: StreamTruth,
 ) -> Result<Stream, OnlineError> {
-    let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, options)?;
+    let mut online = OnlineClassifier::new(classifier, &recording.layout, options)?;
     let patch = recording
         .layout
         .chosen_patch(options.patch.as_deref())
         .unwrap_or_default();
-    let mut verdicts = models.categories();
+    let mut verdicts = classifier.categories();
     verdicts.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
     let mut truths = Category::BUILT_IN.to_vec();
     truths.extend(recording.further_categories());
@@ -129,7 +129,7 @@ pub fn classify_stream(
     for frame in &recording.frames {
         let pressing = Pressing::of(frame, patch, recording, &stream.truths);
         let start = Instant::now();
-        let judged = classifier.update(frame)?;
+        let judged = online.update(frame)?;
         stream.seconds.push(start.elapsed().as_secs_f64());
         stream.observe(frame.time_s, judged, &pressing, truth, &mut last);
     }

@@ -3,7 +3,7 @@ use underbrush_recording::{Sample, Trial};
 use super::*;
 use crate::decision::{Decision, Verdict};
 use crate::feature::FeatureSet;
-use crate::model_set::ModelSet;
+use crate::hmm_classifier::HmmClassifier;
 use crate::recipe::Recipe;
 
 /// Trials of 12 samples. Leaves reach about 0.4 N and move far; trunks reach about 2 N and move little.
@@ -137,7 +137,7 @@ fn cross_validation_tests_each_trial_once_on_the_other_fold() {
                 .filter(|(_, fold)| (**fold == tested) == inside);
             pairs.map(|(trial, _)| trial.clone()).collect()
         };
-        let (models, report) = ModelSet::train(&part(false), &recipe()).unwrap();
+        let (models, report) = HmmClassifier::train(&part(false), &recipe()).unwrap();
         assert_eq!(result.training[tested], report.categories);
         let direct = evaluate(&models, &part(true), &Decision::argmax()).unwrap();
         let of_fold = result.predictions.iter().filter(|prediction| prediction.fold == tested);

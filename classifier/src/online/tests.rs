@@ -4,9 +4,13 @@ use underbrush_recording::{Recording, Trial};
 
 use super::*;
 use crate::decision::Rule;
+use crate::estimator::Estimator;
 use crate::feature::FeatureSet;
-use crate::hmm::TrainingOptions;
+use crate::hmm::{ScoreKind, TrainingOptions};
+use crate::hmm_classifier::HmmClassifier;
+use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
+use crate::registry::CLASSIFIERS;
 use crate::trial::taxel_trials;
 use crate::trial::tests::{any_force, recording};
 
@@ -32,29 +36,57 @@ fn reach() -> Recording {
     recording(&frames)
 }
 
-fn models(recording: &Recording, recipe: &Recipe) -> ModelSet {
-    let trials: Vec<Trial> = taxel_trials(recording, &any_force())
-        .unwrap()
-        .into_iter()
-        .map(|contact| contact.trial)
-        .collect();
-    ModelSet::train(&trials, recipe).unwrap().0
+fn trials_of(recording: &Recording) -> Vec<Trial> {
+    let trials = taxel_trials(recording, &any_force()).unwrap();
+    trials.into_iter().map(|contact| contact.trial).collect()
 }
 
-fn options(score: ScoreKind) -> OnlineOptions {
+fn models(recording: &Recording, recipe: &Recipe) -> HmmClassifier {
+    HmmClassifier::train(&trials_of(recording), recipe).unwrap().0
+}
+
+fn options() -> OnlineOptions {
     let decision = Decision::new(Rule::UncertainBelow { margin: 1.0 });
     OnlineOptions {
         patch: None,
         threshold_n: 0.0,
-        score,
         decision,
     }
 }
 
+/// Demands that at every sample of every contact the online scores are those of the trial so far, bit for bit.
+#[track_caller]
+fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, options: &OnlineOptions) {
+    let trials = taxel_trials(recording, &any_force()).unwrap();
+    let judge = options.decision.prepare(&classifier.categories()).unwrap();
+    let mut online = OnlineClassifier::new(classifier, &recording.layout, options).unwrap();
+    let mut compared = 0;
+    for frame in &recording.frames {
+        let verdicts: Vec<TaxelVerdict> = online.update(frame).unwrap().cloned().collect();
+        let mut open: BTreeMap<usize, Trial> = BTreeMap::new();
+        for contact in &trials {
+            let mut trial = contact.trial.clone();
+            if trial.samples.iter().any(|sample| sample.time_s == frame.time_s) {
+                trial.samples.retain(|sample| sample.time_s <= frame.time_s);
+                open.insert(trial.taxel.unwrap() as usize, trial);
+            }
+        }
+        assert!(verdicts.iter().map(|verdict| verdict.taxel).eq(open.keys().copied()));
+        for (verdict, trial) in verdicts.iter().zip(open.values()) {
+            let offline = classifier.scores(trial).unwrap();
+            assert_eq!(verdict.scores, offline, "{}", classifier.name());
+            assert_eq!(verdict.samples, trial.samples.len());
+            assert_eq!(verdict.verdict, judge.verdict(judge.choose(&offline)));
+            compared += 1;
+        }
+    }
+    assert!(compared > 100, "{compared} comparisons");
+}
+
+/// Pins that online and offline scores of hidden Markov models are the same bits: scaled, truncated or plain, of both
+/// kinds, and with features of the contact region.
 #[test]
 fn running_scores_are_those_of_the_trial_so_far() {
-    // Pins bit-equality of online and batch scores at every sample of every contact, scaled, truncated or plain,
-    // and with features of the contact region.
     let recording = reach();
     let recipe = Recipe {
         states: 3,
@@ -75,46 +107,56 @@ fn running_scores_are_those_of_the_trial_so_far() {
         ..recipe.clone()
     };
     for recipe in [recipe, scaled, with_region] {
-        let models = models(&recording, &recipe);
+        let mut models = models(&recording, &recipe);
         for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
-            let mut open: BTreeMap<usize, Trial> = BTreeMap::new();
-            let trials = taxel_trials(&recording, &any_force()).unwrap();
-            let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, &options(kind)).unwrap();
-            let mut compared = 0;
-            for frame in &recording.frames {
-                let verdicts: Vec<TaxelVerdict> = classifier.update(frame).unwrap().cloned().collect();
-                open.clear();
-                for contact in &trials {
-                    let so_far = contact
-                        .trial
-                        .samples
-                        .iter()
-                        .filter(|sample| sample.time_s <= frame.time_s)
-                        .count();
-                    if contact.trial.samples.iter().any(|sample| sample.time_s == frame.time_s) {
-                        let mut trial = contact.trial.clone();
-                        trial.samples.truncate(so_far);
-                        open.insert(trial.taxel.unwrap() as usize, trial);
-                    }
-                }
-                assert!(verdicts.iter().map(|verdict| verdict.taxel).eq(open.keys().copied()));
-                for (verdict, trial) in verdicts.iter().zip(open.values()) {
-                    let batch: Vec<f64> = models
-                        .score(trial, kind)
-                        .unwrap()
-                        .into_iter()
-                        .map(|(_, score)| score)
-                        .collect();
-                    assert_eq!(verdict.log_likelihood, batch);
-                    assert_eq!(verdict.samples, trial.samples.len());
-                    let judge = options(kind).decision.prepare(&models.categories()).unwrap();
-                    assert_eq!(verdict.verdict, judge.verdict(judge.choose(&batch)));
-                    compared += 1;
-                }
-            }
-            assert!(compared > 100, "{compared} comparisons");
+            models.score_by(kind);
+            online_equals_offline(&models, &recording, &options());
         }
     }
+}
+
+/// Pins the same for every classifier of the list, after it was saved and loaded.
+#[test]
+fn every_classifier_runs_online_as_offline() {
+    let recording = reach();
+    let trials = trials_of(&recording);
+    for kind in CLASSIFIERS {
+        let estimator: Box<dyn Estimator> = match kind.name {
+            // The default has more states than the shortest contact has samples.
+            "hmm" => Box::new(Recipe {
+                states: 3,
+                ..Recipe::authors()
+            }),
+            _ => (kind.estimator)(None),
+        };
+        let fitted = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
+        online_equals_offline(fitted.as_ref(), &recording, &options());
+        let text = Model::new(fitted).save_string().unwrap();
+        let loaded = Model::from_json("model.json", &text).unwrap();
+        online_equals_offline(loaded.classifier.as_ref(), &recording, &options());
+    }
+}
+
+/// Pins that a feature of the contact region is refused, by name, where the taxels form no grid.
+#[test]
+fn regions_need_a_grid() {
+    let mut recording = reach();
+    let recipe = Recipe {
+        states: 3,
+        features: "force,area".parse().unwrap(),
+        training: TrainingOptions {
+            variance_floor: 0.01,
+            ..TrainingOptions::default()
+        },
+        ..Recipe::authors()
+    };
+    let models = models(&recording, &recipe);
+    recording.layout.patches[0].grid = None;
+    let error = OnlineClassifier::new(&models, &recording.layout, &options()).unwrap_err();
+    assert!(
+        matches!(error, OnlineError::NoRegion { feature: "area", .. }),
+        "{error}"
+    );
 }
 
 #[test]
@@ -122,7 +164,7 @@ fn a_frame_allocates_nothing() {
     // Pins that contacts beginning, going on and ending cost no allocation, from the first frame on. A change of verdict
     // copies the category's name, so here all verdicts stay uncertain.
     let recording = reach();
-    let models = models(
+    let mut models = models(
         &recording,
         &Recipe {
             states: 3,
@@ -131,11 +173,12 @@ fn a_frame_allocates_nothing() {
         },
     );
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
+        models.score_by(kind);
         let options = OnlineOptions {
             decision: Decision::new(Rule::UncertainBelow { margin: 1e9 }),
-            ..options(kind)
+            ..options()
         };
-        let mut classifier = OnlineClassifier::new(models.clone(), &recording.layout, &options).unwrap();
+        let mut classifier = OnlineClassifier::new(&models, &recording.layout, &options).unwrap();
         let mut verdicts = 0;
         let allocations = allocation_counter::measure(|| {
             for frame in &recording.frames {
@@ -160,10 +203,10 @@ fn wrong_streams_are_refused() {
     );
     let elbow = OnlineOptions {
         patch: Some("elbow".into()),
-        ..options(ScoreKind::Forward)
+        ..options()
     };
-    assert!(OnlineClassifier::new(models.clone(), &recording.layout, &elbow).is_err());
-    let mut classifier = OnlineClassifier::new(models, &recording.layout, &options(ScoreKind::Forward)).unwrap();
+    assert!(OnlineClassifier::new(&models, &recording.layout, &elbow).is_err());
+    let mut classifier = OnlineClassifier::new(&models, &recording.layout, &options()).unwrap();
     recording.frames[5].taxels[0].sensed_force_n = f64::NAN;
     assert!(classifier.update(&recording.frames[4]).is_ok());
     assert!(matches!(

@@ -11,12 +11,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::ModelSet;
 use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::hmm::ScoreKind;
 
 use super::decision_arguments::{DecisionArguments, Scores};
-use super::score::Score;
+use super::score::{self, Score};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -61,7 +59,7 @@ pub struct Options {
     strict: bool,
     #[command(flatten)]
     decision: DecisionArguments,
-    /// Score; the model's own if not given
+    /// Kind of score of hidden Markov models [default: the model's own]
     #[arg(long, value_enum)]
     score: Option<Score>,
     #[command(flatten)]
@@ -84,25 +82,25 @@ impl Options {
 
 /// Classifies.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let models = ModelSet::load(&options.model)?;
-    let kind = options.score.map_or(models.score_kind(), ScoreKind::from);
+    let model = score::load(&options.model, options.score, "--score")?;
     if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
         let message =
             "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";
         return Err(Failure::usage(message));
     }
     if options.online || options.reads_stdin() {
-        return online::run(&options, models, kind);
+        return online::run(&options, model);
     }
+    let categories = model.classifier.categories();
     let judge = options
         .decision
-        .decision(&Scores::of_models(&models, kind))?
-        .prepare(&models.categories())?;
+        .decision(&Scores::of_model(&model))?
+        .prepare(&categories)?;
     let trials = input::trials(&options.input, &options.cut)?;
-    let scores = models
-        .score_all(&trials.iter().collect::<Vec<_>>(), kind)
+    let scores = model
+        .classifier
+        .scores_of_all(&trials.iter().collect::<Vec<_>>())
         .map_err(|error| Failure::from(error).about(&options.input))?;
-    let categories = models.categories();
     let verdicts = trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
         trial: trial.trial,
         verdict: judge.verdict(judge.choose(&scores)),

@@ -7,9 +7,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::json;
-use underbrush_classifier::ModelSet;
+use underbrush_classifier::Model;
 use underbrush_classifier::feature::MOTION;
-use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording};
 use underbrush_recording::{Frame, InputError, SkinLayout};
@@ -38,8 +37,8 @@ struct TaxelLine<'a> {
 }
 
 /// Prints one line of JSON for each frame.
-pub fn run(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<(), Failure> {
-    let mut online = Online::new(options, models, kind)?;
+pub fn run(options: &Options, model: Model) -> Result<(), Failure> {
+    let mut online = Online::new(options, model)?;
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -89,31 +88,34 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
 
 /// What stays the same from reach to reach.
 struct Online {
-    models: ModelSet,
+    model: Model,
     categories: Vec<String>,
     settings: OnlineOptions,
     latency: Latency,
 }
 
 impl Online {
-    fn new(options: &Options, models: ModelSet, kind: ScoreKind) -> Result<Self, Failure> {
+    fn new(options: &Options, model: Model) -> Result<Self, Failure> {
         options.cut.refuse_online()?;
-        let decision = options.decision.decision(&Scores::of_models(&models, kind))?;
+        let decision = options.decision.decision(&Scores::of_model(&model))?;
         Ok(Online {
-            categories: models.categories(),
+            categories: model.classifier.categories(),
             settings: OnlineOptions {
                 patch: options.cut.patch(),
                 threshold_n: options.cut.threshold_n(),
-                score: kind,
                 decision,
             },
-            models,
+            model,
             latency: Latency::new(),
         })
     }
 
     fn start(&self, layout: &SkinLayout) -> Result<OnlineClassifier, Failure> {
-        Ok(OnlineClassifier::new(self.models.clone(), layout, &self.settings)?)
+        Ok(OnlineClassifier::new(
+            self.model.classifier.as_ref(),
+            layout,
+            &self.settings,
+        )?)
     }
 
     /// Answers the frames of a whole reach.
@@ -129,7 +131,7 @@ impl Online {
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
         let mut classifier = self.start(layout)?;
         let patch = layout.chosen_patch(self.settings.patch.as_deref());
-        let uses_motion = self.models.features().contains(&MOTION);
+        let uses_motion = self.model.classifier.features().contains(&MOTION);
         let mut parser = LineParser::new(layout.clone(), patch.filter(|_| uses_motion));
         let mut lines = Lines::new(reader, parser.most_bytes());
         let mut bad_lines = 0_u64;
@@ -170,7 +172,7 @@ impl Online {
             scores: categories
                 .iter()
                 .map(String::as_str)
-                .zip(taxel.log_likelihood.iter().copied())
+                .zip(taxel.scores.iter().copied())
                 .collect(),
         });
         let line = serde_json::to_string(&FrameVerdicts {

@@ -5,12 +5,13 @@ use underbrush_recording::ObjectRecord;
 use super::*;
 use crate::decision::{Decision, Rule};
 use crate::feature::FeatureSet;
-use crate::hmm::{GaussianHmm, HmmParameters, ScoreKind};
+use crate::hmm::{GaussianHmm, HmmParameters};
+use crate::hmm_classifier::HmmClassifier;
 use crate::trial::tests::{Drawn, recording};
 
 /// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then adds to the margin
 /// (3 − 0.5)² / 2 = 3.125 nats.
-fn models() -> ModelSet {
+fn models() -> HmmClassifier {
     let model = |mean_n: f64| {
         let parameters = HmmParameters {
             initial: vec![1.0],
@@ -21,14 +22,13 @@ fn models() -> ModelSet {
         GaussianHmm::new(parameters).unwrap()
     };
     let models = BTreeMap::from([("leaf".to_owned(), model(0.5)), ("trunk".to_owned(), model(3.0))]);
-    ModelSet::new(FeatureSet::FORCE, models).unwrap()
+    HmmClassifier::new(FeatureSet::FORCE, models).unwrap()
 }
 
 fn options(rule: Rule) -> OnlineOptions {
     OnlineOptions {
         patch: None,
         threshold_n: 0.0,
-        score: ScoreKind::Forward,
         decision: Decision::new(rule),
     }
 }

@@ -5,10 +5,11 @@ use rand_distr::{Distribution, Normal};
 use underbrush_recording::{Sample, Trial};
 
 use super::*;
-use crate::estimator::{Classifier, Estimator};
+use crate::error::ModelError;
+use crate::estimator::{Classifier, ContactScorer, Estimator, Independent, OnlineScorer};
 use crate::evaluate::tests::scored;
 use crate::evaluate::{Folds, HeldOut};
-use crate::model_set::ModelError;
+use crate::feature::{FeatureSet, SampleFault};
 
 const TARGETS: ThresholdTargets = ThresholdTargets {
     false_positive_rate: 0.1,
@@ -172,23 +173,46 @@ fn what_cannot_be_held_is_refused() {
     assert!(matches!(error, ThresholdError::Decision(_)), "{error}");
 }
 
-/// The score of trunk after k samples is the sum of their forces, that of leaf is 0; nothing is fitted.
-struct Sum;
+/// The score of a trunk after k samples is the sum of their forces, that of a leaf 0; nothing is fitted.
+#[derive(Clone, Debug)]
+struct Sum(f64);
 
 impl Estimator for Sum {
     fn fit(&self, _: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        Ok(Box::new(Sum))
+        Ok(Box::new(Sum(0.0)))
     }
 }
 
 impl Classifier for Sum {
+    fn name(&self) -> &'static str {
+        "test"
+    }
+
+    fn features(&self) -> FeatureSet {
+        FeatureSet::FORCE
+    }
+
     fn categories(&self) -> Vec<String> {
         vec!["leaf".into(), "trunk".into()]
     }
 
-    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let sum = |count: &usize| trial.samples.iter().take(*count).map(|sample| sample.force_n).sum();
-        Ok(counts.iter().map(|count| vec![0.0, sum(count)]).collect())
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        Box::new(Independent::new(self.clone(), contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, serde_json::Value)> {
+        Vec::new()
+    }
+}
+
+impl ContactScorer for Sum {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        self.0 += sample.force_n;
+        Ok(true)
+    }
+
+    fn scores(&self, scores: &mut [f64]) {
+        scores.copy_from_slice(&[0.0, self.0]);
     }
 }
 
@@ -220,7 +244,7 @@ fn thresholds_of_whole_trials_are_late_sample_by_sample() {
         false_positive_rate: 0.25,
         outlier_prior: 0.0,
     };
-    let held_out = HeldOut::of(&trials, &Sum, Folds::paper()).unwrap();
+    let held_out = HeldOut::of(&trials, &Sum(0.0), Folds::paper()).unwrap();
     let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).unwrap();
     assert_eq!(band(&chosen), (5.0, 5.0));
     assert_eq!((chosen.trials, chosen.uncertain, chosen.outlier), (24, 0.0, 3.0 / 24.0));

@@ -1,0 +1,92 @@
+//! What model files of the baselines have in common.
+
+use nalgebra::DMatrix;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use underbrush_recording::{InputError, Limits};
+
+use crate::document::Document;
+use crate::error::{Fault, check_limits};
+
+/// Fitted numbers of any kind. Choice: standardized features and forces stay far below; a number beyond is damage.
+pub(super) const FITTED: Limits = Limits::new(-1e12, 1e12, "");
+
+/// Numbers that are divided by, such as variances. Choice, as [`FITTED`].
+pub(super) const POSITIVE: Limits = Limits::new(1e-15, 1e12, "");
+
+/// The keys of a fitted baseline.
+#[derive(Deserialize)]
+pub(super) struct Fitted<O, P> {
+    pub(super) categories: Vec<String>,
+    pub(super) options: O,
+    pub(super) parameters: P,
+}
+
+impl<O: DeserializeOwned, P: DeserializeOwned> Fitted<O, P> {
+    /// Reads the keys. The caller checks options and parameters.
+    pub(super) fn read(document: &Document) -> Result<Self, InputError> {
+        let fitted: Self = document.read()?;
+        if fitted.categories.is_empty() || !fitted.categories.is_sorted_by(|a, b| a < b) {
+            let found = fitted.categories.join(", ");
+            return Err(document.error(
+                "categories",
+                found,
+                "one or more names in alphabetical order, none twice",
+            ));
+        }
+        Ok(fitted)
+    }
+}
+
+/// The entries that [`Fitted::read`] reads.
+pub(super) fn entries(
+    categories: &[String],
+    options: &impl Serialize,
+    parameters: &impl Serialize,
+) -> Vec<(&'static str, Value)> {
+    vec![
+        ("categories", json!(categories)),
+        ("options", json!(options)),
+        ("parameters", json!(parameters)),
+    ]
+}
+
+/// Checks that a list has this length and all numbers are within limits.
+pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Limits) -> Result<(), Fault> {
+    if values.len() != length {
+        return Err(Fault::new(
+            field,
+            format!("{} numbers", values.len()),
+            format!("{length} numbers"),
+        ));
+    }
+    let mut places = values.iter().enumerate();
+    places.try_for_each(|(index, value)| check_limits(format!("{field}[{index}]"), *value, limits))
+}
+
+/// Checks that a table has this many rows of this length and all numbers are within limits.
+pub(super) fn check_table(field: &str, rows: &[Vec<f64>], shape: (usize, usize), limits: Limits) -> Result<(), Fault> {
+    if rows.len() != shape.0 {
+        return Err(Fault::new(
+            field,
+            format!("{} rows", rows.len()),
+            format!("{} rows", shape.0),
+        ));
+    }
+    let mut places = rows.iter().enumerate();
+    places.try_for_each(|(index, row)| check_list(&format!("{field}[{index}]"), row, shape.1, limits))
+}
+
+/// The columns of a matrix as rows of a table.
+pub(super) fn columns(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix
+        .column_iter()
+        .map(|column| column.iter().copied().collect())
+        .collect()
+}
+
+/// The matrix whose columns are these rows, all of this length.
+pub(super) fn from_columns(length: usize, columns: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(length, columns.len(), |row, column| columns[column][row])
+}

@@ -1,0 +1,75 @@
+//! Model files as text: reading parts of them, with errors that name the field.
+
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use underbrush_recording::InputError;
+
+use crate::error::Fault;
+
+/// The format that this program reads and writes.
+pub const FORMAT: &str = "underbrush-model/1";
+
+const REMEDY: &str = "correct the file, or train the model again";
+
+/// The text of a model file and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Document {
+    path: PathBuf,
+    text: String,
+}
+
+impl Document {
+    /// A text; the path is for errors only.
+    pub fn new(path: impl AsRef<Path>, text: &str) -> Self {
+        Document {
+            path: path.as_ref().to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
+    /// Where the text comes from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads the keys that `T` has; others are skipped.
+    ///
+    /// # Errors
+    /// [`InputError`] with line and field, such as `models.leaf.mean[2]`.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, InputError> {
+        let mut deserializer = serde_json::Deserializer::from_str(&self.text);
+        let value = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+            let place = error.path().to_string();
+            self.broken(&place, error.inner())
+        })?;
+        deserializer.end().map_err(|error| self.broken(".", &error))?;
+        Ok(value)
+    }
+
+    fn broken(&self, place: &str, error: &serde_json::Error) -> InputError {
+        let found = error.to_string();
+        // Of a missing key serde gives the name, and as place the object that lacks it.
+        let missing = found
+            .strip_prefix("missing field `")
+            .and_then(|rest| rest.split('`').next());
+        let field = match (error.is_data(), place, missing) {
+            (false, ..) => "JSON".to_owned(),
+            (true, ".", Some(key)) => key.to_owned(),
+            (true, ".", None) => "file".to_owned(),
+            (true, place, Some(key)) => format!("{place}.{key}"),
+            (true, place, None) => place.to_owned(),
+        };
+        let allowed = format!("a model file of format {FORMAT}");
+        InputError::new(&self.path, field, &found, allowed, REMEDY).at_line(error.line())
+    }
+
+    /// The error about one field.
+    pub fn error(&self, field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> InputError {
+        InputError::new(&self.path, field.into(), found.into(), allowed.into(), REMEDY)
+    }
+
+    pub(crate) fn fault(&self, fault: Fault) -> InputError {
+        self.error(fault.field, fault.found, fault.allowed)
+    }
+}

@@ -1,0 +1,109 @@
+//! Why a classifier cannot be fitted, read or used.
+
+use thiserror::Error;
+use underbrush_recording::limits::short;
+use underbrush_recording::{InputError, Limits};
+
+use crate::feature::FeatureError;
+use crate::hmm::TrainingError;
+
+/// Why a classifier cannot be fitted, read or used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ModelError {
+    /// A model file that cannot be read or is unsound.
+    #[error(transparent)]
+    Input(Box<InputError>),
+    /// A trial that does not have the features asked for.
+    #[error(transparent)]
+    Feature(#[from] FeatureError),
+    /// An option of a classifier outside its range.
+    #[error("the option {option} is {found}; allowed: {allowed}")]
+    BadOption {
+        /// Name of the option.
+        option: String,
+        /// The value found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// No trial has a category that classifiers are fitted to.
+    #[error(
+        "none of {trials} trials has a category to fit (blocks and outliers are never fitted); \
+         use trials with ground truth, such as leaf and trunk"
+    )]
+    NoCategories {
+        /// Number of trials given.
+        trials: usize,
+    },
+    /// A category of the start models has no trials.
+    #[error("no trial has the category {category} of the start models; add such trials or drop that start model")]
+    NoTrials {
+        /// The category.
+        category: String,
+    },
+    /// Training the hidden Markov model of one category failed.
+    #[error("training the model of {category}: {source}")]
+    Training {
+        /// The category.
+        category: String,
+        /// What went wrong.
+        source: TrainingError,
+    },
+    /// Parts that do not fit together, or a fit without a result.
+    #[error("{found}; allowed: {allowed}")]
+    Mismatch {
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+impl From<InputError> for ModelError {
+    fn from(error: InputError) -> Self {
+        ModelError::Input(Box::new(error))
+    }
+}
+
+/// A value outside its range, in a field of a model file or an option of a classifier.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Fault {
+    pub(crate) field: String,
+    pub(crate) found: String,
+    pub(crate) allowed: String,
+}
+
+impl Fault {
+    pub(crate) fn new(field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Fault {
+            field: field.into(),
+            found: found.into(),
+            allowed: allowed.into(),
+        }
+    }
+
+    /// The same fault in a field of `parent`.
+    pub(crate) fn within(self, parent: &str) -> Self {
+        let field = format!("{parent}.{}", self.field);
+        Fault { field, ..self }
+    }
+}
+
+impl From<Fault> for ModelError {
+    fn from(fault: Fault) -> Self {
+        ModelError::BadOption {
+            option: fault.field,
+            found: fault.found,
+            allowed: fault.allowed,
+        }
+    }
+}
+
+/// Checks that a number lies within its limits.
+pub(crate) fn check_limits(field: impl Into<String>, value: f64, limits: Limits) -> Result<(), Fault> {
+    if limits.hold(value) {
+        Ok(())
+    } else {
+        Err(Fault::new(field, short(value), limits.to_string()))
+    }
+}

@@ -1,0 +1,158 @@
+//! The interface of everything that is fitted to trials: the hidden Markov models, the baselines, and whatever is to be
+//! compared with them.
+//!
+//! An [`Estimator`] holds the options of a classifier. Fitted to trials it gives a [`Classifier`], which scores trials,
+//! scores contacts while they last ([`Classifier::online_scorer`]) and is saved in a model file. A [`ClassifierKind`] is an entry
+//! in the list of classifiers, [`crate::registry::CLASSIFIERS`].
+
+mod scorer;
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+
+use serde_json::Value;
+use underbrush_recording::{Category, InputError, Trial};
+
+use crate::document::Document;
+use crate::error::ModelError;
+use crate::feature::{FeatureError, FeatureSet};
+use crate::hmm::TrainingHistory;
+
+pub use scorer::{ContactScorer, Independent, OnlineScorer};
+
+/// Options of a classifier that can be fitted to labelled trials.
+pub trait Estimator: Sync {
+    /// Fits a classifier to these trials. The result is the same to the bit for any number of threads.
+    ///
+    /// Trials without a category, blocks and outliers are skipped ([`is_trained`]).
+    ///
+    /// # Errors
+    /// [`ModelError`] where an option is outside its range, no trial has a category, or a trial lacks a feature.
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError>;
+}
+
+/// Scores categories from the samples of a contact.
+pub trait Classifier: Any + Debug + Send + Sync {
+    /// Name of the kind of classifier, as in the list and in model files.
+    fn name(&self) -> &'static str;
+
+    /// The features of each sample.
+    fn features(&self) -> FeatureSet;
+
+    /// The categories in alphabetical order: the order of all scores.
+    fn categories(&self) -> Vec<String>;
+
+    /// Scores up to so many contacts at once, sample by sample.
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer>;
+
+    /// What the model file of this classifier holds besides format, name, decision and provenance, by key.
+    fn file_entries(&self) -> Vec<(&'static str, Value)>;
+
+    /// For each number of samples, ascending and from 1, one score per category for that many first samples of the trial:
+    /// a log-likelihood, or a log-posterior under equal priors, in nats, so that priors can be added and differences are
+    /// margins. A number greater than the trial's length stands for the whole trial.
+    ///
+    /// Later samples have no influence on a score, so scores are available while a contact lasts.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the trial is empty or lacks a feature.
+    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
+        if trial.samples.is_empty() {
+            return Err(FeatureError::Empty { trial: trial.trial }.into());
+        }
+        let mut scorer = self.online_scorer(1);
+        scorer.begin(0);
+        let mut scores = vec![0.0; self.categories().len()];
+        let mut found = Vec::with_capacity(counts.len());
+        let mut taken = 0;
+        for &count in counts {
+            let mut is_new = false;
+            for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
+                let pushed = scorer.push(0, sample).map_err(|fault| FeatureError::BadSample {
+                    trial: trial.trial,
+                    sample: taken,
+                    fault,
+                })?;
+                if pushed {
+                    scorer.advance();
+                    is_new = true;
+                }
+                taken += 1;
+            }
+            if is_new {
+                scorer.scores(0, &mut scores);
+            }
+            found.push(scores.clone());
+        }
+        Ok(found)
+    }
+
+    /// The scores of whole trials, one row per trial.
+    ///
+    /// # Errors
+    /// As [`Classifier::scores_after`].
+    fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let of_trial = |trial: &&Trial| {
+            let mut scores = self.scores_after(trial, &[trial.samples.len()])?;
+            Ok(scores.pop().unwrap_or_default())
+        };
+        trials.iter().map(of_trial).collect()
+    }
+
+    /// How the training of each category went, for classifiers that are trained iteratively.
+    fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
+        None
+    }
+}
+
+impl dyn Classifier + '_ {
+    /// The scores of a whole trial, one per category.
+    ///
+    /// # Errors
+    /// As [`Classifier::scores_after`].
+    pub fn scores(&self, trial: &Trial) -> Result<Vec<f64>, ModelError> {
+        Ok(self.scores_of_all(&[trial])?.pop().unwrap_or_default())
+    }
+}
+
+/// One entry in the list of classifiers ([`crate::registry::CLASSIFIERS`]).
+#[derive(Debug)]
+pub struct ClassifierKind {
+    /// Name on the command line and in model files.
+    pub name: &'static str,
+    /// Further names that are accepted.
+    pub aliases: &'static [&'static str],
+    /// One line for the help.
+    pub summary: &'static str,
+    /// The default options, with other features where they are given.
+    pub estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,
+    /// Reads and checks what [`Classifier::file_entries`] of this kind wrote.
+    pub load: fn(&Document) -> Result<Box<dyn Classifier>, InputError>,
+}
+
+/// Whether classifiers are trained on a category: on any except [`Category::BLOCK`] and [`Category::OUTLIER`].
+pub fn is_trained(category: &str) -> bool {
+    !matches!(Category::from_name(category), Some(Category::BLOCK | Category::OUTLIER))
+}
+
+/// The trials of each category that classifiers are fitted to, in the order of the table.
+///
+/// # Errors
+/// [`ModelError::NoCategories`] where there are none.
+pub fn trials_by_category<'a>(
+    trials: impl IntoIterator<Item = &'a Trial>,
+) -> Result<BTreeMap<String, Vec<&'a Trial>>, ModelError> {
+    let mut by_category: BTreeMap<String, Vec<&Trial>> = BTreeMap::new();
+    let mut count = 0;
+    for trial in trials {
+        count += 1;
+        if let Some(category) = trial.category.as_deref().filter(|category| is_trained(category)) {
+            by_category.entry(category.to_owned()).or_default().push(trial);
+        }
+    }
+    if by_category.is_empty() {
+        return Err(ModelError::NoCategories { trials: count });
+    }
+    Ok(by_category)
+}

@@ -1,0 +1,178 @@
+//! Training: one model per category.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use underbrush_recording::Trial;
+
+use super::{HmmClassifier, prepared};
+use crate::error::ModelError;
+use crate::estimator::trials_by_category;
+use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
+use crate::hmm::{GaussianHmm, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
+use crate::recipe::{Recipe, ScalingKind};
+
+/// How training went.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrainingReport {
+    /// By category.
+    pub categories: BTreeMap<String, TrainingHistory>,
+    /// Number of trials without a category that models are fitted to.
+    pub skipped_trials: usize,
+}
+
+impl HmmClassifier {
+    /// Trains one model per category by `recipe`, in parallel. The result is the same to the bit for any number of threads.
+    ///
+    /// Trials without a category, blocks and outliers are skipped.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the recipe is outside its ranges, no trial has a category, a trial lacks a feature, or
+    /// training fails.
+    pub fn train(trials: &[Trial], recipe: &Recipe) -> Result<(Self, TrainingReport), ModelError> {
+        Self::train_on(trials, recipe)
+    }
+
+    /// [`HmmClassifier::train`] on trials from anywhere, for folds that borrow.
+    pub(crate) fn train_on<'a>(
+        trials: impl IntoIterator<Item = &'a Trial, IntoIter: Clone>,
+        recipe: &Recipe,
+    ) -> Result<(Self, TrainingReport), ModelError> {
+        recipe.check()?;
+        let trials = trials.into_iter();
+        let count = trials.clone().count();
+        let mut sequences = BTreeMap::new();
+        for (category, trials) in trials_by_category(trials)? {
+            sequences.insert(category, observations(&trials, recipe.features, recipe.max_samples)?);
+        }
+        let scaling = match recipe.scaling {
+            ScalingKind::Unscaled => None,
+            ScalingKind::ZScore => {
+                let scaling = Scaling::fit(recipe.features, sequences.values().flatten())?;
+                sequences
+                    .values_mut()
+                    .flatten()
+                    .for_each(|sequence| scaling.apply_all(sequence));
+                Some(scaling)
+            }
+        };
+        let options = &recipe.training;
+        let trained = sequences.into_par_iter().map(|(category, sequences)| {
+            let model = equal_slice_start(
+                &sequences,
+                recipe.states,
+                recipe.topology,
+                recipe.initial,
+                options.variance_floor,
+            )
+            .and_then(|start| train(&start, &sequences, options));
+            with_category(category, model)
+        });
+        let (models, report) = collect(trained.collect(), count)?;
+        let set = HmmClassifier::new(recipe.features, models)?;
+        let (recipe, training) = (Some(recipe.clone()), report.categories.clone());
+        Ok((
+            HmmClassifier {
+                scaling,
+                recipe,
+                training,
+                ..set
+            },
+            report,
+        ))
+    }
+
+    /// Continues training from given models, one per category of `start`.
+    ///
+    /// Features, scaling and truncation stay those of `start`; trials of other categories are skipped.
+    ///
+    /// # Errors
+    /// [`ModelError`] as for [`HmmClassifier::train`], and where a category of `start` has no trials.
+    pub fn train_from(
+        start: HmmClassifier,
+        trials: &[Trial],
+        options: &TrainingOptions,
+    ) -> Result<(Self, TrainingReport), ModelError> {
+        let max_samples = start.max_samples();
+        let trained: Vec<_> = start
+            .models
+            .par_iter()
+            .map(|(category, model)| {
+                let own: Vec<&Trial> = trials
+                    .iter()
+                    .filter(|trial| trial.category.as_ref() == Some(category))
+                    .collect();
+                if own.is_empty() {
+                    return Err(ModelError::NoTrials {
+                        category: category.clone(),
+                    });
+                }
+                let mut sequences = observations(&own, start.features, max_samples)?;
+                if let Some(scaling) = &start.scaling {
+                    sequences.iter_mut().for_each(|sequence| scaling.apply_all(sequence));
+                }
+                with_category(category.clone(), train(model.model(), &sequences, options))
+            })
+            .collect();
+        let (models, report) = collect(trained, trials.len())?;
+        let recipe = start.recipe.map(|recipe| Recipe {
+            training: *options,
+            ..recipe
+        });
+        Ok((
+            HmmClassifier {
+                models: prepared(models),
+                recipe,
+                training: report.categories.clone(),
+                ..start
+            },
+            report,
+        ))
+    }
+}
+
+type Trained = (String, GaussianHmm, TrainingHistory);
+
+fn with_category(
+    category: String,
+    outcome: Result<(GaussianHmm, TrainingHistory), TrainingError>,
+) -> Result<Trained, ModelError> {
+    match outcome {
+        Ok((model, history)) => Ok((category, model, history)),
+        Err(source) => Err(ModelError::Training { category, source }),
+    }
+}
+
+/// Models and report, or the first error in alphabetical order of categories.
+fn collect(
+    trained: Vec<Result<Trained, ModelError>>,
+    trials: usize,
+) -> Result<(BTreeMap<String, GaussianHmm>, TrainingReport), ModelError> {
+    let mut models = BTreeMap::new();
+    let mut categories = BTreeMap::new();
+    for outcome in trained {
+        let (category, model, history) = outcome?;
+        models.insert(category.clone(), model);
+        categories.insert(category, history);
+    }
+    let used: usize = categories.values().map(|history| history.trials).sum();
+    Ok((
+        models,
+        TrainingReport {
+            categories,
+            skipped_trials: trials - used,
+        },
+    ))
+}
+
+fn observations(
+    trials: &[&Trial],
+    features: FeatureSet,
+    max_samples: Option<usize>,
+) -> Result<Vec<Observations>, FeatureError> {
+    trials
+        .iter()
+        .map(|trial| features.observations(trial, max_samples))
+        .collect()
+}

@@ -1,0 +1,271 @@
+//! The paper's classifier: one hidden Markov model per category (section III).
+
+mod check;
+mod file;
+mod fit;
+mod online;
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde_json::Value;
+use underbrush_recording::Trial;
+
+use crate::error::ModelError;
+use crate::estimator::{Classifier, ClassifierKind, Estimator, OnlineScorer};
+use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
+use crate::hmm::{GaussianHmm, RunningScore, ScoreKind, Scorer, TrainingHistory};
+use crate::recipe::Recipe;
+
+pub use fit::TrainingReport;
+
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = ClassifierKind {
+    name: "hmm",
+    aliases: &[],
+    summary: "The paper's hidden Markov models, one per category",
+    estimator: |features| {
+        let recipe = Recipe::authors();
+        Box::new(Recipe {
+            features: features.unwrap_or(recipe.features),
+            ..recipe
+        })
+    },
+    load: |document| Ok(Box::new(HmmClassifier::read(document)?)),
+};
+
+/// One hidden Markov model per category, over the same features (paper, section III).
+///
+/// The options are a [`Recipe`]. Each category's model has Gaussian emissions and is trained by Baum-Welch on the
+/// category's trials; a trial's score is the forward log-likelihood or that of the best state path ([`ScoreKind`]).
+/// Samples are assumed to depend on each other through the hidden state alone, and to come at a fixed rate.
+///
+/// ```
+/// use underbrush_classifier::HmmClassifier;
+/// use underbrush_classifier::recipe::Recipe;
+/// use underbrush_recording::{Sample, Trial};
+///
+/// let press = |category: &str, newtons: f64, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| Sample {
+///             time_s: 0.01 * f64::from(k),
+///             force_n: newtons * f64::from(k) * (1.0 + 0.01 * number as f64),
+///             motion_m: None,
+///             region: None,
+///             touched: None,
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
+/// let recipe = Recipe { states: 3, ..Recipe::authors() };
+/// let (models, _) = HmmClassifier::train(&trials, &recipe)?;
+/// let scores = models.score(&press("trunk", 0.25, 3), models.score_kind())?;
+/// assert!(scores[1].1 > scores[0].1, "trunk is more likely than leaf");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Made by [`HmmClassifier::train`], [`HmmClassifier::train_from`], [`HmmClassifier::new`] or read from a model file; all
+/// of them check it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HmmClassifier {
+    features: FeatureSet,
+    /// Prepared for scoring once, when the classifier is made.
+    models: BTreeMap<String, Scorer>,
+    scaling: Option<Scaling>,
+    /// Chosen instead of the recipe's.
+    score: Option<ScoreKind>,
+    /// What made the models, where known; foreign models have none.
+    pub recipe: Option<Recipe>,
+    /// How the training of each category went, where known.
+    pub training: BTreeMap<String, TrainingHistory>,
+}
+
+/// Choice: trials that one thread scores together, enough to find fours of similar length.
+const TOGETHER: usize = 64;
+
+impl HmmClassifier {
+    /// Models made elsewhere, without scaling, history or recipe.
+    ///
+    /// # Errors
+    /// [`ModelError::Mismatch`] where there are no models or one has another number of features.
+    pub fn new(features: FeatureSet, models: BTreeMap<String, GaussianHmm>) -> Result<Self, ModelError> {
+        if models.is_empty() {
+            return Err(ModelError::Mismatch {
+                found: "no models".into(),
+                allowed: "at least one model".into(),
+            });
+        }
+        if let Some((category, model)) = models
+            .iter()
+            .find(|(_, model)| model.dimension() != features.dimension())
+        {
+            return Err(ModelError::Mismatch {
+                found: format!("a model of {category} over {} features", model.dimension()),
+                allowed: format!(
+                    "models over the {} features {:?}",
+                    features.dimension(),
+                    features.columns()
+                ),
+            });
+        }
+        Ok(HmmClassifier {
+            features,
+            models: prepared(models),
+            scaling: None,
+            score: None,
+            recipe: None,
+            training: BTreeMap::new(),
+        })
+    }
+
+    /// The features of each sample.
+    pub fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    /// The models by category, prepared for scoring.
+    pub fn models(&self) -> &BTreeMap<String, Scorer> {
+        &self.models
+    }
+
+    /// The scaling of the features, where the models were trained on scaled ones.
+    pub fn scaling(&self) -> Option<&Scaling> {
+        self.scaling.as_ref()
+    }
+
+    /// The categories, in the order of all scores.
+    pub fn categories(&self) -> Vec<String> {
+        self.models.keys().cloned().collect()
+    }
+
+    /// The kind of score: that chosen by [`HmmClassifier::score_by`], else that of the recipe, else forward (eq. 2).
+    pub fn score_kind(&self) -> ScoreKind {
+        self.score.unwrap_or_else(|| self.own_score_kind())
+    }
+
+    /// The kind of score of the recipe; forward (eq. 2) where no recipe is known. Thresholds in the model file were chosen
+    /// for scores of this kind.
+    pub fn own_score_kind(&self) -> ScoreKind {
+        self.recipe.as_ref().map_or(ScoreKind::Forward, |recipe| recipe.score)
+    }
+
+    /// Chooses another kind of score. Model files do not store this choice.
+    pub fn score_by(&mut self, kind: ScoreKind) {
+        self.score = Some(kind);
+    }
+
+    /// Number of first samples of a trial that are used; `None`: all.
+    pub(crate) fn max_samples(&self) -> Option<usize> {
+        self.recipe.as_ref().and_then(|recipe| recipe.max_samples)
+    }
+
+    /// The score of a trial under each category's model, in nats, by category in alphabetical order.
+    ///
+    /// With scaling these are densities of the scaled features: differences between categories do not depend on it.
+    ///
+    /// # Errors
+    /// [`ModelError::Feature`] where the trial does not give the models' features.
+    pub fn score(&self, trial: &Trial, kind: ScoreKind) -> Result<Vec<(String, f64)>, ModelError> {
+        let scores = self.score_all(&[trial], kind)?.pop().unwrap_or_default();
+        Ok(self.models.keys().cloned().zip(scores).collect())
+    }
+
+    /// What [`HmmClassifier::score`] gives for each of many trials, in the order of [`HmmClassifier::categories`]: several times as
+    /// fast as one by one, on all threads.
+    ///
+    /// # Errors
+    /// [`ModelError::Feature`] where a trial does not give the models' features.
+    pub fn score_all(&self, trials: &[&Trial], kind: ScoreKind) -> Result<Vec<Vec<f64>>, ModelError> {
+        let score = |trials: &[&Trial]| {
+            let sequences = trials.iter().map(|trial| self.sequence(trial, None));
+            let sequences = sequences.collect::<Result<Vec<_>, FeatureError>>()?;
+            let sequences: Vec<&Observations> = sequences.iter().collect();
+            let mut scores = vec![Vec::with_capacity(self.models.len()); trials.len()];
+            for model in self.models.values() {
+                let of_model = model.log_probabilities(kind, &sequences)?;
+                scores.iter_mut().zip(of_model).for_each(|(row, score)| row.push(score));
+            }
+            Ok(scores)
+        };
+        // Of several errors the first in the order of the trials, whatever the number of threads.
+        let parts: Vec<Result<_, ModelError>> = trials.par_chunks(TOGETHER).map(score).collect();
+        Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+    }
+
+    /// The features of a trial as the models see them, or of its first `count` samples.
+    fn sequence(&self, trial: &Trial, count: Option<usize>) -> Result<Observations, FeatureError> {
+        let most = [self.max_samples(), count].into_iter().flatten().min();
+        let mut sequence = self.features.observations(trial, most)?;
+        if let Some(scaling) = &self.scaling {
+            scaling.apply_all(&mut sequence);
+        }
+        Ok(sequence)
+    }
+}
+
+fn prepared(models: BTreeMap<String, GaussianHmm>) -> BTreeMap<String, Scorer> {
+    let models = models.into_iter();
+    models.map(|(category, model)| (category, model.into())).collect()
+}
+
+impl Classifier for HmmClassifier {
+    fn name(&self) -> &'static str {
+        KIND.name
+    }
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn categories(&self) -> Vec<String> {
+        HmmClassifier::categories(self)
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        Box::new(online::HmmOnlineScorer::new(self, contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        self.entries()
+    }
+
+    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let kind = self.score_kind();
+        let sequence = self.sequence(trial, counts.last().copied())?;
+        let mut scores = vec![Vec::with_capacity(self.models.len()); counts.len()];
+        for model in self.models.values() {
+            let mut running = RunningScore::new(kind, model);
+            let mut samples = sequence.samples();
+            for (row, &count) in scores.iter_mut().zip(counts) {
+                for sample in samples.by_ref().take(count.saturating_sub(running.sample_count())) {
+                    running.push(model, sample)?;
+                }
+                row.push(running.log_probability());
+            }
+        }
+        Ok(scores)
+    }
+
+    fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
+        self.score_all(trials, self.score_kind())
+    }
+
+    fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
+        Some(&self.training)
+    }
+}
+
+impl Estimator for Recipe {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+        let (models, _) = HmmClassifier::train_on(trials.iter().copied(), self)?;
+        Ok(Box::new(models))
+    }
+}
+
+#[cfg(test)]
+mod tests;

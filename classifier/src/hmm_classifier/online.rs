@@ -1,0 +1,79 @@
+//! Scores of many contacts at once, without allocation.
+
+use underbrush_recording::Sample;
+
+use super::HmmClassifier;
+use crate::estimator::OnlineScorer;
+use crate::feature::{FeatureSet, SampleFault, Scaling};
+use crate::hmm::{FilterBank, Scorer};
+
+/// A bank of filters, one per contact and model. Nothing is allocated after it is made.
+#[derive(Debug)]
+pub(super) struct HmmOnlineScorer {
+    features: FeatureSet,
+    scaling: Option<Scaling>,
+    max_samples: usize,
+    models: Vec<Scorer>,
+    bank: FilterBank,
+    /// Samples of each contact so far.
+    samples: Vec<usize>,
+    /// The features of the current sample.
+    values: Vec<f64>,
+}
+
+impl HmmOnlineScorer {
+    pub(super) fn new(classifier: &HmmClassifier, contacts: usize) -> Self {
+        let models: Vec<Scorer> = classifier.models.values().cloned().collect();
+        HmmOnlineScorer {
+            features: classifier.features,
+            scaling: classifier.scaling.clone(),
+            max_samples: classifier.max_samples().unwrap_or(usize::MAX),
+            bank: FilterBank::new(classifier.score_kind(), models.iter(), contacts),
+            models,
+            samples: vec![0; contacts],
+            values: vec![0.0; classifier.features.dimension()],
+        }
+    }
+}
+
+impl OnlineScorer for HmmOnlineScorer {
+    fn begin(&mut self, contact: usize) {
+        self.samples[contact] = 0;
+        self.bank.begin(contact);
+    }
+
+    fn push(&mut self, contact: usize, sample: &Sample) -> Result<bool, SampleFault> {
+        if self.samples[contact] >= self.max_samples {
+            return Ok(false);
+        }
+        self.features.read(sample, &mut self.values)?;
+        if let Some(scaling) = &self.scaling {
+            scaling.apply(&mut self.values);
+        }
+        self.bank
+            .put(contact, &self.values)
+            .map_err(|_| self.scaled_to_infinity())?;
+        self.samples[contact] += 1;
+        Ok(true)
+    }
+
+    fn advance(&mut self) {
+        self.bank.advance(self.models.iter());
+    }
+
+    fn scores(&self, contact: usize, scores: &mut [f64]) {
+        let found = self.bank.scores(contact);
+        scores.iter_mut().zip(found).for_each(|(place, score)| *place = score);
+    }
+}
+
+impl HmmOnlineScorer {
+    /// The bank refuses only numbers that are not finite, and those that were read are finite.
+    fn scaled_to_infinity(&self) -> SampleFault {
+        let mut features = self.features.iter().zip(&self.values);
+        let (column, value) = features
+            .find(|(_, value)| !value.is_finite())
+            .map_or(("features", f64::NAN), |(feature, value)| (feature.column, *value));
+        SampleFault::NotFinite { column, value }
+    }
+}

@@ -1,0 +1,221 @@
+//! Model files: JSON of format `underbrush-model/1`, one layout for all classifiers, exact to the last bit.
+//!
+//! The key `classifier` names the kind of classifier; a file without it holds hidden Markov models. The keys `decision`
+//! and `provenance` mean the same in all files, the others are the classifier's own. Unknown keys are skipped, so that
+//! others can add their own.
+
+mod decision;
+mod json;
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+use underbrush_recording::InputError;
+
+use crate::decision::Decision;
+use crate::document::{Document, FORMAT};
+use crate::error::ModelError;
+use crate::estimator::Classifier;
+use crate::hmm::ScoreKind;
+use crate::hmm_classifier::{self, HmmClassifier};
+use crate::registry::{self, CLASSIFIERS};
+
+/// What a model file holds.
+///
+/// ```
+/// use underbrush_classifier::Model;
+/// use underbrush_classifier::registry;
+/// use underbrush_recording::{Sample, Trial};
+///
+/// let press = |category: &str, newtons: f64, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| Sample {
+///             time_s: 0.01 * f64::from(k),
+///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
+///             motion_m: Some(0.001 * f64::from(k)),
+///             region: None,
+///             touched: None,
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
+///
+/// // Any classifier of the list by its name, here with its default options.
+/// let kind = registry::find("naive-bayes").expect("it is in the list");
+/// let classifier = (kind.estimator)(None).fit(&trials.iter().collect::<Vec<_>>())?;
+/// let text = Model::new(classifier).save_string()?;
+/// let model = Model::from_json("model.json", &text)?;
+/// let scores = model.classifier.scores(&press("trunk", 0.25, 3))?;
+/// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Model {
+    /// The fitted classifier.
+    pub classifier: Box<dyn Classifier>,
+    /// Priors and thresholds to classify with, where the file has them.
+    pub decision: Option<Decision>,
+    /// Where the model comes from, as free text by key (program, data set, seed).
+    pub provenance: BTreeMap<String, String>,
+}
+
+/// The keys of all model files.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+    classifier: Option<String>,
+    decision: Option<Decision>,
+    #[serde(default)]
+    provenance: BTreeMap<String, String>,
+}
+
+/// The order of keys in a file; a person reads the short ones first.
+const ORDER: [&str; 12] = [
+    "format",
+    "classifier",
+    "categories",
+    "features",
+    "recipe",
+    "options",
+    "decision",
+    "scaling",
+    "models",
+    "parameters",
+    "training",
+    "provenance",
+];
+
+impl Model {
+    /// A model without decision and provenance.
+    pub fn new(classifier: Box<dyn Classifier>) -> Self {
+        let (decision, provenance) = (None, BTreeMap::new());
+        Model {
+            classifier,
+            decision,
+            provenance,
+        }
+    }
+
+    /// Reads and checks a model file.
+    ///
+    /// # Errors
+    /// [`ModelError::Input`] with the field, such as `models.leaf.transition[2]`, and with the line where a value has the
+    /// wrong type or the file is not JSON.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, ModelError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let allowed = "a readable model file";
+            InputError::new(path, "file", error.to_string(), allowed, "check the path")
+        })?;
+        Self::from_json(path, &text)
+    }
+
+    /// Reads and checks the text of a model file; `path` is for errors only.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, ModelError> {
+        let document = Document::new(path, text);
+        let head: Head = document.read()?;
+        if head.format != FORMAT {
+            let remedy = "use a model of this format";
+            return Err(InputError::new(document.path(), "format", head.format, FORMAT, remedy).into());
+        }
+        let name = head.classifier.as_deref().unwrap_or(hmm_classifier::KIND.name);
+        let kind = registry::find(name).ok_or_else(|| {
+            let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
+            document.error("classifier", name, format!("one of {known}"))
+        })?;
+        let classifier = (kind.load)(&document)?;
+        if let Some(decision) = &head.decision {
+            decision::check(&document, decision, &classifier.categories())?;
+        }
+        Ok(Model {
+            classifier,
+            decision: head.decision,
+            provenance: head.provenance,
+        })
+    }
+
+    /// The text of the model file. It is read back here, to make sure that it gives the same model bit for bit.
+    ///
+    /// # Errors
+    /// [`ModelError`] where a number set by hand, such as a threshold, is not finite or outside the range that model files
+    /// allow.
+    pub fn save_string(&self) -> Result<String, ModelError> {
+        let text = self.text();
+        // JSON numbers are the shortest that read back as the same double, so equal texts are equal numbers.
+        if Self::from_json("the model to be written", &text)?.text() == text {
+            return Ok(text);
+        }
+        Err(ModelError::Mismatch {
+            found: "a model that changes when it is written and read".into(),
+            allowed: "finite numbers".into(),
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut entries = self.classifier.file_entries();
+        let name = self.classifier.name();
+        // Files of hidden Markov models are older than the key, and stay as they were.
+        if name != hmm_classifier::KIND.name {
+            entries.push(("classifier", json!(name)));
+        }
+        entries.push(("format", json!(FORMAT)));
+        entries.push(("decision", json!(self.decision)));
+        entries.push(("provenance", json!(self.provenance)));
+        entries.retain(|(_, value)| !value.is_null() && *value != json!({}));
+        entries.sort_by_key(|(key, _)| ORDER.iter().position(|known| known == key));
+        let mut text = String::new();
+        let entries: Vec<(&str, &Value)> = entries.iter().map(|(key, value)| (*key, value)).collect();
+        json::write_object(entries.into_iter(), 0, &mut text);
+        text.push('\n');
+        text
+    }
+
+    /// The hidden Markov models, if the classifier is of that kind.
+    pub fn as_hmm(&self) -> Option<&HmmClassifier> {
+        (&*self.classifier as &dyn Any).downcast_ref()
+    }
+
+    /// As [`Model::as_hmm`], without the rest of the model.
+    ///
+    /// # Errors
+    /// [`ModelError::Mismatch`] where the classifier is of another kind.
+    pub fn into_hmm(self) -> Result<HmmClassifier, ModelError> {
+        let name = self.classifier.name();
+        let classifier: Box<dyn Any> = self.classifier;
+        classifier.downcast().map(|hmm| *hmm).map_err(|_| not_hmm(name))
+    }
+
+    /// Chooses the kind of score of hidden Markov models.
+    ///
+    /// # Errors
+    /// [`ModelError::Mismatch`] where the classifier is of another kind.
+    pub fn score_by(&mut self, kind: ScoreKind) -> Result<(), ModelError> {
+        let name = self.classifier.name();
+        match (&mut *self.classifier as &mut dyn Any).downcast_mut::<HmmClassifier>() {
+            Some(hmm) => hmm.score_by(kind),
+            None => return Err(not_hmm(name)),
+        }
+        Ok(())
+    }
+}
+
+fn not_hmm(name: &str) -> ModelError {
+    ModelError::Mismatch {
+        found: format!("a model of the classifier {name}"),
+        allowed: "hidden Markov models (hmm)".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

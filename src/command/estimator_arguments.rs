@@ -1,0 +1,262 @@
+//! Options that choose a classifier and how it is fitted; for every command that fits one.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use underbrush_classifier::estimator::{ClassifierKind, Estimator};
+use underbrush_classifier::feature::{FEATURES, FeatureSet};
+use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
+use underbrush_classifier::recipe::Recipe;
+use underbrush_classifier::registry::{self, CLASSIFIERS};
+
+use crate::failure::Failure;
+
+/// Which classifier is fitted, and how.
+#[derive(Args, Clone, Debug)]
+pub struct EstimatorArguments {
+    /// Classifier to fit
+    #[arg(long, value_name = "NAME", default_value = "hmm", value_parser = classifier())]
+    classifier: &'static ClassifierKind,
+    #[arg(long, value_name = "LIST", help = features_help())]
+    features: Option<FeatureSet>,
+    #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
+    recipe: RecipeArguments,
+}
+
+/// The names in the list of classifiers, with one line each.
+fn classifier() -> impl TypedValueParser<Value = &'static ClassifierKind> {
+    let value = |kind: &ClassifierKind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary);
+    let values = PossibleValuesParser::new(CLASSIFIERS.map(value));
+    values.try_map(|name| registry::find(&name).ok_or("unknown classifier"))
+}
+
+fn features_help() -> String {
+    let list = FEATURES.map(|feature| format!("{} ({})", feature.name, feature.description));
+    format!(
+        "Features of each sample, joined by commas [default: force for hmm, each other classifier its own]: {}",
+        list.join(", ")
+    )
+}
+
+impl EstimatorArguments {
+    /// The classifier and its options.
+    ///
+    /// # Errors
+    /// Where an option does not apply to the classifier.
+    pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
+        match self.hmm()? {
+            Some(recipe) => Ok(Box::new(recipe)),
+            None => Ok((self.classifier.estimator)(self.features)),
+        }
+    }
+
+    /// The recipe, where the classifier is that of hidden Markov models.
+    ///
+    /// # Errors
+    /// Where an option of hidden Markov models is given for another classifier.
+    pub fn hmm(&self) -> Result<Option<Recipe>, Failure> {
+        if self.classifier.name == "hmm" {
+            let recipe = self.recipe.recipe();
+            let features = self.features.unwrap_or(recipe.features);
+            return Ok(Some(Recipe { features, ..recipe }));
+        }
+        match self.recipe.given().first() {
+            None => Ok(None),
+            Some(option) => Err(Failure::usage(format!(
+                "{option} does not apply to this --classifier: it is about hidden Markov models; leave it out"
+            ))),
+        }
+    }
+
+    /// Name of the classifier.
+    pub fn classifier_name(&self) -> &'static str {
+        self.classifier.name
+    }
+
+    /// The first option given that says how a classifier is fitted.
+    pub fn given(&self) -> Option<&'static str> {
+        let features = self.features.map(|_| "--features");
+        self.recipe.given().first().copied().or(features)
+    }
+
+    /// Bounds of Baum-Welch.
+    pub fn training(&self) -> TrainingOptions {
+        self.recipe.training()
+    }
+}
+
+/// How hidden Markov models are trained. Each option is `None` where it is not given, so that a command can refuse what
+/// it would ignore.
+#[derive(Args, Clone, Debug, Default)]
+struct RecipeArguments {
+    /// Preset; other options override it: the authors' recipe, or a modern one (forward score, z-scored features)
+    /// [default: authors]
+    #[arg(long, value_enum)]
+    recipe: Option<RecipeName>,
+    /// Hidden states of each model [default: 10]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
+    states: Option<u16>,
+    /// Allowed transitions between states [default: left-right]
+    #[arg(long, value_enum)]
+    topology: Option<TopologyName>,
+    /// Distribution of the first state [default: uniform]
+    #[arg(long, value_enum)]
+    initial: Option<Initial>,
+    /// Maximum number of iterations of Baum-Welch [default: 500]
+    #[arg(long, value_name = "N")]
+    iterations: Option<usize>,
+    /// Stop when the log-likelihood rises by less than this fraction; 0 runs all iterations [default: 0.0001]
+    #[arg(long, value_name = "X", value_parser = not_negative)]
+    tolerance: Option<f64>,
+    /// Minimum variance of an emission; 0 for none [default: 0.0001]
+    #[arg(long, value_name = "X", value_parser = not_negative)]
+    variance_floor: Option<f64>,
+    /// Use only the first N samples of each trial
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_samples: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum RecipeName {
+    Authors,
+    Modern,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum TopologyName {
+    LeftRight,
+    Ergodic,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Initial {
+    Uniform,
+    FirstState,
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err("must be zero or more".into())
+    }
+}
+
+impl RecipeArguments {
+    /// Names of the options that are given.
+    fn given(&self) -> Vec<&'static str> {
+        let options = [
+            ("--recipe", self.recipe.is_some()),
+            ("--states", self.states.is_some()),
+            ("--topology", self.topology.is_some()),
+            ("--initial", self.initial.is_some()),
+            ("--iterations", self.iterations.is_some()),
+            ("--tolerance", self.tolerance.is_some()),
+            ("--variance-floor", self.variance_floor.is_some()),
+            ("--max-samples", self.max_samples.is_some()),
+        ];
+        options
+            .into_iter()
+            .filter(|(_, given)| *given)
+            .map(|(name, _)| name)
+            .collect()
+    }
+
+    fn recipe(&self) -> Recipe {
+        let base = match self.recipe {
+            None | Some(RecipeName::Authors) => Recipe::authors(),
+            Some(RecipeName::Modern) => Recipe::modern(),
+        };
+        Recipe {
+            states: self.states.map_or(base.states, usize::from),
+            topology: self.topology.map_or(base.topology, |topology| match topology {
+                TopologyName::LeftRight => Topology::LeftToRight,
+                TopologyName::Ergodic => Topology::Ergodic,
+            }),
+            initial: self.initial.map_or(base.initial, |initial| match initial {
+                Initial::Uniform => InitialDistribution::Uniform,
+                Initial::FirstState => InitialDistribution::FirstState,
+            }),
+            max_samples: self.max_samples.map(|samples| samples as usize),
+            training: self.training(),
+            ..base
+        }
+    }
+
+    fn training(&self) -> TrainingOptions {
+        let default = TrainingOptions::default();
+        TrainingOptions {
+            iterations: self.iterations.unwrap_or(default.iterations),
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            variance_floor: self.variance_floor.unwrap_or(default.variance_floor),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, FromArgMatches};
+
+    use super::*;
+
+    fn parse(words: &[&str]) -> EstimatorArguments {
+        let command = EstimatorArguments::augment_args(Command::new("train"));
+        let matches = command.get_matches_from(std::iter::once(&"train").chain(words));
+        EstimatorArguments::from_arg_matches(&matches).unwrap()
+    }
+
+    /// Pins that every classifier of the list has its name and aliases on the command line, and every feature is in the
+    /// help.
+    #[test]
+    fn the_lists_are_the_options() {
+        for kind in CLASSIFIERS {
+            for name in kind.aliases.iter().chain([&kind.name]) {
+                assert_eq!(parse(&["--classifier", name]).classifier_name(), kind.name);
+            }
+        }
+        let mut command = EstimatorArguments::augment_args(Command::new("train"));
+        let help = command.render_long_help().to_string();
+        for feature in FEATURES {
+            assert!(help.contains(feature.name), "{} in:\n{help}", feature.name);
+        }
+    }
+
+    /// Pins that features are a list for every classifier, and that the old way to write them still works.
+    #[test]
+    fn features_are_a_list() {
+        let recipe = |words: &[&str]| parse(words).hmm().unwrap().unwrap();
+        assert_eq!(
+            recipe(&["--features", "force,motion"]).features,
+            FeatureSet::FORCE_AND_MOTION
+        );
+        assert_eq!(
+            recipe(&["--features", "force+motion"]).features,
+            FeatureSet::FORCE_AND_MOTION
+        );
+        assert_eq!(recipe(&["--features", "force"]).features, FeatureSet::FORCE);
+        let area = recipe(&["--features", "force,area", "--recipe", "modern"]);
+        assert_eq!(area.features.columns(), ["force_n", "region_taxels"]);
+    }
+
+    /// Pins the defaults that the help states: each equals that of the authors' recipe.
+    #[test]
+    fn the_help_states_the_defaults() {
+        let mut command = EstimatorArguments::augment_args(Command::new("train"));
+        let help = command.render_long_help().to_string();
+        let recipe = parse(&[]).hmm().unwrap().unwrap();
+        assert_eq!(recipe, Recipe::authors());
+        let TrainingOptions {
+            iterations,
+            tolerance,
+            variance_floor,
+        } = recipe.training;
+        for number in [
+            recipe.states.to_string(),
+            iterations.to_string(),
+            tolerance.to_string(),
+            variance_floor.to_string(),
+        ] {
+            assert!(help.contains(&format!("[default: {number}]")), "{number} in:\n{help}");
+        }
+    }
+}
