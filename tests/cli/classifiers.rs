@@ -71,12 +71,9 @@ fn every_classifier_is_a_model_like_any_other() {
             assert_eq!(row["verdict"], best, "{}: {row:?}", kind.name);
         }
         let figures = underbrush!["evaluate", table, "--model", model, "--json"].json();
-        assert_eq!(
-            figures["predictions"].as_array().unwrap().len(),
-            verdicts.len(),
-            "{}",
-            kind.name
-        );
+        let with_truth = verdicts.iter().filter(|row| !row["truth"].is_empty()).count();
+        let predictions = figures["predictions"].as_array().unwrap().len();
+        assert_eq!(predictions, with_truth, "{}", kind.name);
         online_ends_where_score_does(&model, &recording, &trials);
     }
 }
@@ -128,19 +125,17 @@ fn bad_lists_of_features() {
 #[test]
 fn thresholds_of_another_classifier() {
     let folder = tempfile::tempdir().unwrap();
-    let (table, model) = (fixture().table_csv(), folder.path().join("model.json"));
-    let rate = "0.2";
-    underbrush![
-        "train",
-        table,
-        "--classifier",
-        "naive-bayes",
-        "--false-positive-rate",
-        rate,
-        "--out",
-        model
-    ]
-    .success();
+    let [table, model] = ["trials.csv", "model.json"].map(|name| folder.path().join(name));
+    // Without reaches: the fixture's trunks are touched in one only, which is too few to split by.
+    let columns = ["trial", "category", "time_s", "force_n"];
+    let mut text = columns.join(",");
+    for row in table::rows(&std::fs::read_to_string(fixture().table_csv()).unwrap()) {
+        text += &format!("\n{}", columns.map(|column| row[column].as_str()).join(","));
+    }
+    std::fs::write(&table, text).unwrap();
+    let options = ["--classifier", "naive-bayes", "--features", "force", "--false-positive-rate", "0.3"];
+    let [a, b, c, d, e, f] = options;
+    underbrush!["train", table, a, b, c, d, e, f, "--outlier-prior", "0.2", "--out", model].success();
     let decision = underbrush!["inspect", model, "--json"].json()["decision"].clone();
     assert!(
         decision["rule"]["outlier_band"]["category_above"].is_number(),

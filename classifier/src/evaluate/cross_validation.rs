@@ -10,9 +10,9 @@ use super::evaluation::Evaluation;
 use super::fold::Folds;
 use super::prediction::Prediction;
 use crate::decision::Decision;
+use crate::estimator::is_trained;
 use crate::estimator::{Classifier, Estimator};
 use crate::hmm::TrainingHistory;
-use crate::estimator::is_trained;
 
 /// Evaluates a given classifier on trials; those without ground truth are skipped.
 ///

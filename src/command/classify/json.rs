@@ -2,11 +2,22 @@
 
 use std::fmt;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+
 use serde_json::{Map, Value};
 
-use super::line::LineError;
+/// What is wrong with a line, as its answer says it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LineError {
+    /// Where, for instance `taxels[3].sensed_force_n`.
+    pub field: String,
+    /// What stands there.
+    pub found: String,
+    /// What is allowed there.
+    pub allowed: String,
+}
+
 
 /// A value with its path in the line.
 #[derive(Clone)]

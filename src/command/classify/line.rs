@@ -1,22 +1,10 @@
 //! One line of the live stream: a frame of the skin, checked as far as the model uses it.
 
 use glam::{DQuat, DVec3};
-use serde::Serialize;
 use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
-use super::json::{self, Object, Spot};
-
-/// What is wrong with a line, as its answer says it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct LineError {
-    /// Where, for instance `taxels[3].sensed_force_n`.
-    pub field: String,
-    /// What stands there.
-    pub found: String,
-    /// What is allowed there.
-    pub allowed: String,
-}
+use super::json::{self, LineError, Object, Spot};
 
 /// What a line says.
 #[derive(Debug, PartialEq)]

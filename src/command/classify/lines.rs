@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead};
 
-use super::line::LineError;
+use super::json::LineError;
 
 /// The lines of a stream with their numbers.
 pub struct Lines<R> {
