@@ -133,9 +133,30 @@ fn thresholds_of_another_classifier() {
         text += &format!("\n{}", columns.map(|column| row[column].as_str()).join(","));
     }
     std::fs::write(&table, text).unwrap();
-    let options = ["--classifier", "naive-bayes", "--features", "force", "--false-positive-rate", "0.3"];
+    let options = [
+        "--classifier",
+        "naive-bayes",
+        "--features",
+        "force",
+        "--false-positive-rate",
+        "0.3",
+    ];
     let [a, b, c, d, e, f] = options;
-    underbrush!["train", table, a, b, c, d, e, f, "--outlier-prior", "0.2", "--out", model].success();
+    underbrush![
+        "train",
+        table,
+        a,
+        b,
+        c,
+        d,
+        e,
+        f,
+        "--outlier-prior",
+        "0.2",
+        "--out",
+        model
+    ]
+    .success();
     let decision = underbrush!["inspect", model, "--json"].json()["decision"].clone();
     assert!(
         decision["rule"]["outlier_band"]["category_above"].is_number(),

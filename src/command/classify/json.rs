@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
 
 use serde_json::{Map, Value};
 
@@ -17,7 +17,6 @@ pub struct LineError {
     /// What is allowed there.
     pub allowed: String,
 }
-
 
 /// A value with its path in the line.
 #[derive(Clone)]

@@ -16,8 +16,8 @@ use underbrush_sim::arm::{self, Arm};
 
 use super::super::decision_arguments::Scores;
 use super::Options;
-use super::latency::Latency;
 use super::json::LineError;
+use super::latency::Latency;
 use super::line::{LineParser, Message};
 use super::lines::Lines;
 use crate::failure::Failure;
