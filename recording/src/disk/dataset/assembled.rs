@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::checksums::{Checksums, FileSum};
-use super::episode_table::Episode;
+use super::episode::Episode;
 use super::names;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;

@@ -1,102 +1,20 @@
-//! The episodes of a data set (`meta/episodes/…`) and their tasks (`meta/tasks.parquet`).
+//! The table of episodes of a data set (`meta/episodes/…`).
 
-use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::builder::{ListBuilder, StringBuilder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int32Type, Int64Type, UInt64Type};
-use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray, UInt64Array};
+use arrow_array::{Array, Float64Array, Int32Array, Int64Array, StringArray, UInt64Array};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
+use super::episode::Episode;
 use super::truth_tables::read_outcome;
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, open, write_table};
 use crate::disk::table::{Columns, TableBuilder};
-use crate::{Audit, AuditField, GoalOutcomes, NamedStop, Outcome, Recording};
-
-/// One reach of a data set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Episode {
-    /// The task, as a sentence.
-    pub task: String,
-    /// Number of frames.
-    pub frames: usize,
-    /// Index of its first frame in the data set.
-    pub first_index: usize,
-    /// Chunk (folder) of its data file.
-    pub chunk_index: usize,
-    /// Number of its data file in the chunk.
-    pub file_index: usize,
-    /// Name of the scene.
-    pub scene: String,
-    /// The campaign's seed.
-    pub seed: u64,
-    /// Index of the reach in its campaign.
-    pub reach_index: u64,
-    /// Name of the controller.
-    pub controller: String,
-    /// The outcome of the reach: the worst outcome of its goals.
-    pub outcome: Outcome,
-    /// The number of goals with each outcome.
-    pub goal_outcomes: GoalOutcomes,
-    /// The contact that ended the reach, if a force exceeded the controller's stop force.
-    pub safety_stop: Option<NamedStop>,
-    /// Number of objects in the clutter.
-    pub objects: usize,
-    /// Number of contacts, with and without skin.
-    pub contacts: usize,
-    /// Number of frames in which an object truly pressed on each patch, by name; see [`Recording::touched_frames`].
-    pub touched_frames: BTreeMap<String, u32>,
-    /// Residuals of the physics.
-    pub audit: Audit,
-}
-
-/// The place of the frames of an episode, as in the fields of the same names in [`Episode`].
-pub(super) struct Place {
-    pub(super) frames: usize,
-    pub(super) first_index: usize,
-    pub(super) chunk_index: usize,
-    pub(super) file_index: usize,
-}
-
-impl Episode {
-    /// The entry of a recording, which may be without frames.
-    pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
-        let Place {
-            frames,
-            first_index,
-            chunk_index,
-            file_index,
-        } = place;
-        Episode {
-            task,
-            frames,
-            first_index,
-            chunk_index,
-            file_index,
-            outcome: recording.outcome(),
-            goal_outcomes: recording.goal_outcomes(),
-            safety_stop: recording.safety_stop(),
-            objects: recording.objects.len(),
-            contacts: recording.contacts.len(),
-            touched_frames: recording.touched_frames(),
-            scene: recording.scene,
-            seed: recording.seed,
-            reach_index: recording.reach_index,
-            controller: recording.controller,
-            audit: recording.audit,
-        }
-    }
-
-    /// Number of goals that were tried.
-    pub fn goals(&self) -> usize {
-        self.goal_outcomes.tried()
-    }
-}
+use crate::{Audit, AuditField, GoalOutcomes, NamedStop, Outcome};
 
 /// The column with the number of goals of an outcome.
 fn goals_column(outcome: Outcome) -> String {
@@ -320,48 +238,4 @@ fn first_tasks(columns: &Columns) -> Result<Vec<String>, DiskError> {
         (texts.len() == 1 && texts.is_valid(0)).then(|| texts.value(0).to_string())
     };
     lists.iter().map(|list| task(list).ok_or_else(error)).collect()
-}
-
-/// The tasks in the order of their first episodes, with their indices.
-pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {
-    let mut numbers = BTreeMap::new();
-    for task in tasks {
-        let next = numbers.len() as i64;
-        numbers.entry(task).or_insert(next);
-    }
-    numbers
-}
-
-/// The entry of a column in the pandas metadata.
-fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
-    json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
-}
-
-/// Writes the tasks. LeRobot takes the sentence from the pandas index, so the Arrow schema declares `task` as the
-/// index.
-pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
-    let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
-    tasks.sort_unstable();
-    let batch = TableBuilder::undescribed()
-        .column(
-            "task_index",
-            Int64Array::from_iter_values(tasks.iter().map(|(number, _)| *number)),
-        )
-        .column(
-            "task",
-            StringArray::from_iter_values(tasks.iter().map(|(_, task)| *task)),
-        )
-        .build(path)?;
-    let pandas = json!({
-        "index_columns": ["task"],
-        "column_indexes": [],
-        "columns": [pandas_column("task_index", "int64", "int64"), pandas_column("task", "unicode", "object")],
-        "creator": {"library": "underbrush", "version": env!("CARGO_PKG_VERSION")},
-        "pandas_version": "2.0.0",
-    });
-    let metadata = HashMap::from([("pandas".to_string(), pandas.to_string())]);
-    let schema = Arc::new(batch.schema().as_ref().clone().with_metadata(metadata));
-    let batch = RecordBatch::try_new(schema, batch.columns().to_vec())
-        .map_err(|error| DiskError::encode(path)(error.into()))?;
-    write_table(path, &batch, [])
 }

@@ -16,6 +16,7 @@
 mod assembled;
 mod card;
 mod checksums;
+mod episode;
 mod episode_table;
 mod finish;
 mod info;
@@ -25,15 +26,17 @@ mod row_groups;
 mod staging;
 mod statistics;
 mod table_files;
+mod tasks;
 mod taxel_table;
 mod truth_bodies;
 mod truth_frames;
+mod truth_poses;
 mod truth_tables;
 mod writer;
 
 #[cfg(test)]
 pub(super) use card::describe_tables;
-pub use episode_table::Episode;
+pub use episode::Episode;
 pub use info::{FeatureInfo, Info};
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use reader::Dataset;

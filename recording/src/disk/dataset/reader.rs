@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::checksums::Checksums;
-use super::episode_table::{Episode, read_episodes};
+use super::episode::Episode;
+use super::episode_table::read_episodes;
 use super::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
 use super::row_groups::Footers;
 use super::taxel_table::read_taxels;
-use super::truth_bodies::{add_poses, read_bodies};
+use super::truth_bodies::read_bodies;
 use super::truth_frames::{add_patches, add_taxels};
+use super::truth_poses::add_poses;
 use super::truth_tables::{read_contacts, read_goals, read_objects};
 use super::{DatasetPlan, PlannedEpisode, Provenance, names};
 use crate::disk::DiskError;

@@ -10,8 +10,9 @@ use arrow_array::RecordBatch;
 
 use super::info::FILES_PER_CHUNK;
 use super::names;
-use super::truth_bodies::{body_rows, pose_rows};
+use super::truth_bodies::body_rows;
 use super::truth_frames::{patch_rows, taxel_rows};
+use super::truth_poses::pose_rows;
 use super::truth_tables::{contact_rows, goal_rows, object_rows};
 use crate::disk::DiskError;
 use crate::disk::dictionary::{

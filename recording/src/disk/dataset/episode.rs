@@ -1,0 +1,87 @@
+//! One reach of a data set: its place in the files, its outcome and its audit.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Audit, GoalOutcomes, NamedStop, Outcome, Recording};
+
+/// One reach of a data set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Episode {
+    /// The task, as a sentence.
+    pub task: String,
+    /// Number of frames.
+    pub frames: usize,
+    /// Index of its first frame in the data set.
+    pub first_index: usize,
+    /// Chunk (folder) of its data file.
+    pub chunk_index: usize,
+    /// Number of its data file in the chunk.
+    pub file_index: usize,
+    /// Name of the scene.
+    pub scene: String,
+    /// The campaign's seed.
+    pub seed: u64,
+    /// Index of the reach in its campaign.
+    pub reach_index: u64,
+    /// Name of the controller.
+    pub controller: String,
+    /// The outcome of the reach: the worst outcome of its goals.
+    pub outcome: Outcome,
+    /// The number of goals with each outcome.
+    pub goal_outcomes: GoalOutcomes,
+    /// The contact that ended the reach, if a force exceeded the controller's stop force.
+    pub safety_stop: Option<NamedStop>,
+    /// Number of objects in the clutter.
+    pub objects: usize,
+    /// Number of contacts, with and without skin.
+    pub contacts: usize,
+    /// Number of frames in which an object truly pressed on each patch, by name; see [`Recording::touched_frames`].
+    pub touched_frames: BTreeMap<String, u32>,
+    /// Residuals of the physics.
+    pub audit: Audit,
+}
+
+/// The place of the frames of an episode, as in the fields of the same names in [`Episode`].
+pub(super) struct Place {
+    pub(super) frames: usize,
+    pub(super) first_index: usize,
+    pub(super) chunk_index: usize,
+    pub(super) file_index: usize,
+}
+
+impl Episode {
+    /// The entry of a recording, which may be without frames.
+    pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
+        let Place {
+            frames,
+            first_index,
+            chunk_index,
+            file_index,
+        } = place;
+        Episode {
+            task,
+            frames,
+            first_index,
+            chunk_index,
+            file_index,
+            outcome: recording.outcome(),
+            goal_outcomes: recording.goal_outcomes(),
+            safety_stop: recording.safety_stop(),
+            objects: recording.objects.len(),
+            contacts: recording.contacts.len(),
+            touched_frames: recording.touched_frames(),
+            scene: recording.scene,
+            seed: recording.seed,
+            reach_index: recording.reach_index,
+            controller: recording.controller,
+            audit: recording.audit,
+        }
+    }
+
+    /// Number of goals that were tried.
+    pub fn goals(&self) -> usize {
+        self.goal_outcomes.tried()
+    }
+}
