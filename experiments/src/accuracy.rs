@@ -1,4 +1,4 @@
-//! An accuracy, and what it must be read beside.
+//! An accuracy, and the figures that it must be read with.
 
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::evaluate::{self, Evaluation};
@@ -8,26 +8,32 @@ use underbrush_classifier::evaluate::{self, Evaluation};
 pub struct Accuracy {
     /// Trials tested.
     pub trials: usize,
+    /// Share of correct verdicts.
     pub accuracy: f64,
-    /// Ends of the 95 % interval that resamples whole reaches.
+    /// Lower end of the 95 % interval from resampling whole reaches.
     pub low: f64,
+    /// Upper end.
     pub high: f64,
-    /// Mean of the recalls of leaf and trunk: 50 for a verdict that is always the same.
+    /// Mean of the recalls of all categories: 50 for a constant verdict on two.
     pub balanced_accuracy: f64,
-    /// What the same verdict for every trial would reach: the share of the more frequent category.
+    /// The accuracy of a constant verdict: the share of the most frequent category.
     pub majority_baseline: f64,
     /// Of the trials in which something truly touched the skin; `None` where there are none.
     pub touched: Option<Part>,
-    /// Of those in which nothing did (strays, creep, crosstalk).
+    /// Of those in which nothing did (spurious readings, creep, crosstalk).
     pub untouched: Option<Part>,
 }
 
 /// The figures of a part of the trials, per cent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
+    /// Trials tested.
     pub trials: usize,
+    /// See [`Accuracy`].
     pub accuracy: f64,
+    /// See [`Accuracy`].
     pub balanced_accuracy: f64,
+    /// See [`Accuracy`].
     pub majority_baseline: f64,
 }
 
@@ -43,6 +49,7 @@ impl Part {
 }
 
 impl Accuracy {
+    /// The figures of an evaluation.
     pub fn of(evaluation: &Evaluation) -> Self {
         let interval = evaluation
             .accuracy_interval_by_reach
@@ -63,14 +70,18 @@ impl Accuracy {
 /// Mean and spread of a figure over campaigns.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spread {
+    /// Mean.
     pub mean: f64,
     /// Of a sample; `None` of one campaign.
     pub standard_deviation: Option<f64>,
+    /// Smallest value.
     pub min: f64,
+    /// Largest value.
     pub max: f64,
 }
 
 impl Spread {
+    /// Of one value a campaign.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;

@@ -1,5 +1,5 @@
-//! Results that are kept in the folder of a run, so that they need not be made again. Each is stored with a checksum and
-//! with what it was made by; what does not fit is made anew.
+//! Finished results are cached in the folder of a run. Each is stored with a checksum and with what made it; a result that
+//! does not match is computed again.
 
 use std::path::Path;
 
@@ -10,6 +10,9 @@ use crate::dataset::PROGRAM_VERSION;
 use crate::error::ExperimentError;
 use crate::progress::Progress;
 use crate::sealed;
+
+/// Hash of the sources that decide results: this crate and the classifier.
+pub const ANALYSIS_VERSION: &str = env!("UNDERBRUSH_ANALYSIS_SOURCES");
 
 /// A result as it is kept.
 #[derive(Serialize, Deserialize)]
@@ -27,30 +30,40 @@ struct MadeBy {
     program: String,
     /// Hash of the sources that decide trials, models and figures.
     analysis: String,
-    seed: u64,
-    quick: bool,
+    #[serde(flatten)]
+    run: Run,
+}
+
+/// Which run a result is of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// The seed.
+    pub seed: u64,
+    /// Whether it is a quick run.
+    pub quick: bool,
+    /// Hash of the experiment with its scenes and arms.
+    pub experiment: String,
 }
 
 impl MadeBy {
-    fn this_run(path: &Path, (seed, quick): (u64, bool)) -> Self {
+    fn this_run(path: &Path, run: &Run) -> Self {
         MadeBy {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into(),
             program: PROGRAM_VERSION.into(),
-            analysis: env!("UNDERBRUSH_ANALYSIS_SOURCES").into(),
-            seed,
-            quick,
+            analysis: ANALYSIS_VERSION.into(),
+            run: run.clone(),
         }
     }
 }
 
 /// The result in a file, if it was made by this build for this seed and size and is as it was written.
-pub fn load<T: DeserializeOwned>(path: &Path, run: (u64, bool), progress: &dyn Progress) -> Option<T> {
+pub fn load<T: DeserializeOwned>(path: &Path, run: &Run, progress: &dyn Progress) -> Option<T> {
     let kept: Kept<T> = sealed::read(path, progress)?;
     (kept.made_by == MadeBy::this_run(path, run)).then_some(kept.result)
 }
 
 /// Keeps a result.
-pub fn store<T: Serialize>(path: &Path, run: (u64, bool), result: &T) -> Result<(), ExperimentError> {
+pub fn store<T: Serialize>(path: &Path, run: &Run, result: &T) -> Result<(), ExperimentError> {
     let made_by = MadeBy::this_run(path, run);
     sealed::write(path, &Kept { made_by, result })
 }
@@ -58,7 +71,7 @@ pub fn store<T: Serialize>(path: &Path, run: (u64, bool), result: &T) -> Result<
 /// The result in a file as [`load`] gives it, or made now and kept.
 pub fn result<T: Serialize + DeserializeOwned>(
     path: &Path,
-    run: (u64, bool),
+    run: &Run,
     progress: &dyn Progress,
     make: impl FnOnce() -> Result<T, ExperimentError>,
 ) -> Result<T, ExperimentError> {

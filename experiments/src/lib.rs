@@ -1,36 +1,30 @@
-//! The paper's experiments and ours: from scenes to reaches, trials, classifiers and figures, as typed results.
+//! Experiments: from scenes to reaches, trials, classifiers and figures, as typed results.
 //!
-//! Nothing here prints or draws. `data` says which reaches; `campaign`, `reaches`, `online`, `thresholds`, `truncation`,
-//! `classifiers`, `splits` and `ablation` measure; `comparison` compares with the paper; `kept` keeps results between
-//! runs; `results` holds all numbers.
-#![allow(missing_docs, reason = "the restructuring that follows documents what stays public")]
+//! An experiment file ([`definition`]) says what to train and test on. A [`session`] runs it: training data ([`training`]),
+//! test reaches ([`reaches`]), models and online verdicts are computed once and shared, and each file in [`experiment`]
+//! makes one figure or table from them. Nothing here prints or draws; [`Progress`] is told how a run goes on.
 
-pub mod ablation;
 pub mod accuracy;
-pub mod analysis;
 pub mod audit;
-pub mod campaign;
-pub mod classifiers;
-pub mod comparison;
-pub mod data;
+pub mod cell;
 pub mod dataset;
+pub mod definition;
 pub mod ends;
 mod error;
-pub mod example;
-pub mod files;
+mod estimators;
+pub mod experiment;
+mod files;
 pub mod kept;
-pub mod measurement;
+pub mod models;
 pub mod online;
 pub mod plan;
 mod progress;
 pub mod reaches;
 pub mod results;
 mod sealed;
-pub mod snapshot;
-pub mod splits;
+pub mod session;
 pub mod thresholds;
-pub mod timing;
-pub mod truncation;
+pub mod training;
 
 pub use error::ExperimentError;
 pub use progress::{Counter, Progress, Silent};

@@ -1,91 +1,74 @@
-//! The online experiments: verdicts frame by frame against ground truth (paper, sections V-B and V-D, Figs. 8 to 11, 15).
-
-use std::collections::BTreeSet;
+//! Verdicts frame by frame against ground truth (paper, sections V-B and V-D): what several figures are made from.
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{Stream, StreamTruth, Tally, classify_stream};
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_recording::{Category, Recording};
 
-use crate::data;
+use crate::definition::Experiment;
 use crate::error::ExperimentError;
-use crate::reaches::{Found, TestReaches};
+use crate::models;
+use crate::reaches::{self, Found};
+use crate::session::Session;
+use crate::thresholds;
 
 /// A reach classified online.
 pub struct Classified {
+    /// Name of the scene.
     pub scene: String,
+    /// Path of the scene in the experiment file.
+    pub source: String,
+    /// Which reach of the scene.
     pub reach_index: u64,
+    /// The verdicts.
     pub stream: Stream,
 }
 
-/// Shares of the taxels with truth, per cent, over all frames.
+/// An engineered reach: its verdicts held against the category of the scene, and against the object that presses.
+pub struct Engineered {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its category.
+    pub category: Category,
+    /// Reaches drawn.
+    pub drawn: u64,
+    /// Against the category of the scene; `None` where no draw did what it should.
+    pub by_scene: Option<Classified>,
+    /// Against the object that presses.
+    pub by_object: Option<Classified>,
+}
+
+/// All reaches classified online.
+pub struct Online {
+    /// Engineered reaches.
+    pub engineered: Vec<Engineered>,
+    /// General reaches.
+    pub general: Vec<Classified>,
+    /// General reaches drawn.
+    pub general_drawn: u64,
+    /// Outlier reaches by the rule of section V-D.
+    pub outlier: Vec<Classified>,
+    /// The same by the chosen thresholds, if there are any.
+    pub outlier_by_chosen: Option<(Decision, Vec<Classified>)>,
+    /// Outlier reaches drawn.
+    pub outlier_drawn: u64,
+}
+
+/// Shares of the taxels with ground truth, per cent, over all frames.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shares {
+    /// Correct verdicts.
     pub correct_percent: f64,
+    /// Wrong verdicts.
     pub misclassified_percent: f64,
+    /// No verdict yet.
     pub uncertain_percent: f64,
-    /// Taxels in contact with truth, summed over frames.
+    /// Taxels in contact with ground truth, summed over frames.
     pub taxel_frames: usize,
-    /// Taxels in contact that nothing presses on, summed over frames; in no share.
+    /// Taxels in contact that nothing presses on, summed over frames; they are in no share.
     pub without_truth: usize,
-}
-
-/// One engineered reach (Fig. 11).
-#[derive(Clone, Debug, Serialize)]
-pub struct Engineered {
-    pub scene: String,
-    pub category: &'static str,
-    /// Which draw of the scene it is, from 0; those before touched something else, or nothing.
-    pub reach_index: Option<u64>,
-    pub drawn: u64,
-    /// By the environment's category. `None` where no draw did what it should, or the skin felt nothing.
-    pub shares: Option<Shares>,
-    /// Taxel frames among these in which nothing presses on the taxel (strays, creep, crosstalk), per cent.
-    pub untouched_percent: Option<f64>,
-    pub mean_samples_used: Option<f64>,
-}
-
-/// What one decision rule makes of the taxels that truly touch something (section V-D).
-#[derive(Clone, Debug, Serialize)]
-pub struct Detection {
-    pub rule: String,
-    pub truth: &'static str,
-    /// Taxels in contact, summed over frames.
-    pub taxel_frames: usize,
-    /// Per cent by verdict.
-    pub leaf_percent: f64,
-    pub trunk_percent: f64,
-    pub uncertain_percent: f64,
-    pub outlier_percent: f64,
-}
-
-/// All of it.
-pub struct Online {
-    pub engineered: Vec<Engineered>,
-    pub mixed: Vec<Classified>,
-    pub mixed_drawn: u64,
-    pub outlier: Vec<Classified>,
-    pub outlier_drawn: u64,
-    pub detection: Vec<Detection>,
-}
-
-/// Section V-B's rule.
-pub fn uncertain_rule() -> Rule {
-    Rule::UncertainBelow {
-        margin: data::UNCERTAIN_BELOW_NATS,
-    }
-}
-
-pub fn options(rule: Rule) -> OnlineOptions {
-    let cut = data::trial_options();
-    OnlineOptions {
-        patch: cut.patch,
-        threshold_n: cut.threshold_n,
-        decision: Decision::new(rule),
-    }
 }
 
 impl Shares {
@@ -103,118 +86,88 @@ impl Shares {
     }
 }
 
-/// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.
-fn untouched_percent(tally: &Tally) -> Option<f64> {
-    let all = tally.judged() + tally.unknown;
-    (all > 0).then(|| 100.0 * tally.unknown as f64 / all as f64)
-}
-
-/// Classifies the reaches of a scene. One after the other: the time per frame is measured.
-fn classify(
-    models: &HmmClassifier,
-    found: &Found,
-    rule: Rule,
-    truth: StreamTruth,
-) -> Result<Vec<Classified>, ExperimentError> {
-    let options = options(rule);
-    let one = |recording: &Recording| {
-        Ok(Classified {
-            scene: found.scene.clone(),
-            reach_index: recording.reach_index,
-            stream: classify_stream(models, recording, &options, truth)?,
-        })
-    };
-    found.reaches.iter().map(one).collect()
-}
-
 impl Online {
-    /// Classifies all reaches; `chosen` is a rule to compare with the paper's on the outlier reaches.
-    pub fn run(
-        models: &HmmClassifier,
-        reaches: &TestReaches,
-        chosen: Option<&Decision>,
-    ) -> Result<Self, ExperimentError> {
-        // First, alone on the machine, what Fig. 8 shows the time of.
-        let mixed = classify(models, &reaches.mixed, uncertain_rule(), StreamTruth::Object)?;
+    /// The general reach that figures show: the first found, as the paper shows "one of the reaching tasks".
+    pub fn shown(&self) -> Option<&Classified> {
+        self.general.first()
+    }
+}
+
+/// Section V-B's rule: uncertain below a margin.
+pub fn uncertain_rule(experiment: &Experiment) -> Rule {
+    Rule::UncertainBelow {
+        margin: experiment.file.thresholds.uncertain_below_nats,
+    }
+}
+
+/// How models of an experiment classify online.
+pub fn options(experiment: &Experiment, rule: Rule) -> OnlineOptions {
+    let cut = experiment.trial_options();
+    OnlineOptions {
+        patch: cut.patch,
+        threshold_n: cut.threshold_n,
+        decision: Decision::new(rule),
+    }
+}
+
+/// Classifies all test reaches online.
+pub fn run(session: &Session) -> Result<Online, ExperimentError> {
+    let reaches = session.once(reaches::run)?;
+    let (models, thresholds) = (session.once(models::run)?, session.once(thresholds::run)?);
+    let (experiment, models) = (session.experiment, &models.0);
+    // One reach after the other: the time per frame is measured.
+    let classify = |found: &Found, rule: Rule, truth: StreamTruth| {
+        let options = options(experiment, rule);
+        let one = |recording: &Recording| {
+            Ok(Classified {
+                scene: found.scene.clone(),
+                source: found.source.clone(),
+                reach_index: recording.reach_index,
+                stream: classify_stream(models, recording, &options, truth)?,
+            })
+        };
+        found
+            .reaches
+            .iter()
+            .map(one)
+            .collect::<Result<Vec<_>, ExperimentError>>()
+    };
+    let classify_some = |found: &Option<Found>, rule: Rule| match found {
+        Some(found) => classify(found, rule, StreamTruth::Object),
+        None => Ok(Vec::new()),
+    };
+    let drawn = |found: &Option<Found>| found.as_ref().map_or(0, |found| found.drawn);
+    session.stage("Online verdicts", || {
+        let uncertain = uncertain_rule(experiment);
+        // First, and alone on the machine: its time is shown.
+        let general = classify_some(&reaches.general, uncertain)?;
         let engineered = |(category, found): &(Category, Found)| {
-            let truth = StreamTruth::Environment(*category);
-            let classified = classify(models, found, uncertain_rule(), truth)?.pop();
-            let by_object = classify(models, found, uncertain_rule(), StreamTruth::Object)?.pop();
             Ok(Engineered {
                 scene: found.scene.clone(),
-                category: category.name(),
-                reach_index: classified.as_ref().map(|reach| reach.reach_index),
+                category: *category,
                 drawn: found.drawn,
-                shares: classified.as_ref().and_then(|reach| Shares::of(&reach.stream.total())),
-                untouched_percent: by_object.and_then(|reach| untouched_percent(&reach.stream.total())),
-                mean_samples_used: classified.as_ref().and_then(|reach| reach.stream.mean_samples_used()),
+                by_scene: classify(found, uncertain, StreamTruth::Environment(*category))?.pop(),
+                by_object: classify(found, uncertain, StreamTruth::Object)?.pop(),
             })
         };
         let engineered: Vec<Result<Engineered, ExperimentError>> =
             reaches.engineered.par_iter().map(engineered).collect();
-        let paper = Decision::paper();
-        let outlier = classify(models, &reaches.outlier, paper.rule, StreamTruth::Object)?;
-        let mut detection = detection(&rule_name("the paper's", &paper), &outlier);
-        if let Some(chosen) = chosen {
-            let outlier = classify(models, &reaches.outlier, chosen.rule, StreamTruth::Object)?;
-            detection.extend(self::detection(&rule_name(CHOSEN, chosen), &outlier));
-        }
+        let outlier = classify_some(&reaches.outlier, Decision::paper().rule)?;
+        let outlier_by_chosen = match &thresholds.chosen {
+            Ok(chosen) if reaches.outlier.is_some() => {
+                let decision = chosen.decision.clone();
+                let classified = classify_some(&reaches.outlier, decision.rule)?;
+                Some((decision, classified))
+            }
+            _ => None,
+        };
         Ok(Online {
             engineered: engineered.into_iter().collect::<Result<_, _>>()?,
-            mixed,
-            mixed_drawn: reaches.mixed.drawn,
+            general,
+            general_drawn: drawn(&reaches.general),
             outlier,
-            outlier_drawn: reaches.outlier.drawn,
-            detection,
+            outlier_by_chosen,
+            outlier_drawn: drawn(&reaches.outlier),
         })
-    }
-
-    /// The general reach that Figs. 8 to 10 and 12 show: the first found, as the paper shows "one of the reaching tasks".
-    pub fn shown(&self) -> Option<&Classified> {
-        self.mixed.first()
-    }
-}
-
-/// How the names of the chosen thresholds begin.
-pub const CHOSEN: &str = "chosen";
-
-fn rule_name(whose: &str, decision: &Decision) -> String {
-    match decision.rule {
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        } => format!("{whose}: {uncertain_below:.1} and {category_above:.1}"),
-        Rule::UncertainBelow { margin } => format!("{whose}: {margin:.1}"),
-        Rule::Argmax => whose.to_owned(),
-    }
-}
-
-/// One row a truth that occurs, over all reaches of a rule.
-fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
-    let of = |category: Category| {
-        let count = |name: &str| -> usize {
-            let own = |reach: &Classified| {
-                let column = reach.stream.verdicts.iter().position(|verdict| verdict == name);
-                let row = reach.stream.truths.iter().position(|truth| *truth == category);
-                row.zip(column)
-                    .map_or(0, |(row, column)| reach.stream.taxel_frames[row][column])
-            };
-            reaches.iter().map(own).sum()
-        };
-        let counts = ["leaf", "trunk", "uncertain", "outlier"].map(count);
-        let taxel_frames: usize = counts.iter().sum();
-        let [leaf_percent, trunk_percent, uncertain_percent, outlier_percent] =
-            counts.map(|count| 100.0 * count as f64 / taxel_frames as f64);
-        (taxel_frames > 0).then(|| Detection {
-            rule: rule.into(),
-            truth: category.name(),
-            taxel_frames,
-            leaf_percent,
-            trunk_percent,
-            uncertain_percent,
-            outlier_percent,
-        })
-    };
-    let truths: BTreeSet<Category> = reaches.iter().flat_map(|reach| &reach.stream.truths).copied().collect();
-    truths.into_iter().filter_map(of).collect()
+    })
 }

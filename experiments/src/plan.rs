@@ -1,30 +1,31 @@
-//! What a folder of results was made from: only the same plan goes on there.
+//! The folder of a run. It holds the results of one plan: experiment, seed and size.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::disk::FileText;
 
-use crate::data;
 use crate::dataset::PROGRAM_VERSION;
+use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::files;
 
-/// Everything that decides the reaches of a run. The arm is Cody in every scene, and its files are among the sources
-/// that the version has a hash of.
+/// What decides the reaches of a run.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Version, with a hash of the sources that decide data.
     pub program: String,
+    /// The seed.
     pub seed: u64,
+    /// Whether it is a quick run.
     pub quick: bool,
-    /// BLAKE3 of each scene's text.
-    scenes: BTreeMap<String, String>,
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Hash of the experiment with its scenes and arms.
+    hash: String,
 }
 
 const FILE: &str = "plan.json";
-/// Folders and files that `reproduce` makes; nothing else in its folder is ever removed.
+/// Folders and files that a run makes. Nothing else in its folder is ever removed.
 const FOLDERS: [&str; 4] = ["dataset", "reaches", "campaigns", "report"];
 const FILES: [&str; 5] = [
     FILE,
@@ -35,21 +36,22 @@ const FILES: [&str; 5] = [
 ];
 
 impl Plan {
-    pub fn new(seed: u64, quick: bool) -> Self {
-        let training = data::TRAINING.iter().map(|training| training.scene);
-        let engineered = data::ENGINEERED.iter().map(|(scene, _)| *scene);
-        let scenes = training.chain(engineered).chain([data::MIXED, data::OUTLIER]);
+    /// The plan of an experiment.
+    pub fn new(experiment: &Experiment, seed: u64, quick: bool) -> Self {
         Plan {
             program: PROGRAM_VERSION.into(),
             seed,
             quick,
-            scenes: scenes
-                .map(|(path, text)| (path.to_owned(), FileText::new(path, text).blake3))
-                .collect(),
+            experiment: experiment.name.clone(),
+            hash: experiment.hash().into(),
         }
     }
 
-    /// Takes up a folder that this plan was begun in, or begins it; `fresh` throws away what another left there.
+    /// Prepares a folder for this plan, or checks that it holds results of the same plan. `fresh` removes what another
+    /// run left there.
+    ///
+    /// # Errors
+    /// When the folder holds the results of another plan, or cannot be written.
     pub fn settle(&self, out: &Path, fresh: bool) -> Result<(), ExperimentError> {
         let path = out.join(FILE);
         let known = FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists());
@@ -82,8 +84,9 @@ impl Plan {
         };
         differs("seed", &stored.seed, &self.seed)
             .or_else(|| differs("quick", &stored.quick, &self.quick))
+            .or_else(|| differs("experiment", &stored.experiment, &self.experiment))
             .or_else(|| differs("program", &stored.program, &self.program))
-            .or_else(|| (stored.scenes != self.scenes).then(|| "its scenes have changed".into()))
+            .or_else(|| (stored.hash != self.hash).then(|| "the experiment's file, scenes or arms have changed".into()))
     }
 }
 

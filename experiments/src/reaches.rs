@@ -1,52 +1,62 @@
-//! Reaches to test models on: drawn one after the other until enough do what the experiment asks for, by ground truth.
+//! Reaches to test models on. They are drawn one after the other until enough of them do what the experiment asks for,
+//! which ground truth decides.
 
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::trial::taxel_trials;
+use underbrush_classifier::trial::{TrialOptions, taxel_trials};
 use underbrush_recording::disk::{read_recording, write_recording};
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
 
-use crate::data::{self, SceneSource};
+use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::files;
-use crate::kept;
+use crate::kept::{self, Run};
 use crate::progress::Progress;
+use crate::session::Session;
 
 /// What is asked of a reach.
-#[derive(Clone, Copy)]
-pub enum Wanted {
-    /// The forearm touches this category, feels it, and touches nothing else.
+#[derive(Clone)]
+enum Wanted {
+    /// The patch touches this category, feels it, and touches nothing else.
     Only(Category),
-    /// The forearm touches leaf and trunk.
-    LeafAndTrunk,
-    /// The forearm touches the outlier before it touches any leaf or trunk, and then one of these.
-    OutlierFirst,
+    /// The patch touches all of these.
+    All(Vec<Category>),
+    /// The patch touches the outlier before it touches any of these, and then one of these.
+    OutlierFirst(Vec<Category>),
 }
 
 /// Reaches of one scene that do what is asked.
 pub struct Found {
+    /// Name of the scene.
     pub scene: String,
+    /// Its path in the experiment file.
+    pub source: String,
     /// Reaches drawn until enough were found, or no more were to be drawn.
     pub drawn: u64,
+    /// The reaches.
     pub reaches: Vec<Recording>,
 }
 
 /// All that models are tested on.
 pub struct TestReaches {
+    /// Reaches that touch one category alone.
     pub engineered: Vec<(Category, Found)>,
-    pub mixed: Found,
-    pub outlier: Found,
+    /// Reaches that touch every category.
+    pub general: Option<Found>,
+    /// Reaches that meet the outlier first.
+    pub outlier: Option<Found>,
 }
 
-struct Search {
-    source: SceneSource,
+struct Search<'a> {
+    source: &'a str,
+    plan: ReachPlan,
+    options: TrialOptions,
     wanted: Wanted,
     enough: usize,
-    most: u64,
+    max_draws: u64,
 }
 
 /// Written when a search is over, so that it need not be done again.
@@ -57,122 +67,146 @@ struct Index {
 }
 
 impl Wanted {
-    fn is(self, recording: &Recording) -> Result<bool, ExperimentError> {
-        let options = data::trial_options();
-        let forearm = recording.layout.chosen_patch(options.patch.as_deref());
+    fn is(&self, recording: &Recording, options: &TrialOptions) -> Result<bool, ExperimentError> {
+        let patch = recording.layout.chosen_patch(options.patch.as_deref());
         // Contacts are sorted by their first frame.
         let touched: Vec<Category> = recording
             .contacts
             .iter()
-            .filter(|contact| contact.patch.map(usize::from) == forearm)
+            .filter(|contact| contact.patch.map(usize::from) == patch)
             .filter_map(|contact| recording.objects.get(usize::from(contact.object)))
             .map(|object| object.category)
             .collect();
         Ok(match self {
             Wanted::Only(category) => {
-                let only = !touched.is_empty() && touched.iter().all(|other| *other == category);
-                only && !taxel_trials(recording, &options)?.is_empty()
+                let only = !touched.is_empty() && touched.iter().all(|other| other == category);
+                only && !taxel_trials(recording, options)?.is_empty()
             }
-            Wanted::LeafAndTrunk => touched.contains(&Category::LEAF) && touched.contains(&Category::TRUNK),
-            Wanted::OutlierFirst => {
-                let known = |category: &Category| matches!(*category, Category::LEAF | Category::TRUNK);
+            Wanted::All(categories) => categories.iter().all(|category| touched.contains(category)),
+            Wanted::OutlierFirst(known) => {
                 let outlier = touched.iter().position(|category| *category == Category::OUTLIER);
-                let first_known = touched.iter().position(known);
+                let first_known = touched.iter().position(|category| known.contains(category));
                 outlier.zip(first_known).is_some_and(|(outlier, known)| outlier < known)
             }
         })
     }
 }
 
-impl Search {
+impl Search<'_> {
     /// Draws, or reads what an earlier run has kept in `folder`.
-    fn run(&self, folder: &Path, run: (u64, bool), progress: &dyn Progress) -> Result<Found, ExperimentError> {
-        let plan = plan(self.source, run.0)?;
-        let scene = plan.scene.name.clone();
+    fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, ExperimentError> {
+        let scene = self.plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
         let index_file = folder.join(format!("{scene}.json"));
-        if let Some(Index { drawn, found }) = kept::load(&index_file, run, progress) {
-            let reaches = found.iter().map(|index| read_recording(file(*index)));
-            let reaches = reaches.collect::<Result<_, _>>()?;
-            return Ok(Found { scene, drawn, reaches });
-        }
         let (mut drawn, mut reaches) = (0, Vec::new());
-        while drawn < self.most && reaches.len() < self.enough {
-            let recording = plan.run(drawn, &mut |_, _| {})?;
-            if self.wanted.is(&recording)? {
-                write_recording(file(drawn), &recording)?;
-                reaches.push(recording);
+        if let Some(index) = kept::load::<Index>(&index_file, run, progress) {
+            drawn = index.drawn;
+            for index in index.found {
+                reaches.push(read_recording(file(index))?);
             }
-            drawn += 1;
+        } else {
+            while drawn < self.max_draws && reaches.len() < self.enough {
+                let recording = self.plan.run(drawn, &mut |_, _| {})?;
+                if self.wanted.is(&recording, &self.options)? {
+                    write_recording(file(drawn), &recording)?;
+                    reaches.push(recording);
+                }
+                drawn += 1;
+            }
+            let index = Index {
+                drawn,
+                found: reaches.iter().map(|recording| recording.reach_index).collect(),
+            };
+            kept::store(&index_file, run, &index)?;
         }
-        let index = Index {
+        Ok(Found {
+            scene,
+            source: self.source.to_owned(),
             drawn,
-            found: reaches.iter().map(|recording| recording.reach_index).collect(),
-        };
-        kept::store(&index_file, run, &index)?;
-        Ok(Found { scene, drawn, reaches })
+            reaches,
+        })
     }
 }
 
-/// The plan of the reaches of a scene, for a second look at one of them.
-pub fn plan((path, text): SceneSource, seed: u64) -> Result<ReachPlan, ExperimentError> {
-    let scene = Scene::parse(path, text.into())?;
-    Ok(ReachPlan::new(scene, data::CONTROLLER, seed)?)
-}
-
-fn search_mixed(quick: bool) -> Search {
-    Search {
-        source: data::MIXED,
-        wanted: Wanted::LeafAndTrunk,
-        enough: data::MIXED_REACHES[usize::from(quick)],
-        most: data::MIXED_DRAWS,
-    }
+/// The plan of the reaches of a scene, by its path in the experiment file.
+pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, ExperimentError> {
+    let Some(scene) = experiment.scene(source).cloned() else {
+        return Err(ExperimentError::Request(format!(
+            "{source}: the experiment has no such scene"
+        )));
+    };
+    let controller = experiment.controller();
+    Ok(match experiment.arm() {
+        Some(arm) => ReachPlan::with_arm(scene, arm.clone(), controller, seed)?,
+        None => ReachPlan::new(scene, controller, seed)?,
+    })
 }
 
 /// Draws all test reaches, scenes in parallel.
-pub fn draw(folder: &Path, seed: u64, quick: bool, progress: &dyn Progress) -> Result<TestReaches, ExperimentError> {
-    files::create_folder(folder)?;
-    // The longest first, so that no thread waits for them in the end.
-    let mut searches = vec![
-        Search {
-            source: data::OUTLIER,
-            wanted: Wanted::OutlierFirst,
-            enough: data::OUTLIER_REACHES[usize::from(quick)],
-            most: data::OUTLIER_DRAWS,
-        },
-        search_mixed(quick),
-    ];
-    searches.extend(data::ENGINEERED.iter().map(|(source, category)| Search {
-        source: *source,
-        wanted: Wanted::Only(*category),
-        enough: 1,
-        most: data::ENGINEERED_DRAWS,
-    }));
-    let count = progress.count("experiments", searches.len() as u64, 0);
-    let found: Vec<Result<Found, ExperimentError>> = searches
-        .par_iter()
-        .with_max_len(1)
-        .map(|search| {
-            let found = search.run(folder, (seed, quick), progress);
-            count.advance();
-            found
-        })
+pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
+    let (experiment, progress) = (session.experiment, session.progress);
+    let file = &experiment.file;
+    let known: Vec<Category> = experiment
+        .labels()
+        .into_iter()
+        .filter_map(|label| experiment.category(label))
         .collect();
-    drop(count);
-    let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
-    let mut next = || {
-        found
-            .next()
-            .ok_or_else(|| ExperimentError::Request("a search for reaches gave nothing".into()))
+    let search = |source, wanted, enough, max_draws| {
+        Ok::<_, ExperimentError>(Search {
+            source,
+            plan: plan(experiment, source, session.seed)?,
+            options: experiment.trial_options(),
+            wanted,
+            enough,
+            max_draws,
+        })
     };
-    let (outlier, mixed) = (next()?, next()?);
-    let engineered = data::ENGINEERED
-        .iter()
-        .map(|(_, category)| Ok((*category, next()?)))
-        .collect::<Result<_, ExperimentError>>()?;
-    Ok(TestReaches {
-        engineered,
-        mixed,
-        outlier,
+    // The longest reaches first, so that no thread waits for them in the end.
+    let mut searches = Vec::new();
+    for (own, wanted) in [
+        (&file.outlier, Wanted::OutlierFirst(known.clone())),
+        (&file.general, Wanted::All(known.clone())),
+    ] {
+        if let Some(own) = own {
+            searches.push(search(&own.scene, wanted, own.reaches(session.quick), own.max_draws)?);
+        }
+    }
+    let mut categories = Vec::new();
+    for own in &file.engineered {
+        let Some(category) = experiment.category(&own.label) else {
+            continue;
+        };
+        categories.push(category);
+        searches.push(search(&own.scene, Wanted::Only(category), 1, own.max_draws)?);
+    }
+    if searches.is_empty() {
+        return Ok(TestReaches {
+            engineered: Vec::new(),
+            general: None,
+            outlier: None,
+        });
+    }
+    session.stage("Engineered, general and outlier reaches", || {
+        let folder = session.folder.join("reaches");
+        files::create_folder(&folder)?;
+        let count = progress.count("experiments", searches.len() as u64, 0);
+        let run = session.run_of(session.seed);
+        let found: Vec<Result<Found, ExperimentError>> = searches
+            .par_iter()
+            .with_max_len(1)
+            .map(|search| {
+                let found = search.run(&folder, &run, progress);
+                count.advance();
+                found
+            })
+            .collect();
+        let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
+        let outlier = file.outlier.as_ref().and_then(|_| found.next());
+        let general = file.general.as_ref().and_then(|_| found.next());
+        Ok(TestReaches {
+            engineered: categories.iter().copied().zip(found).collect(),
+            general,
+            outlier,
+        })
     })
 }

@@ -1,59 +1,64 @@
-//! Thresholds chosen from the training data, and what any threshold would do.
+//! Decision thresholds chosen from the training data, and what any threshold would do.
 
 use std::collections::BTreeMap;
 
-use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{
     ChosenThresholds, FoldBy, Folds, RocCurve, ThresholdTargets, category_roc, choose_thresholds, cross_validate,
     evaluate, outlier_roc,
 };
-use underbrush_classifier::recipe::Recipe;
-use underbrush_recording::Trial;
 
-use crate::campaign::Trials;
-use crate::data;
 use crate::error::ExperimentError;
-use crate::reaches::Found;
+use crate::estimators;
+use crate::models;
+use crate::reaches;
+use crate::session::Session;
+use crate::training::{self, Trials};
 
 /// Chosen thresholds and the curves.
 pub struct Thresholds {
-    /// Why there are none is a sentence.
+    /// The error is a sentence that says why there are none.
     pub chosen: Result<ChosenThresholds, String>,
-    /// Leaf against trunk on held-out training trials.
+    /// The first label against the others, on held-out training trials.
     pub category_roc: Option<RocCurve>,
-    /// The outlier against leaf and trunk, on the trials of the outlier reaches: no part in any choice.
+    /// Outliers against known categories, on the trials of the outlier reaches. It plays no part in any choice.
     pub outlier_roc: Option<RocCurve>,
 }
 
-/// Chooses thresholds on taxel trials held out by whole reaches; the outlier reaches only show what comes of it.
-pub fn choose(taxel_trials: &[Trial], models: &HmmClassifier, outlier: &Found) -> Result<Thresholds, ExperimentError> {
-    let folds = Folds {
-        count: 2,
-        by: FoldBy::Reach,
-    };
-    let argmax = Decision::argmax();
-    let held_out = cross_validate(taxel_trials, &Recipe::authors(), folds, &argmax)?;
-    let targets = ThresholdTargets {
-        false_positive_rate: data::FALSE_POSITIVE_RATE,
-        outlier_prior: data::OUTLIER_PRIOR,
-    };
-    let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| error.to_string());
-    let mut trials = Trials::default();
-    for (place, recording) in outlier.reaches.iter().enumerate() {
-        trials.append(place, Trials::cut(recording, &data::trial_options())?);
-    }
-    let outlier_roc = match trials.taxel.iter().any(|trial| trial.category.is_some()) {
-        false => None,
-        true => {
-            let judge = argmax.prepare(&models.categories())?;
-            // No trial is left uncertain: the smallest margins are called outliers, up to every threshold.
-            outlier_roc(&evaluate(models, &trials.taxel, &argmax)?, &judge, 0.0)
+/// Chooses thresholds on taxel trials that are held out by whole reaches. The outlier reaches only show what they do.
+pub fn run(session: &Session) -> Result<Thresholds, ExperimentError> {
+    let (data, models) = (session.once(training::run)?, session.once(models::run)?);
+    let tested = session.once(reaches::run)?;
+    session.stage("Thresholds", || {
+        let (experiment, taxel_trials) = (session.experiment, &data.trials.taxel);
+        let folds = Folds {
+            count: 2,
+            by: FoldBy::Reach,
+        };
+        let argmax = Decision::argmax();
+        let held_out = cross_validate(taxel_trials, &estimators::main_recipe(experiment), folds, &argmax)?;
+        let targets = ThresholdTargets {
+            false_positive_rate: experiment.file.thresholds.false_positive_rate,
+            outlier_prior: experiment.file.thresholds.outlier_prior,
+        };
+        let chosen = choose_thresholds(&held_out, &BTreeMap::new(), targets).map_err(|error| error.to_string());
+        let mut trials = Trials::default();
+        for (place, recording) in tested.outlier.iter().flat_map(|found| &found.reaches).enumerate() {
+            trials.append(place, None, Trials::cut(recording, &experiment.trial_options())?);
         }
-    };
-    Ok(Thresholds {
-        chosen,
-        category_roc: category_roc(&held_out, "leaf"),
-        outlier_roc,
+        let outlier_roc = match trials.taxel.iter().any(|trial| trial.category.is_some()) {
+            false => None,
+            true => {
+                let judge = argmax.prepare(&models.0.categories())?;
+                // No trial is left uncertain: the smallest margins are called outliers, up to every threshold.
+                outlier_roc(&evaluate(&models.0, &trials.taxel, &argmax)?, &judge, 0.0)
+            }
+        };
+        let first = experiment.labels();
+        Ok(Thresholds {
+            chosen,
+            category_roc: first.first().and_then(|label| category_roc(&held_out, label)),
+            outlier_roc,
+        })
     })
 }

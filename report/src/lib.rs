@@ -1,15 +1,119 @@
-//! Charts, tables, words, pages and pictures of what the simulator and the experiments give.
-#![allow(missing_docs, reason = "the restructuring that follows documents what stays public")]
+//! Charts, tables, sentences and pictures of what the simulator and the experiments give.
+//!
+//! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, [`drawing`] the
+//! charts, tables and pages they are made of. [`picture`] draws arm and clutter, [`portrait`] objects pressed on the skin.
 
+mod agreement;
 pub mod drawing;
-pub mod figures;
-pub mod page;
 pub mod picture;
 pub mod portrait;
+mod report;
+pub mod section;
 pub mod skin_map;
-pub mod tables;
+mod style;
 pub mod text;
-pub mod words;
+
+use underbrush_experiments::results::Results;
+
+use drawing::{Cell, Table};
+use report::Report;
+
+/// A report, ready to be written.
+pub struct Written {
+    /// `index.html`, and the folder `csv` beside it.
+    pub files: Vec<File>,
+    /// Tables for a terminal.
+    pub terminal: String,
+}
+
+/// A file of a report.
+pub struct File {
+    /// Its path below the report's folder.
+    pub path: String,
+    /// What it holds.
+    pub text: String,
+}
+
+impl Written {
+    /// The report of some results.
+    pub fn of(results: &Results) -> Self {
+        let mut report = Report::new(results);
+        what_was_run(&mut report);
+        section::add_all(&mut report);
+        let terminal = terminal(&report);
+        let page = File {
+            path: "index.html".into(),
+            text: report.page.html(),
+        };
+        let tables = report.tables.iter().map(|table| File {
+            path: format!("csv/{}.csv", table.name),
+            text: table.csv(),
+        });
+        Written {
+            files: tables.chain([page]).collect(),
+            terminal,
+        }
+    }
+}
+
+fn what_was_run(report: &mut Report) {
+    let results = report.results;
+    let timing = &results.timing;
+    report.page.section("What was run");
+    let introduction = results.definition.file.introduction.trim();
+    if !introduction.is_empty() {
+        report.page.paragraph(introduction);
+    }
+    if report.published().is_some() {
+        report
+            .page
+            .paragraph("Each section gives the paper's result, ours, and the difference.");
+    }
+    let size = if results.quick {
+        ", with fewer reaches (--quick)"
+    } else {
+        ""
+    };
+    report.page.list(&[
+        format!("program: underbrush {}", results.program),
+        format!("experiment: {}", results.experiment),
+        format!("seed: {}{size}", results.seed),
+        format!(
+            "machine: {}, {} cores, {} threads used; {:.0} s in all",
+            timing.processor, timing.cores, timing.threads, timing.wall_s
+        ),
+    ]);
+    let mut table = Table::new("stage_times", "Wall time", &["stage", "seconds"]);
+    for (stage, seconds) in &timing.stages {
+        table.rows.push(vec![(*stage).into(), Cell::Number(*seconds, 1)]);
+    }
+    report.table(table);
+}
+
+/// What a terminal shows: the reaches, the most important tables, and how far all this is from what is published.
+fn terminal(report: &Report) -> String {
+    let outcomes = &report.results.outcomes;
+    let reaches = &outcomes.training_data.reaches;
+    let mut terminal = format!(
+        "{} training reaches, {:.0} s of simulated time\n{}\n{}\n\n{}",
+        reaches.count,
+        reaches.simulated_s,
+        reaches.ends.text(),
+        text::audit(&reaches.audit).trim_end(),
+        report.terminal
+    );
+    for (recipe, points) in &outcomes.table_one.mean_absolute_difference_points {
+        terminal += &format!("mean absolute difference from the paper, {recipe} recipe: {points:.1} points\n");
+    }
+    let campaigns = outcomes.campaigns.campaigns.iter();
+    for (recipe, points) in campaigns.flat_map(|own| &own.mean_absolute_difference_points) {
+        terminal += &format!("the same for the mean campaign, {recipe} recipe: {points:.1} points\n");
+    }
+    if let Some(text) = section::table_one::choices(report) {
+        terminal += &format!("{text}\n");
+    }
+    terminal + &format!("{:.0} s in all", report.results.timing.wall_s)
+}
 
 #[cfg(test)]
 mod tests;

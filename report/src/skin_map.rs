@@ -7,17 +7,12 @@ use crate::drawing::{Mark, escape, slug};
 use underbrush_classifier::decision::Verdict;
 use underbrush_recording::Grid;
 
-use crate::figures::{LEAF, OUTLIER, TRUNK, UNCERTAIN, UNTOUCHED};
+use crate::style::{self, UNTOUCHED};
 
 /// Colour and shape of a verdict: the paper's colours, with a shape for those who do not see them. A taxel that nothing
 /// presses on keeps the shape of its verdict and is grey.
 pub fn mark_of(verdict: &Verdict, pressed: bool) -> (&'static str, Mark) {
-    let (colour, mark) = match verdict {
-        Verdict::Category(name) if name == "leaf" => (LEAF, Mark::Triangle),
-        Verdict::Category(_) => (TRUNK, Mark::Square),
-        Verdict::Outlier => (OUTLIER, Mark::Cross),
-        Verdict::Uncertain => (UNCERTAIN, Mark::Ring),
-    };
+    let (colour, mark) = style::category(verdict.name(), verdict.name().len());
     (if pressed { colour } else { UNTOUCHED }, mark)
 }
 

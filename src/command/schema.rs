@@ -22,6 +22,8 @@ enum Kind {
     Arm,
     /// Skin: patches of taxels on an arm's links
     Skin,
+    /// Experiment: scenes to train and test on, classifiers, and figures to compare with
+    Experiment,
 }
 
 /// Prints the schema.
@@ -30,6 +32,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Kind::Scene => underbrush_sim::scene::schema(),
         Kind::Arm => underbrush_sim::arm::schema(),
         Kind::Skin => underbrush_sim::arm::skin_schema(),
+        Kind::Experiment => underbrush_experiments::definition::schema(),
     };
     let text = serde_json::to_string_pretty(&schema);
     output::lines([text.map_err(|error| Failure::run(error.to_string()))?])

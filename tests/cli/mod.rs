@@ -3,6 +3,7 @@
 mod classifiers;
 mod classify;
 mod evaluate;
+mod experiment;
 mod flips;
 mod generate;
 mod inspect;

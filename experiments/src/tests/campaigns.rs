@@ -1,11 +1,22 @@
 use underbrush_classifier::evaluate::{TABLE_ONE_PAPER, TableOneUnit};
 use underbrush_classifier::feature::FeatureSet;
 
-use crate::ablation::Ablated;
 use crate::accuracy::{Accuracy, Part};
-use crate::comparison;
-use crate::measurement::{Cell, CellKey, ClassifierAccuracy, Measurement, OneOfMany};
-use crate::results::Campaigns;
+use crate::cell::{self, Cell, CellKey};
+use crate::definition::{Experiment, OrderingName};
+use crate::experiment::ablation::Ablated;
+use crate::experiment::campaigns::{Campaigns, OneOfMany};
+use crate::experiment::classifiers::Compared;
+
+const ORDERINGS: [OrderingName; 3] = [
+    OrderingName::TaxelsOverComponents,
+    OrderingName::ForceOverForceAndMotion,
+    OrderingName::MoreStates,
+];
+
+fn of(campaigns: &[(u64, OneOfMany)]) -> Result<Option<Campaigns>, crate::ExperimentError> {
+    Campaigns::of(&Experiment::paper().unwrap(), campaigns)
+}
 
 /// Figures around an accuracy, per cent.
 fn around(accuracy: f64) -> Accuracy {
@@ -26,7 +37,7 @@ fn around(accuracy: f64) -> Accuracy {
     }
 }
 
-pub(super) fn cell(states: usize, accuracy: f64) -> Cell {
+fn cell(states: usize, accuracy: f64) -> Cell {
     Cell {
         key: CellKey {
             by: TableOneUnit::Taxel,
@@ -35,55 +46,59 @@ pub(super) fn cell(states: usize, accuracy: f64) -> Cell {
             recipe: "authors".into(),
         },
         accuracy: around(accuracy),
-        paper: 80.24,
+        paper: Some(80.24),
     }
 }
 
 fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
-    let classifiers = classifiers.iter().map(|(name, accuracy)| ClassifierAccuracy {
+    let classifiers = classifiers.iter().map(|(name, accuracy)| Compared {
         classifier: (*name).into(),
         accuracy: around(*accuracy),
     });
     OneOfMany {
-        measurement: Measurement {
-            trials_per_reach: Vec::new(),
-            table_1,
-        },
+        trials_per_reach: Vec::new(),
+        table_1,
         classifiers: classifiers.collect(),
     }
 }
 
+/// Pins the three statements on the paper's own Table I, where all pairs hold, and on the same turned upside down, where
+/// none does; and that pairs without one of their cells do not count.
 #[test]
 fn orderings_are_found_as_they_are() {
-    // Pins the three statements on tables made for it: the paper's own Table I breaks "10 and 20 over 5" nowhere and
-    // the others nowhere; a table turned upside down breaks all of them everywhere.
-    let table = |sign: f64| -> Vec<_> {
-        let cells = TABLE_ONE_PAPER.into_iter();
-        cells
-            .map(|(unit, features, states, paper)| ("authors".to_owned(), unit, features, states, sign * paper))
+    let counts = |sign: f64, without_states: usize| -> Vec<(bool, usize, usize)> {
+        let cells = TABLE_ONE_PAPER.into_iter().filter(|own| own.2 != without_states);
+        let keyed: Vec<(CellKey, f64)> = cells
+            .map(|(by, features, states, paper)| {
+                let recipe = "authors".to_owned();
+                let key = CellKey {
+                    by,
+                    features,
+                    states,
+                    recipe,
+                };
+                (key, sign * paper)
+            })
+            .collect();
+        let keyed: Vec<(&CellKey, f64)> = keyed.iter().map(|(key, accuracy)| (key, *accuracy)).collect();
+        let found = cell::orderings(&ORDERINGS, &keyed);
+        found
+            .iter()
+            .map(|own| (own.holds, own.pairs_holding, own.pairs))
             .collect()
     };
-    let found = comparison::orderings(&table(1.0));
-    let counts: Vec<(bool, usize, usize)> = found
-        .iter()
-        .map(|own| (own.holds, own.pairs_holding, own.pairs))
-        .collect();
-    assert_eq!(counts, [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
-    let found = comparison::orderings(&table(-1.0));
-    let counts: Vec<(bool, usize, usize)> = found
-        .iter()
-        .map(|own| (own.holds, own.pairs_holding, own.pairs))
-        .collect();
-    assert_eq!(counts, [(false, 0, 6), (false, 0, 6), (false, 0, 8)]);
+    assert_eq!(counts(1.0, 0), [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
+    assert_eq!(counts(-1.0, 0), [(false, 0, 6), (false, 0, 6), (false, 0, 8)]);
+    assert_eq!(counts(1.0, 20), [(true, 4, 4), (true, 4, 4), (true, 4, 4)]);
 }
 
 /// Pins mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three campaigns
 /// against numbers worked out by hand.
 #[test]
 fn campaigns_have_mean_and_spread() {
-    let of = |accuracy: f64| campaign(vec![cell(10, accuracy)], &[("some", accuracy + 1.0)]);
-    let campaigns = [(3, of(70.0)), (4, of(74.0)), (5, of(84.0))];
-    let found = Campaigns::of(&campaigns).unwrap().unwrap();
+    let one = |accuracy: f64| campaign(vec![cell(10, accuracy)], &[("some", accuracy + 1.0)]);
+    let campaigns = [(3, one(70.0)), (4, one(74.0)), (5, one(84.0))];
+    let found = of(&campaigns).unwrap().unwrap();
     assert_eq!(found.seeds, [3, 4, 5]);
     let own = &found.table_1[0].figures;
     assert_eq!(
@@ -104,9 +119,9 @@ fn campaigns_have_mean_and_spread() {
     assert!((found.mean_absolute_difference_points["authors"] - 4.24).abs() < 1e-9);
     let some = &found.classifiers[0].figures.accuracy;
     assert_eq!((some.mean, some.min, some.max), (77.0, 71.0, 85.0));
-    let one = Campaigns::of(&campaigns[..1]).unwrap().unwrap();
+    let one = of(&campaigns[..1]).unwrap().unwrap();
     assert!(one.table_1[0].figures.accuracy.standard_deviation.is_none());
-    assert!(Campaigns::of(&[]).unwrap().is_none());
+    assert!(of(&[]).unwrap().is_none());
 }
 
 /// Pins that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or doubled
@@ -115,7 +130,7 @@ fn campaigns_have_mean_and_spread() {
 fn campaigns_are_matched_by_name() {
     let first = campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0), ("other", 90.0)]);
     let turned = campaign(vec![cell(10, 82.0), cell(5, 62.0)], &[("other", 92.0), ("one", 52.0)]);
-    let found = Campaigns::of(&[(0, first.clone()), (1, turned)]).unwrap().unwrap();
+    let found = of(&[(0, first.clone()), (1, turned)]).unwrap().unwrap();
     let cells: Vec<(usize, f64)> = found
         .table_1
         .iter()
@@ -129,12 +144,7 @@ fn campaigns_are_matched_by_name() {
         .collect();
     assert_eq!(classifiers, [("one", 51.0), ("other", 91.0)]);
 
-    let refused = |other: OneOfMany| {
-        Campaigns::of(&[(0, first.clone()), (7, other)])
-            .err()
-            .unwrap()
-            .to_string()
-    };
+    let refused = |other: OneOfMany| of(&[(0, first.clone()), (7, other)]).err().unwrap().to_string();
     let without = refused(campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0)]));
     assert!(without.contains("seed 7") && without.contains("\"other\""), "{without}");
     let lacking = refused(campaign(vec![cell(5, 60.0)], &[("one", 50.0), ("other", 90.0)]));
@@ -159,19 +169,20 @@ fn the_papers_own_table_is_no_distance_from_itself() {
                 recipe: "authors".into(),
             },
             accuracy: around(paper + sign * shift),
-            paper,
+            paper: Some(paper),
         };
-        Ablated::new("any", cells.map(cell), Vec::new())
+        Ablated::new(&Experiment::paper().unwrap(), "any", cells.map(cell), Vec::new())
     };
     let own = table(0.0);
-    assert_eq!(own.mean_absolute_difference_points, 0.0);
+    assert_eq!(own.mean_absolute_difference_points, Some(0.0));
     assert_eq!(
         (own.orderings_holding, own.orderings, own.pairs_holding, own.pairs),
         (3, 3, 20, 20)
     );
     // (61.76 + 72.22 + 70.75 + 54.41 + 55.55 + 58.50) / 6 and the same of the taxels.
-    assert!((own.component.accuracy - 62.198_333).abs() < 1e-5 && (own.taxel.accuracy - 75.036_667).abs() < 1e-5);
-    assert!((own.component.balanced_accuracy - 57.198_333).abs() < 1e-5);
-    assert!((own.taxel.majority_baseline - 37.518_333).abs() < 1e-5);
-    assert!((table(2.0).mean_absolute_difference_points - 2.0).abs() < 1e-9);
+    let (component, taxel) = (own.component.unwrap(), own.taxel.unwrap());
+    assert!((component.accuracy - 62.198_333).abs() < 1e-5 && (taxel.accuracy - 75.036_667).abs() < 1e-5);
+    assert!((component.balanced_accuracy - 57.198_333).abs() < 1e-5);
+    assert!((taxel.majority_baseline - 37.518_333).abs() < 1e-5);
+    assert!((table(2.0).mean_absolute_difference_points.unwrap() - 2.0).abs() < 1e-9);
 }

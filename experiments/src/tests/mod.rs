@@ -1,6 +1,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 mod campaigns;
+mod definitions;
 mod kept_results;
 mod resumed;
 mod settings;
+mod sources;
+mod trials;

@@ -1,12 +1,13 @@
 use std::collections::BTreeSet;
 
-use crate::splits;
+use crate::definition::Experiment;
+use crate::experiment::settings::{Folded, splits};
 
+/// Pins that from a campaign of 4 + 6 reaches a setting of 3 + 4 takes the first of each scene, half of them in either fold;
+/// and that of two settings with the forces of leaf and trunk swapped, each is told apart where it was trained, and always
+/// wrongly at the other.
 #[test]
-fn settings_are_tested_on_clutter_that_was_not_learned() {
-    // Pins that of a campaign of 4 + 6 reaches a setting of 3 + 4 takes the first of each scene, half of them in either
-    // fold; that of two settings with the forces of leaf and trunk exchanged each is told apart where it was learned, and
-    // always wrongly at the other.
+fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     let trial = |number: u64, reach: u64, force_n: f64| {
         let sample = |index: u32| {
             let force_n = force_n + 0.01 * f64::from((index * 7 + number as u32 * 3) % 11);
@@ -38,7 +39,7 @@ fn settings_are_tested_on_clutter_that_was_not_learned() {
             .map(|number| trial(number, number % 10, force(number % 10)))
             .collect()
     };
-    let setting = |name, trials: &[underbrush_recording::Trial]| splits::Setting::new(name, trials, [4, 6], [3, 4]);
+    let setting = |name, trials: &[underbrush_recording::Trial]| Folded::new(name, trials, &[4, 6], &[3, 4]);
     let apart = setting("apart", &trials(0.5, 2.0));
     let reaches = |fold: &[underbrush_recording::Trial]| -> BTreeSet<u64> {
         fold.iter().filter_map(|trial| trial.reach).collect()
@@ -48,7 +49,7 @@ fn settings_are_tested_on_clutter_that_was_not_learned() {
 
     let swapped = setting("swapped", &trials(2.0, 0.5));
     let estimators = 4;
-    let found = splits::splits(&[apart, swapped]).unwrap();
+    let found = splits(&Experiment::paper().unwrap(), &[apart, swapped]).unwrap();
     let accuracies: Vec<f64> = found.iter().map(|split| split.accuracy.accuracy).collect();
     assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(estimators));
     for split in &found {

@@ -5,8 +5,8 @@ use underbrush_recording::Grid;
 use underbrush_sim::scene::Scene;
 
 use super::elements;
-use crate::figures::{LEAF, UNTOUCHED};
 use crate::skin_map;
+use crate::style::{LEAF, UNTOUCHED};
 
 const GRID: Grid = Grid {
     rows: 4,
@@ -69,7 +69,7 @@ fn the_hand_is_where_the_picture_says() {
 /// Pins that a taxel that nothing presses on is drawn grey and counted in the description, and that a name with
 /// characters of XML gives a document that can be read.
 #[test]
-fn strays_are_marked() {
+fn spurious_readings_are_marked() {
     let svg = skin_map::svg("a <\"scene\"> & more", GRID, &leaf_on(&[0, 5]), &BTreeSet::from([5]));
     let elements = elements(&svg);
     let fills = |colour: &str| {

@@ -1,0 +1,155 @@
+//! Cells of the cross-validation table (the paper's Table I), and how they compare with each other and with published
+//! figures.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_classifier::feature::FeatureSet;
+
+use crate::accuracy::Accuracy;
+use crate::definition::OrderingName;
+
+/// A cell of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Which cell.
+    #[serde(flatten)]
+    pub key: CellKey,
+    /// Its accuracy here.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+    /// The published accuracy, per cent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<f64>,
+}
+
+/// Which cell of the table, in which recipe.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CellKey {
+    /// What a trial is made of.
+    pub by: TableOneUnit,
+    /// What the models see.
+    pub features: FeatureSet,
+    /// Number of hidden states.
+    pub states: usize,
+    /// Name of the recipe.
+    pub recipe: String,
+}
+
+impl CellKey {
+    /// The cell without its recipe, in words.
+    pub fn name(&self) -> String {
+        let (by, features) = (unit_name(self.by), self.features);
+        format!("{by}, {features}, {} states", self.states)
+    }
+}
+
+/// `component` or `taxel`.
+pub fn unit_name(unit: TableOneUnit) -> &'static str {
+    match unit {
+        TableOneUnit::Component => "component",
+        TableOneUnit::Taxel => "taxel",
+    }
+}
+
+/// A published statement on the table, and whether it holds here.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ordering {
+    /// Name of the recipe.
+    pub recipe: String,
+    /// The statement.
+    pub statement: &'static str,
+    /// Whether it holds in every pair of cells.
+    pub holds: bool,
+    /// Pairs of cells that it is about.
+    pub pairs: usize,
+    /// Pairs in which it holds.
+    pub pairs_holding: usize,
+    /// The pairs in which it does not.
+    pub failing: Vec<String>,
+}
+
+/// A key with its accuracy, per cent.
+pub type KeyedAccuracy<'a> = (&'a CellKey, f64);
+
+/// Mean absolute difference from the published figures by recipe, of (recipe, accuracy, published). Cells without a
+/// published figure do not count.
+pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, Option<f64>)>) -> BTreeMap<String, f64> {
+    let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
+    for (recipe, accuracy, published) in cells {
+        let Some(published) = published else { continue };
+        let (sum, count) = sums.entry(recipe.to_owned()).or_default();
+        *sum += (accuracy - published).abs();
+        *count += 1;
+    }
+    let mean = |(recipe, (sum, count)): (String, (f64, usize))| (recipe, sum / count as f64);
+    sums.into_iter().map(mean).collect()
+}
+
+/// Checks statements on the cells of one or more recipes. A pair of which a cell is missing does not count.
+pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Ordering> {
+    let mut recipes: Vec<&String> = cells.iter().map(|(key, _)| &key.recipe).collect();
+    recipes.dedup();
+    let check = |recipe: &String, name: OrderingName| {
+        let own: Vec<&KeyedAccuracy> = cells.iter().filter(|(key, _)| key.recipe == *recipe).collect();
+        let (statement, strict) = statement(name);
+        let (mut pairs, mut failing) = (0, Vec::new());
+        for (high_key, high) in own.iter().copied() {
+            for (low_key, low) in own
+                .iter()
+                .copied()
+                .filter(|(low_key, _)| is_pair(name, high_key, low_key, &own))
+            {
+                pairs += 1;
+                if !(high > low || (!strict && high == low)) {
+                    failing.push(format!(
+                        "{} {high:.1} %, {} {low:.1} %",
+                        high_key.name(),
+                        low_key.name()
+                    ));
+                }
+            }
+        }
+        Ordering {
+            recipe: recipe.clone(),
+            statement,
+            holds: failing.is_empty(),
+            pairs,
+            pairs_holding: pairs - failing.len(),
+            failing,
+        }
+    };
+    let of_recipe = |recipe| statements.iter().map(move |name| check(recipe, *name));
+    recipes.into_iter().flat_map(of_recipe).collect()
+}
+
+/// A statement in words, and whether equal accuracies contradict it.
+fn statement(name: OrderingName) -> (&'static str, bool) {
+    match name {
+        OrderingName::TaxelsOverComponents => ("taxels are told apart better than components", true),
+        OrderingName::ForceOverForceAndMotion => ("force alone is at least as good as force and motion", false),
+        OrderingName::MoreStates => ("10 and 20 states are better than 5", true),
+    }
+}
+
+/// Whether a statement says that the first cell has the higher accuracy of the two.
+fn is_pair(name: OrderingName, high: &CellKey, low: &CellKey, cells: &[&KeyedAccuracy]) -> bool {
+    let fewest = cells.iter().map(|(key, _)| key.states).min();
+    let same_features = high.features == low.features;
+    match name {
+        OrderingName::TaxelsOverComponents => {
+            (high.by, low.by) == (TableOneUnit::Taxel, TableOneUnit::Component)
+                && same_features
+                && high.states == low.states
+        }
+        OrderingName::ForceOverForceAndMotion => {
+            high.by == low.by
+                && high.states == low.states
+                && (high.features, low.features) == (FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION)
+        }
+        OrderingName::MoreStates => {
+            high.by == low.by && same_features && high.states > low.states && Some(low.states) == fewest
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! The keys of an experiment file.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::scene::RobotSection;
+
+/// An experiment: which scenes to train and test on, which classifiers, and what to compare the results with.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExperimentFile {
+    /// Title of the report.
+    pub title: String,
+    /// First paragraph of the report: what the experiment is about.
+    #[serde(default)]
+    pub introduction: String,
+    /// Seed, unless `--seed` gives another.
+    #[serde(default)]
+    pub seed: u64,
+    /// Arm file for all scenes, relative to this file; each scene's own arm if not given.
+    #[serde(default)]
+    pub arm: Option<String>,
+    /// Controller for all scenes; each scene's own if not given.
+    #[serde(default)]
+    pub controller: Option<ControllerKind>,
+    /// How contact trials are cut from the reaches.
+    #[serde(default)]
+    pub trials: TrialSection,
+    /// Scenes that classifiers are trained on and cross-validated with: at least two, with different labels.
+    pub training: Vec<TrainingScene>,
+    /// Numbers of hidden states in the cross-validation table.
+    #[serde(default = "default_states")]
+    pub states: Vec<usize>,
+    /// Recipes of the hidden Markov models in the cross-validation table; the first is used everywhere else.
+    #[serde(default = "default_recipes")]
+    pub recipes: Vec<RecipeName>,
+    /// Classifiers to compare; none if not given.
+    #[serde(default)]
+    pub classifiers: Vec<ClassifierEntry>,
+    /// Lengths to which trials are truncated, in samples, to see how much accuracy that costs.
+    #[serde(default)]
+    pub truncations: Vec<usize>,
+    /// Decision thresholds.
+    #[serde(default)]
+    pub thresholds: ThresholdSection,
+    /// Scenes that hold one category alone. Online verdicts are tested on one reach of each.
+    #[serde(default)]
+    pub engineered: Vec<EngineeredScene>,
+    /// A scene in which the arm touches every category.
+    #[serde(default)]
+    pub general: Option<TestScene>,
+    /// A scene in which the arm touches an outlier first and then a known category.
+    #[serde(default)]
+    pub outlier: Option<TestScene>,
+    /// Arm stiffnesses and hand speeds to train and test at, beside the scenes' own.
+    #[serde(default)]
+    pub settings: Vec<Setting>,
+    /// Classifiers that are trained and tested at each of these settings.
+    #[serde(default)]
+    pub setting_classifiers: Vec<ClassifierEntry>,
+    /// Changes to make one at a time, each with its own cross-validation table. Left out of quick runs.
+    #[serde(default)]
+    pub ablation: Vec<AblationName>,
+    /// Seeds on which parameters were chosen, so that the report can say whether a run used them.
+    #[serde(default)]
+    pub chosen_on: Vec<ChosenOn>,
+    /// Published figures to compare with. Without them, the report leaves the comparison out.
+    #[serde(default)]
+    pub published: Option<Published>,
+}
+
+fn default_states() -> Vec<usize> {
+    vec![10]
+}
+
+fn default_recipes() -> Vec<RecipeName> {
+    vec![RecipeName::Authors]
+}
+
+/// How trials are cut.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrialSection {
+    /// Patch of skin; the first if not given.
+    pub patch: Option<String>,
+    /// A taxel is in contact where its sensed force is above this, N.
+    pub threshold_n: f64,
+    /// Trials of fewer samples are left out of training and of the tables.
+    pub min_samples: usize,
+}
+
+impl Default for TrialSection {
+    fn default() -> Self {
+        let paper = underbrush_classifier::trial::TrialOptions::paper();
+        TrialSection {
+            patch: paper.patch,
+            threshold_n: paper.threshold_n,
+            min_samples: paper.min_samples,
+        }
+    }
+}
+
+/// A scene that classifiers are trained on.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrainingScene {
+    /// Scene file, relative to this file.
+    pub scene: String,
+    /// Category of every trial from this scene.
+    pub label: String,
+    /// Number of reaches.
+    pub reaches: u64,
+    /// Number of reaches with `--quick`; a third, rounded up, if not given.
+    #[serde(default)]
+    pub quick_reaches: Option<u64>,
+    /// Number of reaches at each of `settings`; half if not given.
+    #[serde(default)]
+    pub setting_reaches: Option<u64>,
+    /// The same with `--quick`; half of `quick_reaches` if not given.
+    #[serde(default)]
+    pub quick_setting_reaches: Option<u64>,
+}
+
+/// A scene with one category, for online tests.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EngineeredScene {
+    /// Scene file, relative to this file.
+    pub scene: String,
+    /// Category that the skin must touch, and nothing else: a label of the training scenes.
+    pub label: String,
+    /// Reaches are drawn until one does what it should, but no more than this.
+    #[serde(default = "default_draws")]
+    pub max_draws: u64,
+}
+
+fn default_draws() -> u64 {
+    8
+}
+
+/// A scene for online tests.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TestScene {
+    /// Scene file, relative to this file.
+    pub scene: String,
+    /// Number of reaches to test on.
+    pub reaches: usize,
+    /// Number of reaches with `--quick`; one if not given.
+    #[serde(default)]
+    pub quick_reaches: Option<usize>,
+    /// Reaches are drawn until enough do what they should, but no more than this.
+    #[serde(default = "default_draws")]
+    pub max_draws: u64,
+}
+
+/// A recipe for hidden Markov models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RecipeName {
+    /// The authors' nearest published code: score by the Viterbi path, unscaled features.
+    Authors,
+    /// What one would choose today: forward likelihood, z-scored features.
+    Modern,
+}
+
+/// A classifier to compare.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClassifierEntry {
+    /// Name in tables and charts.
+    pub name: String,
+    /// The method.
+    pub method: Method,
+    /// What it sees, for methods that leave a choice (`hmm`, `logistic_regression`).
+    #[serde(default)]
+    pub features: Vec<Feature>,
+    /// Number of hidden states, for `hmm`; 10 if not given.
+    #[serde(default)]
+    pub states: Option<usize>,
+}
+
+/// A method of classification.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Hidden Markov models, one a category.
+    Hmm,
+    /// Nearest neighbours on principal components of a fixed window.
+    NearestNeighbours,
+    /// Naive Bayes, updated online.
+    NaiveBayes,
+    /// An echo-state network.
+    EchoStateNetwork,
+    /// Logistic regression on features of the contact so far.
+    LogisticRegression,
+}
+
+/// What a classifier sees of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Feature {
+    /// Sensed force.
+    Force,
+    /// Length of the contact's path.
+    Motion,
+    /// The contact region around the taxel.
+    Region,
+}
+
+/// Decision thresholds.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ThresholdSection {
+    /// Margin below which a taxel is uncertain online, nats.
+    pub uncertain_below_nats: f64,
+    /// Chosen thresholds let at most this share of the other categories' trials be taken for one.
+    pub false_positive_rate: f64,
+    /// Share of contacts expected to be outliers.
+    pub outlier_prior: f64,
+}
+
+impl Default for ThresholdSection {
+    /// The paper's margin for outliers (section V-D); the rates are choices: one in twenty each.
+    fn default() -> Self {
+        ThresholdSection {
+            uncertain_below_nats: 15.0,
+            false_positive_rate: 0.05,
+            outlier_prior: 0.05,
+        }
+    }
+}
+
+/// An arm stiffness and hand speed.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Setting {
+    /// Name in tables.
+    pub name: String,
+    /// What replaces the `[robot]` section of the training scenes.
+    pub robot: RobotSection,
+}
+
+/// A change to the training reaches, or to how trials are cut from them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AblationName {
+    /// A trial's category is that of the object that touches the taxel, not the scene's label.
+    LabelsByContact,
+    /// Trials of any length are kept.
+    TrialsOfAnyLength,
+    /// No spurious readings.
+    NoSpuriousReadings,
+    /// No creep.
+    NoCreep,
+    /// The sensed force is the true force.
+    PerfectSensor,
+    /// The controller's own rule ends a goal, and each goal is retried once.
+    NoPatience,
+}
+
+/// Seeds on which something was chosen.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChosenOn {
+    /// First seed.
+    pub first: u64,
+    /// Last seed.
+    pub last: u64,
+    /// What was chosen.
+    pub what: String,
+}
+
+/// Published figures.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Published {
+    /// Trials per reach.
+    pub trials: Vec<PublishedTrials>,
+    /// Cells of the cross-validation table.
+    pub accuracy: Vec<PublishedAccuracy>,
+    /// Statements on the cells that the report checks.
+    pub orderings: Vec<OrderingName>,
+    /// The best published accuracy, per cent.
+    pub best_accuracy_percent: Option<f64>,
+    /// Mean number of samples that an online verdict used.
+    pub samples_used: Option<f64>,
+    /// Computation time of an online sample for 100 taxels in contact, s.
+    pub seconds_per_100_taxels: Option<f64>,
+    /// What is published on the subject of a section of the report, by the section's name.
+    pub sections: std::collections::BTreeMap<String, PublishedSection>,
+}
+
+/// Published number of trials.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedTrials {
+    /// `component` or `taxel`.
+    #[schemars(with = "String")]
+    pub by: TableOneUnit,
+    /// Label of the training scene.
+    pub label: String,
+    /// Trials in all reaches.
+    pub trials: f64,
+    /// Reaches.
+    pub reaches: f64,
+}
+
+/// A published cell of the cross-validation table.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedAccuracy {
+    /// `component` or `taxel`.
+    #[schemars(with = "String")]
+    pub by: TableOneUnit,
+    /// The features: `["force"]` or `["force", "motion"]`.
+    pub features: Vec<Feature>,
+    /// Number of hidden states.
+    pub states: usize,
+    /// Accuracy, per cent.
+    pub percent: f64,
+}
+
+/// A statement on how the cells of the cross-validation table compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OrderingName {
+    /// Taxels are told apart better than components.
+    TaxelsOverComponents,
+    /// Force alone is at least as good as force and motion.
+    ForceOverForceAndMotion,
+    /// More states are better than the fewest.
+    MoreStates,
+}
+
+/// What is published on the subject of a section.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedSection {
+    /// Number of the published figure or table, such as `Fig. 13`.
+    #[serde(default)]
+    pub figure: Option<String>,
+    /// What it shows.
+    pub statement: String,
+}

@@ -1,0 +1,454 @@
+//! Experiments as files: what to train and test on, and what to compare with. `file` has the keys.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_recording::{Category, InputError};
+use underbrush_sim::arm::Arm;
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::scene::Scene;
+
+mod file;
+
+pub use file::{
+    AblationName, ChosenOn, ClassifierEntry, EngineeredScene, ExperimentFile, Feature, Method, OrderingName, Published,
+    PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TestScene, ThresholdSection,
+    TrainingScene, TrialSection,
+};
+
+/// An experiment whose file was checked and whose scenes were read.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Name: the file's stem.
+    pub name: String,
+    /// What the file says.
+    pub file: ExperimentFile,
+    /// Scenes by the path that the file gives.
+    scenes: BTreeMap<String, Scene>,
+    /// The arm of all scenes, where the file names one.
+    arm: Option<Arm>,
+    /// Hash of everything that decides results: file, scenes, arms.
+    hash: String,
+}
+
+macro_rules! shipped {
+    ($($path:literal),* $(,)?) => {
+        [$((concat!("../", $path), include_str!(concat!("../../../", $path)))),*]
+    };
+}
+
+/// The scenes of the experiment that ships, by their path in its file.
+const SHIPPED_SCENES: [(&str, &str); 14] = shipped![
+    "scenes/leaf.toml",
+    "scenes/trunk.toml",
+    "scenes/mixed.toml",
+    "scenes/outlier.toml",
+    "scenes/engineered/leaf-clump.toml",
+    "scenes/engineered/leaf-right.toml",
+    "scenes/engineered/leaf-row.toml",
+    "scenes/engineered/leaf-stiff.toml",
+    "scenes/engineered/leaf-tall.toml",
+    "scenes/engineered/trunk-gate.toml",
+    "scenes/engineered/trunk-post.toml",
+    "scenes/engineered/trunk-right.toml",
+    "scenes/engineered/trunk-row.toml",
+    "scenes/engineered/trunk-thick.toml",
+];
+
+/// The JSON Schema of experiment files.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(ExperimentFile)
+}
+
+impl Experiment {
+    /// The experiment that ships: the paper's.
+    ///
+    /// # Errors
+    /// None, unless the shipped files are wrong.
+    pub fn paper() -> Result<Self, InputError> {
+        let text = include_str!("../../paper.toml");
+        Self::parse(Path::new("paper.toml"), text, |name, field| {
+            let shipped = SHIPPED_SCENES.iter().find(|(path, _)| *path == name);
+            let Some((path, text)) = shipped else {
+                return Err(field.fault(name, "a scene that ships"));
+            };
+            Scene::parse(path.trim_start_matches("../"), (*text).into())
+        })
+    }
+
+    /// Reads and checks an experiment file, its scenes and its arm.
+    ///
+    /// # Errors
+    /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
+    pub fn load(path: &Path) -> Result<Self, InputError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            InputError::new(
+                path,
+                "file",
+                error.to_string(),
+                "a readable experiment file",
+                "check the path; `underbrush schema experiment` describes the file",
+            )
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(path, &text, |name, _| Scene::load(folder.join(name)))
+    }
+
+    /// Checks the text of an experiment file; `scene` reads a scene that it names.
+    fn parse(
+        path: &Path,
+        text: &str,
+        scene: impl Fn(&str, &Field) -> Result<Scene, InputError>,
+    ) -> Result<Self, InputError> {
+        let file: ExperimentFile = toml::from_str(text).map_err(|error| {
+            let start = error.span().unwrap_or_default().start;
+            let line = text.bytes().take(start).filter(|byte| *byte == b'\n').count() + 1;
+            let at = text.lines().nth(line - 1).unwrap_or_default();
+            let key = at.split_once('=').map_or(at, |(key, _)| key).trim();
+            let field = if key.is_empty() {
+                "experiment".into()
+            } else {
+                format!("experiment, {key}")
+            };
+            let allowed = "the keys that `underbrush schema experiment` lists";
+            InputError::new(path, field, error.message(), allowed, "correct the line").at_line(line)
+        })?;
+        let source = Source { path, text };
+        check(&file, &source)?;
+        let mut scenes = BTreeMap::new();
+        for (name, field) in scene_names(&file) {
+            if !scenes.contains_key(name) {
+                scenes.insert(name.to_owned(), scene(name, &source.field(field, name))?);
+            }
+        }
+        check_labels(&file, &scenes, &source)?;
+        let mut stems = BTreeSet::new();
+        if let Some(twice) = scenes.iter().find(|(_, scene)| !stems.insert(scene.name.clone())) {
+            let allowed = "scene files with different names: the name decides what is drawn";
+            return Err(source.field("scene", twice.0).fault(twice.0, allowed));
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let arm = file.arm.as_ref().map(|arm| Arm::load(folder.join(arm))).transpose()?;
+        let named_arms = match &arm {
+            Some(arm) => vec![arm.clone()],
+            None => arms_of(&scenes)?,
+        };
+        let mut hasher = blake3::Hasher::new();
+        let texts = scenes.values().map(|scene| scene.text.as_str());
+        let arm_texts = named_arms
+            .iter()
+            .flat_map(|arm| arm.files.iter().map(|file| file.text.as_str()));
+        for text in [text].into_iter().chain(texts).chain(arm_texts) {
+            hasher
+                .update(&(text.len() as u64).to_le_bytes())
+                .update(text.as_bytes());
+        }
+        let name = path
+            .file_stem()
+            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        Ok(Experiment {
+            name,
+            file,
+            scenes,
+            arm,
+            hash: hasher.finalize().to_hex().to_string(),
+        })
+    }
+
+    /// The scene that the file names so; every name in the file was read.
+    pub fn scene(&self, name: &str) -> Option<&Scene> {
+        self.scenes.get(name)
+    }
+
+    /// All scenes, by the path that the file gives.
+    pub fn scenes(&self) -> impl Iterator<Item = (&str, &Scene)> {
+        self.scenes.iter().map(|(name, scene)| (name.as_str(), scene))
+    }
+
+    /// The arm of all scenes, where the file names one.
+    pub fn arm(&self) -> Option<&Arm> {
+        self.arm.as_ref()
+    }
+
+    /// The controller of all scenes, where the file names one.
+    pub fn controller(&self) -> Option<ControllerKind> {
+        self.file.controller
+    }
+
+    /// The category of a label, where it is that of an object.
+    pub fn category(&self, label: &str) -> Option<Category> {
+        category(&self.scenes, label)
+    }
+
+    /// Hash of the file and of all files that it names.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// How trials are cut: labelled by their scene, and of at least the file's number of samples.
+    pub fn trial_options(&self) -> TrialOptions {
+        TrialOptions {
+            patch: self.file.trials.patch.clone(),
+            threshold_n: self.file.trials.threshold_n,
+            min_samples: self.file.trials.min_samples,
+            labels: Labels::Environment,
+            ..TrialOptions::default()
+        }
+    }
+
+    /// The same with contacts of any length.
+    pub fn any_length_options(&self) -> TrialOptions {
+        TrialOptions {
+            min_samples: 1,
+            ..self.trial_options()
+        }
+    }
+
+    /// Labels of the training scenes, in their order.
+    pub fn labels(&self) -> Vec<&str> {
+        let mut labels: Vec<&str> = Vec::new();
+        for training in &self.file.training {
+            if !labels.contains(&training.label.as_str()) {
+                labels.push(&training.label);
+            }
+        }
+        labels
+    }
+
+    /// What is published, where the file says so.
+    pub fn published(&self) -> Option<&Published> {
+        self.file.published.as_ref()
+    }
+}
+
+impl TrainingScene {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> u64 {
+        match quick {
+            true => self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)),
+            false => self.reaches,
+        }
+    }
+
+    /// Number of reaches at each setting, at least two and at most as many as in the run itself.
+    pub fn setting_reaches(&self, quick: bool) -> u64 {
+        let given = if quick {
+            self.quick_setting_reaches
+        } else {
+            self.setting_reaches
+        };
+        let all = self.reaches(quick);
+        given.unwrap_or(all.div_ceil(2).max(2)).min(all)
+    }
+}
+
+impl TestScene {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> usize {
+        match quick {
+            true => self.quick_reaches.unwrap_or(1),
+            false => self.reaches,
+        }
+    }
+}
+
+impl Published {
+    /// The published number of trials per reach.
+    pub fn trials_per_reach(&self, by: underbrush_classifier::evaluate::TableOneUnit, label: &str) -> Option<f64> {
+        let own = self.trials.iter().find(|own| own.by == by && own.label == label);
+        own.map(|own| own.trials / own.reaches)
+    }
+
+    /// The published accuracy of a cell, per cent.
+    pub fn accuracy_percent(
+        &self,
+        by: underbrush_classifier::evaluate::TableOneUnit,
+        features: &[Feature],
+        states: usize,
+    ) -> Option<f64> {
+        let own = |own: &&PublishedAccuracy| own.by == by && own.features == features && own.states == states;
+        self.accuracy.iter().find(own).map(|own| own.percent)
+    }
+}
+
+/// The text of an experiment file, for errors.
+struct Source<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+/// A key of the file with the line on which it stands.
+struct Field {
+    path: PathBuf,
+    name: String,
+    line: Option<usize>,
+}
+
+impl Source<'_> {
+    /// A field whose value is `value`, found by its text.
+    fn field(&self, name: &str, value: &str) -> Field {
+        let key = name.rsplit('.').next().unwrap_or(name);
+        let holds = |line: &&str| {
+            let line = line.trim_start();
+            (line.starts_with(key) || line.contains(&format!(" {key} ="))) && line.contains(value)
+        };
+        Field {
+            path: self.path.into(),
+            name: name.into(),
+            line: self.text.lines().position(|line| holds(&line)).map(|index| index + 1),
+        }
+    }
+}
+
+impl Field {
+    fn fault(&self, found: impl Into<String>, allowed: &str) -> InputError {
+        let error = InputError::new(&self.path, &self.name, found.into(), allowed, "correct the file");
+        match self.line {
+            Some(line) => error.at_line(line),
+            None => error,
+        }
+    }
+}
+
+/// Scenes that the file names, each with its field.
+fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
+    let training = file.training.iter().map(|own| (own.scene.as_str(), "training.scene"));
+    let engineered = file
+        .engineered
+        .iter()
+        .map(|own| (own.scene.as_str(), "engineered.scene"));
+    let general = file.general.iter().map(|own| (own.scene.as_str(), "general.scene"));
+    let outlier = file.outlier.iter().map(|own| (own.scene.as_str(), "outlier.scene"));
+    training.chain(engineered).chain(general).chain(outlier).collect()
+}
+
+/// Checks what the types of the keys leave open.
+fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
+    let fault = |name: &str, value: &str, allowed: &str| Err(source.field(name, value).fault(value, allowed));
+    let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
+    if labels.len() < 2 {
+        let found = labels.first().copied().unwrap_or("no training scenes");
+        return fault(
+            "training.label",
+            found,
+            "training scenes with at least two different labels",
+        );
+    }
+    for training in &file.training {
+        if training.label.is_empty() || ["uncertain", "outlier"].contains(&training.label.as_str()) {
+            return fault(
+                "training.label",
+                &training.label,
+                "any text but `uncertain` and `outlier`, which are verdicts",
+            );
+        }
+        for (name, count) in [
+            ("training.reaches", Some(training.reaches)),
+            ("training.quick_reaches", training.quick_reaches),
+            ("training.setting_reaches", training.setting_reaches),
+            ("training.quick_setting_reaches", training.quick_setting_reaches),
+        ] {
+            if count.is_some_and(|count| !(2..=1_000_000).contains(&count)) {
+                let found = count.unwrap_or_default().to_string();
+                return fault(
+                    name,
+                    &found,
+                    "2 to 1000000: cross-validation needs a reach in each of two folds",
+                );
+            }
+        }
+    }
+    let counts = [("states", &file.states), ("truncations", &file.truncations)];
+    for (name, values) in counts {
+        if let Some(zero) = values.iter().find(|value| **value == 0) {
+            return fault(name, &zero.to_string(), "numbers from 1");
+        }
+    }
+    if file.states.is_empty() {
+        return fault("states", "[]", "at least one number of hidden states");
+    }
+    if file.recipes.is_empty() {
+        return fault("recipes", "[]", "at least one of `authors`, `modern`");
+    }
+    let trials = &file.trials;
+    if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
+        return fault(
+            "trials.threshold_n",
+            &trials.threshold_n.to_string(),
+            "a force over 0 and under 100 N",
+        );
+    }
+    let most_states = file.states.iter().copied().max().unwrap_or(1);
+    if trials.min_samples < most_states {
+        let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
+        return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
+    }
+    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
+        check_classifier(entry, source)?;
+    }
+    let tested = file.engineered.iter().map(|own| own.label.as_str());
+    for label in tested {
+        if !labels.contains(label) {
+            return fault("engineered.label", label, "a label of the training scenes");
+        }
+    }
+    Ok(())
+}
+
+/// Checks that labels are categories of objects where verdicts are held against objects.
+fn check_labels(file: &ExperimentFile, scenes: &BTreeMap<String, Scene>, source: &Source) -> Result<(), InputError> {
+    let online = !file.engineered.is_empty() || file.general.is_some() || file.outlier.is_some();
+    let labels = file.training.iter().map(|own| &own.label);
+    let unknown = |label: &&String| online && category(scenes, label).is_none();
+    match labels.into_iter().find(unknown) {
+        None => Ok(()),
+        Some(label) => {
+            let allowed = "the category of an object: in the scenes `engineered`, `general` and `outlier` verdicts are held \
+                           against what presses on each taxel";
+            Err(source.field("training.label", label).fault(label, allowed))
+        }
+    }
+}
+
+/// The category of a name: a built-in one, or that of an object in the scenes.
+fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category> {
+    let groups = scenes.values().flat_map(|scene| scene.file.objects.groups());
+    let mut own = groups.map(|(_, _, group)| group.category());
+    Category::from_name(name).or_else(|| own.find(|category| category.name() == name))
+}
+
+/// The arms that scenes name by a file, each once.
+fn arms_of(scenes: &BTreeMap<String, Scene>) -> Result<Vec<Arm>, InputError> {
+    let named = scenes.values().filter(|scene| scene.file.arm != "cody");
+    let paths = named.map(|scene| scene.path.parent().unwrap_or(Path::new("")).join(&scene.file.arm));
+    let paths: BTreeSet<PathBuf> = paths.collect();
+    paths.into_iter().map(Arm::load).collect()
+}
+
+fn check_classifier(entry: &ClassifierEntry, source: &Source) -> Result<(), InputError> {
+    use Feature::{Force, Motion, Region};
+    let features = entry.features.as_slice();
+    let allowed = match entry.method {
+        Method::Hmm => (
+            features == [Force] || features == [Force, Motion],
+            "[\"force\"] or [\"force\", \"motion\"] for hmm",
+        ),
+        Method::LogisticRegression => (
+            features == [Force, Motion] || features == [Force, Motion, Region],
+            "[\"force\", \"motion\"] or [\"force\", \"motion\", \"region\"] for logistic_regression",
+        ),
+        _ => (features.is_empty(), "no features: this method has its own"),
+    };
+    if !allowed.0 {
+        let field = format!("classifiers.features of {:?}", entry.name);
+        return Err(source.field(&field, "").fault(format!("{features:?}"), allowed.1));
+    }
+    if entry.states.is_some() && (entry.method != Method::Hmm || entry.states == Some(0)) {
+        let found = entry.states.unwrap_or_default().to_string();
+        return Err(source
+            .field("classifiers.states", &found)
+            .fault(found.clone(), "a number from 1, for hmm alone"));
+    }
+    Ok(())
+}

@@ -1,0 +1,186 @@
+//! Ablation: the cross-validation table with one thing changed at a time.
+
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_sim::scene::SceneFile;
+
+use super::table_one;
+use super::training_data::{self, TrialsPerReach};
+use crate::accuracy::Accuracy;
+use crate::cell::Cell;
+use crate::definition::{AblationName, Experiment};
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+use crate::training::{self, Trials};
+
+/// The changes.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Nothing changed, then each change. Empty for a quick run.
+    pub ablation: Vec<Ablated>,
+}
+
+/// The table with one thing changed, in the first recipe.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ablated {
+    /// Name of the change.
+    pub change: String,
+    /// From the published cells, points; nothing where none are published.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_absolute_difference_points: Option<f64>,
+    /// Published statements that hold in all their pairs of cells, and how many there are.
+    pub orderings_holding: usize,
+    /// How many statements there are.
+    pub orderings: usize,
+    /// Pairs of cells in the published order.
+    pub pairs_holding: usize,
+    /// How many pairs there are.
+    pub pairs: usize,
+    /// Means over the component cells, per cent.
+    pub component: Option<MeanAccuracy>,
+    /// Means over the taxel cells, per cent.
+    pub taxel: Option<MeanAccuracy>,
+    /// Trials per reach.
+    pub trials_per_reach: Vec<TrialsPerReach>,
+    /// The cells.
+    pub table_1: Vec<Cell>,
+}
+
+/// Means over the cells of one unit, per cent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeanAccuracy {
+    /// Of the accuracies.
+    pub accuracy: f64,
+    /// Of the balanced accuracies.
+    pub balanced_accuracy: f64,
+    /// Of the majority baselines.
+    pub majority_baseline: f64,
+}
+
+/// The name of the row in which nothing is changed.
+pub const AS_IS: &str = "as is";
+
+/// What a change does.
+enum Change {
+    /// The same reaches are cut into trials in another way.
+    Cut(fn(TrialOptions) -> TrialOptions),
+    /// Something else is simulated.
+    Scene(fn(&mut SceneFile)),
+}
+
+/// Name of a change in tables, and what it is.
+pub fn described(name: AblationName) -> (&'static str, &'static str) {
+    match name {
+        AblationName::LabelsByContact => (
+            "labels by contact",
+            "a trial's category is that of the object that touches the taxel, not that of the scene",
+        ),
+        AblationName::TrialsOfAnyLength => (
+            "trials of any length",
+            "trials with fewer samples than a model has states are kept",
+        ),
+        AblationName::NoSpuriousReadings => ("no spurious readings", "untouched taxels read no force"),
+        AblationName::NoCreep => ("no creep", "a taxel reads nothing after a contact has ended"),
+        AblationName::PerfectSensor => ("perfect sensor", "the sensed force is the true force"),
+        AblationName::NoPatience => (
+            "no patience limit",
+            "the controller's own rule ends a goal, and each goal is retried once",
+        ),
+    }
+}
+
+fn change(name: AblationName) -> Change {
+    match name {
+        AblationName::LabelsByContact => Change::Cut(|options| TrialOptions {
+            labels: Labels::Contact,
+            ..options
+        }),
+        AblationName::TrialsOfAnyLength => Change::Cut(|options| TrialOptions {
+            min_samples: 1,
+            ..options
+        }),
+        AblationName::NoSpuriousReadings => Change::Scene(|scene| scene.sensor.spurious_share = 0.0),
+        AblationName::NoCreep => Change::Scene(|scene| scene.sensor.creep_share_per_decade = 0.0),
+        AblationName::PerfectSensor => Change::Scene(|scene| scene.sensor.perfect = true),
+        AblationName::NoPatience => Change::Scene(|scene| {
+            scene.goals.patience_s = None;
+            scene.goals.retries = 1;
+        }),
+    }
+}
+
+impl Ablated {
+    /// A row of the first recipe's cells.
+    pub fn new(
+        experiment: &Experiment,
+        change: &str,
+        cells: impl IntoIterator<Item = Cell>,
+        trials_per_reach: Vec<TrialsPerReach>,
+    ) -> Self {
+        let recipe = estimators::recipe_name(estimators::main_recipe_name(experiment));
+        let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == recipe).collect();
+        let of = |unit: TableOneUnit| {
+            let own: Vec<&Accuracy> = table_1
+                .iter()
+                .filter(|cell| cell.key.by == unit)
+                .map(|cell| &cell.accuracy)
+                .collect();
+            let mean = |value: fn(&Accuracy) -> f64| own.iter().map(|own| value(own)).sum::<f64>() / own.len() as f64;
+            (!own.is_empty()).then(|| MeanAccuracy {
+                accuracy: mean(|own| own.accuracy),
+                balanced_accuracy: mean(|own| own.balanced_accuracy),
+                majority_baseline: mean(|own| own.majority_baseline),
+            })
+        };
+        let orderings = table_one::orderings(experiment, &table_1);
+        Ablated {
+            change: change.into(),
+            mean_absolute_difference_points: table_one::mean_difference(&table_1).remove(recipe),
+            orderings_holding: orderings.iter().filter(|ordering| ordering.holds).count(),
+            orderings: orderings.len(),
+            pairs_holding: orderings.iter().map(|ordering| ordering.pairs_holding).sum(),
+            pairs: orderings.iter().map(|ordering| ordering.pairs).sum(),
+            component: of(TableOneUnit::Component),
+            taxel: of(TableOneUnit::Taxel),
+            trials_per_reach,
+            table_1,
+        }
+    }
+}
+
+/// The table as it is, and with each of the experiment's changes. A quick run has too few reaches for it.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let experiment = session.experiment;
+    if session.quick || experiment.file.ablation.is_empty() {
+        return Ok(Outcome { ablation: Vec::new() });
+    }
+    let (data, as_is) = (session.once(training::run)?, session.once(table_one::run)?);
+    let counted = session.once(training_data::run)?;
+    let reaches = training::reaches(experiment, session.quick);
+    let ablation = session.stage("Ablation", || {
+        session.kept("ablation", session.seed, || {
+            let trials_per_reach = counted.trials_per_reach.clone();
+            let mut rows = vec![Ablated::new(experiment, AS_IS, as_is.table_1.clone(), trials_per_reach)];
+            for name in &experiment.file.ablation {
+                let trials = match change(*name) {
+                    Change::Cut(options) => {
+                        Trials::of_dataset(session, &data.dataset, &options(experiment.trial_options()))?
+                    }
+                    Change::Scene(change) => {
+                        let campaign = training::campaign(experiment, session.seed, &reaches, change)?;
+                        Trials::of_campaign(experiment, &campaign, session.progress)?
+                    }
+                };
+                let recipe = estimators::main_recipe_name(experiment);
+                let cells = table_one::evaluate(experiment, &trials, &[recipe])?;
+                let trials_per_reach = training_data::per_reach(experiment, &trials, &reaches);
+                let cells = cells.into_iter().map(|(cell, _)| cell);
+                rows.push(Ablated::new(experiment, described(*name).0, cells, trials_per_reach));
+            }
+            Ok(rows)
+        })
+    })?;
+    Ok(Outcome { ablation })
+}

@@ -1,0 +1,259 @@
+//! Several independent campaigns, from successive seeds: mean and spread of the cross-validation table, the trial counts
+//! and the comparison of classifiers.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::evaluate::TableOneUnit;
+
+use super::classifiers::{self, Compared};
+use super::table_one;
+use super::training_data::{self, TrialsPerReach};
+use crate::accuracy::{Accuracy, Part, Spread};
+use crate::cell::{self, Cell, CellKey, Ordering, unit_name};
+use crate::definition::Experiment;
+use crate::error::ExperimentError;
+use crate::session::Session;
+use crate::training::{self, Trials};
+
+/// The campaigns; `None` where only one was asked for.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Means and spreads.
+    pub campaigns: Option<Campaigns>,
+}
+
+/// Means and spreads over campaigns.
+#[derive(Serialize)]
+pub struct Campaigns {
+    /// Their seeds.
+    pub seeds: Vec<u64>,
+    /// The cross-validation table.
+    pub table_1: Vec<CampaignCell>,
+    /// By recipe: of the mean cells from the published ones.
+    pub mean_absolute_difference_points: BTreeMap<String, f64>,
+    /// Published statements on the mean cells.
+    pub orderings: Vec<Ordering>,
+    /// Trials per reach.
+    pub trials_per_reach: Vec<CampaignTrials>,
+    /// Other classifiers.
+    pub classifiers: Vec<CampaignClassifier>,
+}
+
+/// The figures of a cell over campaigns, per cent; see [`Accuracy`].
+#[derive(Serialize)]
+pub struct CampaignFigures {
+    /// Accuracy.
+    pub accuracy: Spread,
+    /// Balanced accuracy.
+    pub balanced_accuracy: Spread,
+    /// Majority baseline.
+    pub majority_baseline: Spread,
+    /// Of the trials in which something truly touched the skin; `None` where no campaign has any.
+    pub touched: Option<CampaignPart>,
+    /// Of the others.
+    pub untouched: Option<CampaignPart>,
+}
+
+/// The figures of a part of the trials over campaigns, per cent.
+#[derive(Serialize)]
+pub struct CampaignPart {
+    /// Accuracy.
+    pub accuracy: Spread,
+    /// Balanced accuracy.
+    pub balanced_accuracy: Spread,
+    /// Majority baseline.
+    pub majority_baseline: Spread,
+}
+
+/// A classifier over campaigns.
+#[derive(Serialize)]
+pub struct CampaignClassifier {
+    /// Its name.
+    pub classifier: String,
+    /// Its figures.
+    #[serde(flatten)]
+    pub figures: CampaignFigures,
+}
+
+/// A cell over campaigns.
+#[derive(Serialize)]
+pub struct CampaignCell {
+    /// Which cell.
+    #[serde(flatten)]
+    pub key: CellKey,
+    /// Its figures.
+    #[serde(flatten)]
+    pub figures: CampaignFigures,
+    /// The published accuracy, per cent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paper: Option<f64>,
+}
+
+/// Trials per reach over campaigns.
+#[derive(Serialize)]
+pub struct CampaignTrials {
+    /// What a trial is made of.
+    pub by: TableOneUnit,
+    /// The label.
+    pub category: String,
+    /// Trials per reach.
+    pub per_reach: Spread,
+    /// The published number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paper: Option<f64>,
+}
+
+/// What of one campaign enters the mean of many.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OneOfMany {
+    /// Trials per reach.
+    pub trials_per_reach: Vec<TrialsPerReach>,
+    /// The cross-validation table.
+    pub table_1: Vec<Cell>,
+    /// Other classifiers.
+    pub classifiers: Vec<Compared>,
+}
+
+/// Runs the further campaigns. Each campaign's result is cached.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    if session.campaigns < 2 {
+        return Ok(Outcome { campaigns: None });
+    }
+    let first = OneOfMany {
+        trials_per_reach: session.once(training_data::run)?.trials_per_reach.clone(),
+        table_1: session.once(table_one::run)?.table_1.clone(),
+        classifiers: session.once(classifiers::run)?.classifiers.clone(),
+    };
+    session.stage("Further campaigns", || {
+        let count = session.progress.count("further campaigns", session.campaigns - 1, 0);
+        let mut measured = vec![(session.seed, first)];
+        for number in 1..session.campaigns {
+            let seed = session.seed.wrapping_add(number);
+            measured.push((seed, session.kept("seed", seed, || measure(session, seed))?));
+            count.advance();
+        }
+        Ok(Outcome {
+            campaigns: Campaigns::of(session.experiment, &measured)?,
+        })
+    })
+}
+
+/// One campaign of a seed.
+fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
+    let experiment = session.experiment;
+    let reaches = training::reaches(experiment, session.quick);
+    let campaign = training::campaign(experiment, seed, &reaches, |_| {})?;
+    let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
+    let cells = table_one::evaluate(experiment, &trials, &experiment.file.recipes)?;
+    Ok(OneOfMany {
+        trials_per_reach: training_data::per_reach(experiment, &trials, &reaches),
+        table_1: cells.into_iter().map(|(cell, _)| cell).collect(),
+        classifiers: classifiers::compare(experiment, &trials.taxel)?,
+    })
+}
+
+impl Campaigns {
+    /// Means and spreads over campaigns, each with its seed; `None` of none. Figures are matched by name.
+    pub fn of(experiment: &Experiment, campaigns: &[(u64, OneOfMany)]) -> Result<Option<Self>, ExperimentError> {
+        let Some((_, first)) = campaigns.first() else {
+            return Ok(None);
+        };
+        let mut table_1 = Vec::new();
+        for Cell { key, paper, .. } in &first.table_1 {
+            let name = format!("cross-validation, {}, {} recipe", key.name(), key.recipe);
+            let own = matched(campaigns, &name, |campaign| {
+                let cells = campaign.table_1.iter();
+                cells.filter(|cell| cell.key == *key).map(|cell| &cell.accuracy)
+            })?;
+            table_1.push(CampaignCell {
+                key: key.clone(),
+                figures: CampaignFigures::of(&own),
+                paper: *paper,
+            });
+        }
+        let mut trials_per_reach = Vec::new();
+        for row in &first.trials_per_reach {
+            let name = format!("trials per reach, {}, {}", unit_name(row.by), row.category);
+            let same = |other: &&TrialsPerReach| (other.by, &other.category) == (row.by, &row.category);
+            let own = matched(campaigns, &name, |campaign| {
+                campaign.trials_per_reach.iter().filter(same)
+            })?;
+            trials_per_reach.push(CampaignTrials {
+                by: row.by,
+                category: row.category.clone(),
+                per_reach: Spread::of(&own.iter().map(|row| row.per_reach).collect::<Vec<_>>()),
+                paper: row.paper,
+            });
+        }
+        let mut classifiers = Vec::new();
+        for Compared { classifier, .. } in &first.classifiers {
+            let own = matched(campaigns, classifier, |campaign| {
+                let all = campaign.classifiers.iter();
+                all.filter(|own| own.classifier == *classifier).map(|own| &own.accuracy)
+            })?;
+            classifiers.push(CampaignClassifier {
+                classifier: classifier.clone(),
+                figures: CampaignFigures::of(&own),
+            });
+        }
+        let mean = |cell: &CampaignCell| cell.figures.accuracy.mean;
+        let keyed: Vec<_> = table_1.iter().map(|cell| (&cell.key, mean(cell))).collect();
+        let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
+        Ok(Some(Campaigns {
+            seeds: campaigns.iter().map(|(seed, _)| *seed).collect(),
+            mean_absolute_difference_points: cell::mean_difference(
+                table_1
+                    .iter()
+                    .map(|cell| (cell.key.recipe.as_str(), mean(cell), cell.paper)),
+            ),
+            orderings: cell::orderings(statements, &keyed),
+            trials_per_reach,
+            classifiers,
+            table_1,
+        }))
+    }
+}
+
+/// The one figure of this name in each campaign.
+fn matched<'a, T, I: Iterator<Item = &'a T>>(
+    campaigns: &'a [(u64, OneOfMany)],
+    name: &str,
+    figures: impl Fn(&'a OneOfMany) -> I,
+) -> Result<Vec<&'a T>, ExperimentError> {
+    let one = |(seed, campaign): &'a (u64, OneOfMany)| {
+        let mut found = figures(campaign);
+        match (found.next(), found.next()) {
+            (Some(figure), None) => Ok(figure),
+            (first, _) => Err(ExperimentError::Unmatched {
+                seed: *seed,
+                name: name.into(),
+                several: first.is_some(),
+            }),
+        }
+    };
+    campaigns.iter().map(one).collect()
+}
+
+impl CampaignFigures {
+    fn of(accuracies: &[&Accuracy]) -> Self {
+        let over =
+            |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
+        let part = |of: fn(&Accuracy) -> Option<&Part>| {
+            let parts: Vec<&Part> = accuracies.iter().filter_map(|own| of(own)).collect();
+            let over = |value: fn(&Part) -> f64| Spread::of(&parts.iter().map(|own| value(own)).collect::<Vec<_>>());
+            (!parts.is_empty()).then(|| CampaignPart {
+                accuracy: over(|own| own.accuracy),
+                balanced_accuracy: over(|own| own.balanced_accuracy),
+                majority_baseline: over(|own| own.majority_baseline),
+            })
+        };
+        CampaignFigures {
+            accuracy: over(|own| own.accuracy),
+            balanced_accuracy: over(|own| own.balanced_accuracy),
+            majority_baseline: over(|own| own.majority_baseline),
+            touched: part(|own| own.touched.as_ref()),
+            untouched: part(|own| own.untouched.as_ref()),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Other classifiers on the same trials, and how fast each of them decides.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::estimator::Estimator;
+use underbrush_classifier::evaluate::{
+    AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
+};
+use underbrush_recording::Trial;
+
+use crate::accuracy::Accuracy;
+use crate::definition::{ClassifierEntry, Experiment};
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+use crate::training;
+
+/// All classifiers of the experiment, in its order.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// On whole trials.
+    pub classifiers: Vec<Compared>,
+    /// After more and more samples.
+    pub speeds: Vec<Speed>,
+}
+
+/// One classifier on whole taxel trials, cross-validated in two folds of whole reaches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Compared {
+    /// Its name.
+    pub classifier: String,
+    /// Its accuracy.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+}
+
+/// Accuracy of one classifier by samples since contact, as fractions.
+#[derive(Serialize)]
+pub struct Speed {
+    /// Its name.
+    pub classifier: String,
+    /// On the trials of the cross-validation table, all of which last a minimum number of samples. Online, nobody knows
+    /// this of a contact that still lasts.
+    pub lasting_contacts: Vec<AccuracyBySamples>,
+    /// On all contacts, including the shorter ones, as they would be met online.
+    pub all_contacts: Vec<AccuracyBySamples>,
+}
+
+/// Folds of whole reaches. This is stricter than the paper's folds by position, which can put trials of one contact on both
+/// sides.
+const FOLDS: Folds = Folds {
+    count: 2,
+    by: FoldBy::Reach,
+};
+
+/// Compares all classifiers.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let data = session.once(training::run)?;
+    let experiment = session.experiment;
+    if experiment.file.classifiers.is_empty() {
+        return Ok(Outcome {
+            classifiers: Vec::new(),
+            speeds: Vec::new(),
+        });
+    }
+    let classifiers = session.stage("Other classifiers", || compare(experiment, &data.trials.taxel))?;
+    let (lasting, all) = (data.trials.taxel.as_slice(), data.contacts.as_slice());
+    let min_samples = experiment.file.trials.min_samples;
+    let speeds = session.stage("How fast classifiers decide", || {
+        each(experiment, |entry, estimator| {
+            Ok(Speed {
+                classifier: entry.name.clone(),
+                lasting_contacts: accuracy_by_samples(lasting, estimator, FOLDS)?,
+                all_contacts: accuracy_by_samples_of_all(all, estimator, FOLDS, min_samples)?,
+            })
+        })
+    })?;
+    Ok(Outcome { classifiers, speeds })
+}
+
+/// Cross-validates all classifiers on whole trials.
+pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Compared>, ExperimentError> {
+    each(experiment, |entry, estimator| {
+        let evaluation = cross_validate(taxel_trials, estimator, FOLDS, &Decision::argmax())?;
+        Ok(Compared {
+            classifier: entry.name.clone(),
+            accuracy: Accuracy::of(&evaluation),
+        })
+    })
+}
+
+/// Does the same with each classifier, in parallel.
+fn each<T: Send>(
+    experiment: &Experiment,
+    work: impl Fn(&ClassifierEntry, &dyn Estimator) -> Result<T, ExperimentError> + Sync,
+) -> Result<Vec<T>, ExperimentError> {
+    let recipe = estimators::main_recipe(experiment);
+    let one = |entry: &ClassifierEntry| work(entry, estimators::estimator(entry, &recipe).as_ref());
+    let found: Vec<Result<T, ExperimentError>> = experiment.file.classifiers.par_iter().map(one).collect();
+    found.into_iter().collect()
+}

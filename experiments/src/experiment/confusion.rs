@@ -1,0 +1,42 @@
+//! Confusion of taxels by the models with most states, for force alone and for force and motion (Figs. 6 and 7).
+
+use serde::Serialize;
+use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneUnit};
+use underbrush_classifier::feature::FeatureSet;
+
+use super::table_one;
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+
+/// Both matrices, in the first recipe.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Force alone.
+    pub figure_6: Option<ConfusionMatrix>,
+    /// Force and motion.
+    pub figure_7: Option<ConfusionMatrix>,
+    /// Number of hidden states.
+    #[serde(skip)]
+    pub states: usize,
+}
+
+/// Takes both from the cross-validation table.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let table = session.once(table_one::run)?;
+    let recipe = estimators::recipe_name(estimators::main_recipe_name(session.experiment));
+    let states = session.experiment.file.states.iter().copied().max().unwrap_or_default();
+    let matrix = |features: FeatureSet| {
+        let mut cells = table.table_1.iter().zip(&table.evaluations);
+        let own = cells.find(|(cell, _)| {
+            let key = &cell.key;
+            key.recipe == recipe && (key.by, key.features, key.states) == (TableOneUnit::Taxel, features, states)
+        });
+        own.map(|(_, evaluation)| evaluation.confusion.clone())
+    };
+    Ok(Outcome {
+        figure_6: matrix(FeatureSet::FORCE),
+        figure_7: matrix(FeatureSet::FORCE_AND_MOTION),
+        states,
+    })
+}

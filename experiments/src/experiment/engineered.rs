@@ -1,0 +1,63 @@
+//! Online verdicts in reaches that touch one category alone (Fig. 11).
+
+use serde::Serialize;
+use underbrush_classifier::evaluate::Tally;
+
+use crate::error::ExperimentError;
+use crate::online::{self, Shares};
+use crate::session::Session;
+
+/// All engineered reaches.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// In the order of the experiment file.
+    pub figure_11: Vec<Engineered>,
+}
+
+/// One engineered reach.
+#[derive(Clone, Debug, Serialize)]
+pub struct Engineered {
+    /// Name of the scene.
+    pub scene: String,
+    /// The category that it touches.
+    pub category: &'static str,
+    /// Which draw of the scene it is, from 0. The draws before touched something else, or nothing.
+    pub reach_index: Option<u64>,
+    /// Reaches drawn.
+    pub drawn: u64,
+    /// By the category of the scene. `None` where no draw did what it should, or the skin felt nothing.
+    pub shares: Option<Shares>,
+    /// Share of these taxel frames in which nothing presses on the taxel (spurious readings, creep, crosstalk), per cent.
+    pub untouched_percent: Option<f64>,
+    /// Mean number of samples that a verdict used.
+    pub mean_samples_used: Option<f64>,
+}
+
+/// Sums up the verdicts of each reach.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let online = session.once(online::run)?;
+    let one = |reach: &online::Engineered| {
+        let own = reach.by_scene.as_ref();
+        Engineered {
+            scene: reach.scene.clone(),
+            category: reach.category.name(),
+            reach_index: own.map(|own| own.reach_index),
+            drawn: reach.drawn,
+            shares: own.and_then(|own| Shares::of(&own.stream.total())),
+            untouched_percent: reach
+                .by_object
+                .as_ref()
+                .and_then(|own| untouched_percent(&own.stream.total())),
+            mean_samples_used: own.and_then(|own| own.stream.mean_samples_used()),
+        }
+    };
+    Ok(Outcome {
+        figure_11: online.engineered.iter().map(one).collect(),
+    })
+}
+
+/// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.
+fn untouched_percent(tally: &Tally) -> Option<f64> {
+    let all = tally.judged() + tally.unknown;
+    (all > 0).then(|| 100.0 * tally.unknown as f64 / all as f64)
+}

@@ -1,0 +1,129 @@
+//! Force and motion of ordinary trials (paper, Fig. 5).
+
+use serde::Serialize;
+use underbrush_recording::Trial;
+
+use crate::error::ExperimentError;
+use crate::session::Session;
+use crate::training;
+
+/// Examples and medians of each label.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// One trial of each label.
+    pub figure_5: Vec<Example>,
+    /// What is typical of the trials that the examples are taken from.
+    pub figure_5_medians: Vec<Typical>,
+}
+
+/// Picks them from the taxel trials.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let data = session.once(training::run)?;
+    let labels = session.experiment.labels();
+    Ok(Outcome {
+        figure_5: examples(&labels, &data.trials.taxel),
+        figure_5_medians: medians(&labels, &data.trials.taxel),
+    })
+}
+
+/// An example.
+#[derive(Serialize)]
+pub struct Example {
+    /// The label.
+    pub category: String,
+    /// Number of the trial.
+    pub trial: u64,
+    /// The taxel.
+    pub taxel: Option<u32>,
+    /// How many samples the trial has.
+    pub samples: usize,
+    /// The largest sensed force, N.
+    pub peak_force_n: f64,
+    /// The longest motion, m.
+    pub farthest_motion_m: f64,
+    /// The trial.
+    #[serde(skip)]
+    pub data: Trial,
+}
+
+/// Medians over the taxel trials of a label in which something touched the taxel.
+#[derive(Serialize)]
+pub struct Typical {
+    /// The label.
+    pub category: String,
+    /// How many trials there are.
+    pub trials: usize,
+    /// 0.1 s after contact: how fast the force rises.
+    pub force_after_100_ms_n: f64,
+    /// The largest sensed force of a trial, N.
+    pub peak_force_n: f64,
+    /// Length of the taxel's path during contact.
+    pub motion_m: f64,
+}
+
+fn peak_force_n(trial: &Trial) -> f64 {
+    trial.samples.iter().map(|sample| sample.force_n).fold(0.0, f64::max)
+}
+
+fn motion_m(trial: &Trial) -> f64 {
+    let motions = trial.samples.iter().filter_map(|sample| sample.motion_m);
+    motions.fold(0.0, f64::max)
+}
+
+/// The trials of a category in which something touched the taxel.
+fn touched_trials<'a>(label: &str, taxel_trials: &'a [Trial]) -> Vec<&'a Trial> {
+    let own = |trial: &&Trial| trial.touched() == Some(true) && trial.category.as_deref() == Some(label);
+    taxel_trials.iter().filter(own).collect()
+}
+
+/// One trial of each label: among those of a touched taxel that last a second or more (or all, if none lasts that long),
+/// the one with the median peak force. It is an ordinary trial, and long enough to look at.
+fn examples(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Example> {
+    let example = |label: &&str| {
+        let mut trials = touched_trials(label, taxel_trials);
+        if trials.iter().any(|trial| trial.samples.len() >= 100) {
+            trials.retain(|trial| trial.samples.len() >= 100);
+        }
+        trials.sort_by(|a, b| peak_force_n(a).total_cmp(&peak_force_n(b)));
+        let trial = trials.get(trials.len() / 2)?;
+        Some(Example {
+            category: (*label).to_owned(),
+            trial: trial.trial,
+            taxel: trial.taxel,
+            samples: trial.samples.len(),
+            peak_force_n: peak_force_n(trial),
+            farthest_motion_m: motion_m(trial),
+            data: (*trial).clone(),
+        })
+    };
+    labels.iter().filter_map(example).collect()
+}
+
+/// Medians over all touched trials of each category.
+fn medians(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Typical> {
+    let typical = |label: &&str| {
+        let trials = touched_trials(label, taxel_trials);
+        let over = |value: fn(&Trial) -> f64| median(trials.iter().map(|trial| value(trial)).collect());
+        // At 100 Hz; the first sample is the contact itself. Shorter trials have no such sample.
+        let early = |trial: &Trial| trial.samples.get(10).map_or(f64::NAN, |sample| sample.force_n);
+        (!trials.is_empty()).then(|| Typical {
+            category: (*label).to_owned(),
+            trials: trials.len(),
+            force_after_100_ms_n: over(early),
+            peak_force_n: over(peak_force_n),
+            motion_m: over(motion_m),
+        })
+    };
+    labels.iter().filter_map(typical).collect()
+}
+
+/// The mean of the two in the middle, where the count is even.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() % 2 {
+        _ if values.is_empty() => f64::NAN,
+        0 => f64::midpoint(values[middle - 1], values[middle]),
+        _ => values[middle],
+    }
+}

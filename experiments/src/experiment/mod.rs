@@ -1,0 +1,68 @@
+//! All experiments, one file each: `run` gives a typed, serializable `Outcome`. `for_each_experiment` is their one list;
+//! the report's sections come from the same list.
+
+use std::rc::Rc;
+
+use serde::{Serialize, Serializer};
+
+use crate::error::ExperimentError;
+use crate::session::Session;
+
+/// The one list of experiments, in the order in which they run and in which the report shows them.
+///
+/// Each name stands for a file in this folder, and for the file of that name in the report's folder of sections.
+#[macro_export]
+macro_rules! for_each_experiment {
+    ($apply:ident) => {
+        $apply! {
+            training_data,
+            table_one,
+            confusion,
+            example_trials,
+            over_time,
+            engineered,
+            moments,
+            truncation,
+            outliers,
+            classifiers,
+            settings,
+            ablation,
+            campaigns,
+        }
+    };
+}
+
+macro_rules! declare {
+    ($($name:ident,)*) => {
+        $(pub mod $name;)*
+
+        /// The outcomes of all experiments.
+        #[derive(Serialize)]
+        pub struct Outcomes {
+            $(
+                #[allow(missing_docs, reason = "the experiment's file says what it holds")]
+                #[serde(flatten)]
+                #[serde(serialize_with = "shared")]
+                pub $name: Rc<$name::Outcome>,
+            )*
+        }
+
+        impl Outcomes {
+            /// Runs all experiments.
+            ///
+            /// # Errors
+            /// That of the first experiment that fails.
+            pub fn of(session: &Session) -> Result<Self, ExperimentError> {
+                Ok(Outcomes {
+                    $($name: session.once($name::run)?,)*
+                })
+            }
+        }
+    };
+}
+for_each_experiment!(declare);
+
+/// An outcome as it is; serde's own feature for shared values would be on for all crates.
+fn shared<T: Serialize, S: Serializer>(outcome: &Rc<T>, serializer: S) -> Result<S::Ok, S::Error> {
+    outcome.serialize(serializer)
+}

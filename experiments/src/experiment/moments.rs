@@ -1,0 +1,120 @@
+//! One moment of a general reach and of an outlier reach, with the verdicts on their taxels (Figs. 12 and 14).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+use underbrush_classifier::HmmClassifier;
+use underbrush_classifier::decision::{Decision, Rule, Verdict};
+use underbrush_classifier::online::OnlineClassifier;
+use underbrush_recording::{Frame, SkinLayout};
+use underbrush_sim::snapshot::Snapshot;
+
+use crate::error::ExperimentError;
+use crate::models;
+use crate::online::{self, Classified};
+use crate::reaches;
+use crate::session::Session;
+
+/// Both moments, where there are such reaches. They are for pictures; there is nothing to write down.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Of the general reach that figures show.
+    #[serde(skip)]
+    pub general: Option<Moment>,
+    /// Of the first outlier reach.
+    #[serde(skip)]
+    pub outlier: Option<Moment>,
+}
+
+/// Takes both.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let (online, models) = (session.once(online::run)?, session.once(models::run)?);
+    session.stage("Moments of a general and of an outlier reach", || {
+        Ok(Outcome {
+            general: take(
+                session,
+                &models.0,
+                online.shown(),
+                online::uncertain_rule(session.experiment),
+            )?,
+            outlier: take(session, &models.0, online.outlier.first(), Decision::paper().rule)?,
+        })
+    })
+}
+
+/// Arm, clutter and verdicts at one moment.
+pub struct Moment {
+    /// Arm and clutter.
+    pub snapshot: Snapshot,
+    /// The skin.
+    pub layout: SkinLayout,
+    /// Index of the patch that is classified.
+    pub patch: usize,
+    /// Verdict by taxel of that patch.
+    pub verdicts: BTreeMap<usize, Verdict>,
+    /// Taxels of that patch that an object truly presses on; the others in contact are spurious readings, creep or crosstalk.
+    pub pressed: BTreeSet<usize>,
+    /// Name of the scene.
+    pub scene: String,
+    /// Which reach of the scene.
+    pub reach_index: u64,
+}
+
+/// Runs a classified reach once more and stops it where most taxels are in contact: the moment is chosen by how much there
+/// is to see, not by how well it is classified. `None` where there is no such reach.
+fn take(
+    session: &Session,
+    models: &HmmClassifier,
+    shown: Option<&Classified>,
+    rule: Rule,
+) -> Result<Option<Moment>, ExperimentError> {
+    let Some(shown) = shown else { return Ok(None) };
+    let most = shown
+        .stream
+        .frames
+        .iter()
+        .enumerate()
+        .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
+    let Some((chosen, _)) = most else { return Ok(None) };
+    let plan = reaches::plan(session.experiment, &shown.source, session.seed)?;
+    let options = online::options(session.experiment, rule);
+    let layout = plan.arm.skin.layout.clone();
+    let mut classifier = OnlineClassifier::new(models, &layout, &options)?;
+    let (mut index, mut taken, mut fault) = (0, None, None);
+    plan.run(shown.reach_index, &mut |simulation, frame| {
+        if index <= chosen && fault.is_none() {
+            match classifier.update(frame) {
+                Ok(judged) if index == chosen => {
+                    let verdicts = judged.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
+                    taken = Some((Snapshot::take(simulation, frame), verdicts));
+                }
+                Ok(_) => {}
+                Err(error) => fault = Some(error),
+            }
+        }
+        index += 1;
+    })?;
+    if let Some(error) = fault {
+        return Err(error.into());
+    }
+    let patch = layout
+        .chosen_patch(session.experiment.file.trials.patch.as_deref())
+        .unwrap_or_default();
+    Ok(taken.map(|(snapshot, verdicts)| Moment {
+        pressed: pressed(&snapshot.frame, patch),
+        snapshot,
+        layout,
+        patch,
+        verdicts,
+        scene: shown.scene.clone(),
+        reach_index: shown.reach_index,
+    }))
+}
+
+/// The taxels of a patch that an object presses on.
+fn pressed(frame: &Frame, patch: usize) -> BTreeSet<usize> {
+    let own = frame.taxels.iter().filter(|own| usize::from(own.patch) == patch);
+    own.filter(|own| own.object.is_some())
+        .map(|own| usize::from(own.taxel))
+        .collect()
+}

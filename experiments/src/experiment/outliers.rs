@@ -1,0 +1,147 @@
+//! Outliers: what the paper's thresholds, chosen thresholds, and any threshold make of the outlier reaches (Fig. 15).
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+
+use serde::Serialize;
+use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::evaluate::ChosenThresholds;
+use underbrush_recording::Category;
+
+use crate::error::ExperimentError;
+use crate::online::{self, Classified, Online};
+use crate::session::Session;
+use crate::thresholds::{self, Thresholds};
+
+/// What the thresholds do.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Verdicts in the outlier reaches.
+    pub figure_15: Outliers,
+    /// Thresholds chosen from the training data; `None` where none hold what is asked for.
+    pub thresholds: Option<ChosenThresholds>,
+    /// Areas under the receiver operating characteristics.
+    pub roc: Areas,
+    /// The curves, and why there are no thresholds.
+    #[serde(skip)]
+    pub curves: Rc<Thresholds>,
+    /// All reaches.
+    #[serde(skip)]
+    pub online: Rc<Online>,
+    /// The label that is held against the others.
+    #[serde(skip)]
+    pub first_label: String,
+}
+
+/// Verdicts in the outlier reaches.
+#[derive(Serialize)]
+pub struct Outliers {
+    /// Reaches drawn.
+    pub drawn: u64,
+    /// Reaches that do what they should.
+    pub reaches: usize,
+    /// By rule and by what truly presses.
+    pub detection: Vec<Detection>,
+}
+
+/// What one decision rule makes of the taxels that truly touch something (section V-D).
+#[derive(Clone, Debug, Serialize)]
+pub struct Detection {
+    /// The rule.
+    pub rule: String,
+    /// Category of the object that presses.
+    pub truth: &'static str,
+    /// Taxels in contact, summed over frames.
+    pub taxel_frames: usize,
+    /// Per cent by verdict: `leaf_percent`, `uncertain_percent`, and so on.
+    #[serde(flatten)]
+    pub percent: BTreeMap<String, f64>,
+}
+
+/// Areas under the curves; 0.5 is chance.
+#[derive(Serialize)]
+pub struct Areas {
+    /// The first label against the others.
+    pub category_area: Option<f64>,
+    /// Outliers against known categories.
+    pub outlier_area: Option<f64>,
+}
+
+impl Detection {
+    /// The share of a verdict, per cent.
+    pub fn percent_of(&self, verdict: &str) -> f64 {
+        self.percent.get(&format!("{verdict}_percent")).copied().unwrap_or(0.0)
+    }
+}
+
+/// How the names of the chosen thresholds begin.
+pub const CHOSEN: &str = "chosen";
+
+/// Counts verdicts by both rules.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let (online, curves) = (session.once(online::run)?, session.once(thresholds::run)?);
+    let mut found = detection(&rule_name("the paper's", &Decision::paper()), &online.outlier);
+    if let Some((decision, reaches)) = &online.outlier_by_chosen {
+        found.extend(detection(&rule_name(CHOSEN, decision), reaches));
+    }
+    Ok(Outcome {
+        figure_15: Outliers {
+            drawn: online.outlier_drawn,
+            reaches: online.outlier.len(),
+            detection: found,
+        },
+        thresholds: curves.chosen.as_ref().ok().cloned(),
+        roc: Areas {
+            category_area: curves.category_roc.as_ref().map(|curve| curve.area),
+            outlier_area: curves.outlier_roc.as_ref().map(|curve| curve.area),
+        },
+        first_label: session
+            .experiment
+            .labels()
+            .first()
+            .map_or_else(String::new, |label| (*label).to_owned()),
+        curves,
+        online,
+    })
+}
+
+fn rule_name(whose: &str, decision: &Decision) -> String {
+    match decision.rule {
+        Rule::OutlierBand {
+            uncertain_below,
+            category_above,
+        } => format!("{whose}: {uncertain_below:.1} and {category_above:.1}"),
+        Rule::UncertainBelow { margin } => format!("{whose}: {margin:.1}"),
+        Rule::Argmax => whose.to_owned(),
+    }
+}
+
+/// One row for each category that presses on a taxel, over all reaches of a rule.
+fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
+    let of = |category: Category| {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for reach in reaches {
+            let row = reach.stream.truths.iter().position(|truth| *truth == category);
+            let counted = row
+                .and_then(|row| reach.stream.taxel_frames.get(row))
+                .into_iter()
+                .flatten();
+            for (verdict, count) in reach.stream.verdicts.iter().zip(counted) {
+                *counts.entry(verdict).or_default() += count;
+            }
+        }
+        let taxel_frames: usize = counts.values().sum();
+        let percent = |count: usize| 100.0 * count as f64 / taxel_frames as f64;
+        (taxel_frames > 0).then(|| Detection {
+            rule: rule.into(),
+            truth: category.name(),
+            taxel_frames,
+            percent: counts
+                .iter()
+                .map(|(verdict, count)| (format!("{verdict}_percent"), percent(*count)))
+                .collect(),
+        })
+    };
+    let truths: BTreeSet<Category> = reaches.iter().flat_map(|reach| &reach.stream.truths).copied().collect();
+    truths.into_iter().filter_map(of).collect()
+}

@@ -1,0 +1,75 @@
+//! Online verdicts over time in a general reach (Figs. 8 to 10).
+
+use std::rc::Rc;
+
+use serde::Serialize;
+
+use crate::error::ExperimentError;
+use crate::online::{self, Classified, Online, Shares};
+use crate::session::Session;
+
+/// What one general reach shows.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// How many samples a verdict used.
+    pub figure_9: SamplesUsed,
+    /// Shares of correct, wrong and uncertain verdicts.
+    pub figure_10: Option<Shares>,
+    /// Computation time of a new sample for 100 taxels in contact, s: the mean over the reach.
+    #[serde(skip)]
+    pub seconds_per_100_taxels: Option<f64>,
+    /// The median over the frames with contact.
+    #[serde(skip)]
+    pub median_seconds_per_100_taxels: Option<f64>,
+    /// All reaches.
+    #[serde(skip)]
+    pub online: Rc<Online>,
+}
+
+/// How many samples of its contact a verdict used.
+#[derive(Serialize)]
+pub struct SamplesUsed {
+    /// Of the reach shown, mean over its frames with contact.
+    pub mean_samples_used: Option<f64>,
+    /// Mean of that over all engineered and general reaches with contact.
+    pub mean_over_reaches: Option<f64>,
+    /// How many these are.
+    pub reaches: usize,
+    /// The published mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paper: Option<f64>,
+}
+
+/// Sums up the verdicts.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let online = session.once(online::run)?;
+    let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());
+    let used = by_scene
+        .chain(&online.general)
+        .filter_map(|reach| reach.stream.mean_samples_used());
+    let used: Vec<f64> = used.collect();
+    let shown = online.shown();
+    Ok(Outcome {
+        figure_9: SamplesUsed {
+            mean_samples_used: shown.and_then(|reach| reach.stream.mean_samples_used()),
+            mean_over_reaches: (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64),
+            reaches: used.len(),
+            paper: session.experiment.published().and_then(|own| own.samples_used),
+        },
+        figure_10: shown.and_then(|reach| Shares::of(&reach.stream.total())),
+        seconds_per_100_taxels: shown.and_then(|reach| reach.stream.seconds_per_100_taxels()),
+        median_seconds_per_100_taxels: shown.and_then(median_seconds),
+        online,
+    })
+}
+
+/// The median over the frames with contact of the time per 100 taxels, s.
+fn median_seconds(reach: &Classified) -> Option<f64> {
+    let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
+    let with_contact = frames.filter(|(frame, _)| frame.in_contact > 0);
+    let mut seconds: Vec<f64> = with_contact
+        .map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64)
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds.get(seconds.len() / 2).copied()
+}

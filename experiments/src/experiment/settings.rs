@@ -1,0 +1,152 @@
+//! Trained at one arm stiffness and hand speed, tested at others: the open question of the follow-up study
+//! (arXiv 1409.4972).
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::estimator::Estimator;
+use underbrush_classifier::evaluate::{Evaluation, evaluate};
+use underbrush_recording::Trial;
+
+use crate::accuracy::Accuracy;
+use crate::definition::Experiment;
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+use crate::training::{self, Trials};
+
+/// Every classifier, trained and tested at every pair of settings.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// By classifier, then by the setting of training, then by that of testing.
+    pub splits: Vec<Split>,
+}
+
+/// How a classifier that was trained at one setting does at another.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Split {
+    /// The classifier.
+    pub classifier: String,
+    /// The setting of training.
+    pub trained: String,
+    /// The setting of testing.
+    pub tested: String,
+    /// The accuracy.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+}
+
+/// The name of the scenes' own arm and speed.
+pub const NOMINAL: &str = "nominal";
+
+/// Taxel trials of one setting, in two folds of whole reaches.
+pub struct Folded {
+    /// Name of the setting.
+    pub name: String,
+    /// The folds.
+    pub folds: [Vec<Trial>; 2],
+}
+
+impl Outcome {
+    /// Names of the classifiers, in their order.
+    pub fn classifiers(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.splits.iter().map(|split| split.classifier.as_str()).collect();
+        names.dedup();
+        names
+    }
+}
+
+impl Folded {
+    /// Takes the first `counts` reaches of each scene from a campaign of `reaches` of each scene, and puts half of each
+    /// scene's into either fold. The reaches are the same at every setting: they have the same clutter and goals.
+    pub fn new(name: &str, taxel_trials: &[Trial], reaches: &[u64], counts: &[u64]) -> Self {
+        let mut folds = [Vec::new(), Vec::new()];
+        for trial in taxel_trials {
+            let Some(mut index) = trial.reach else { continue };
+            for (reaches, count) in reaches.iter().zip(counts) {
+                if index >= *reaches {
+                    index -= reaches;
+                    continue;
+                }
+                if index < *count {
+                    folds[usize::from(2 * index >= *count)].push(trial.clone());
+                }
+                break;
+            }
+        }
+        Folded {
+            name: name.into(),
+            folds,
+        }
+    }
+}
+
+/// Runs the training scenes at the other settings, and tests each setting's classifiers at each.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let data = session.once(training::run)?;
+    let experiment = session.experiment;
+    if experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty() {
+        return Ok(Outcome { splits: Vec::new() });
+    }
+    let counts: Vec<u64> = experiment
+        .file
+        .training
+        .iter()
+        .map(|own| own.setting_reaches(session.quick))
+        .collect();
+    let splits = session.stage("Other arms and speeds", || {
+        session.kept("splits", session.seed, || {
+            let reaches = training::reaches(experiment, session.quick);
+            let mut settings = vec![Folded::new(NOMINAL, &data.trials.taxel, &reaches, &counts)];
+            for setting in &experiment.file.settings {
+                let campaign =
+                    training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;
+                let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
+                settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
+            }
+            splits(experiment, &settings)
+        })
+    })?;
+    Ok(Outcome { splits })
+}
+
+/// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half. So
+/// no clutter occurs in both, and all are trained on equally many reaches.
+pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, ExperimentError> {
+    let recipe = estimators::main_recipe(experiment);
+    let entries = experiment.file.setting_classifiers.iter();
+    let all: Vec<(&str, Box<dyn Estimator>)> = entries
+        .map(|entry| (entry.name.as_str(), estimators::estimator(entry, &recipe)))
+        .collect();
+    let cases: Vec<_> = all
+        .iter()
+        .flat_map(|classifier| settings.iter().map(move |trained| (classifier, trained)))
+        .collect();
+    let row = |((classifier, estimator), trained): &(&(&str, Box<dyn Estimator>), &Folded)| {
+        let (mut predictions, mut categories) = (vec![Vec::new(); settings.len()], Vec::new());
+        for fold in 0..2 {
+            let fitted = estimator.fit(&trained.folds[1 - fold].iter().collect::<Vec<_>>())?;
+            categories = fitted.categories();
+            for (tested, predictions) in settings.iter().zip(&mut predictions) {
+                let evaluation = evaluate(fitted.as_ref(), &tested.folds[fold], &Decision::argmax())?;
+                predictions.extend(evaluation.predictions);
+            }
+        }
+        let split = |(tested, predictions): (&Folded, Vec<_>)| {
+            Ok(Split {
+                classifier: (*classifier).into(),
+                trained: trained.name.clone(),
+                tested: tested.name.clone(),
+                accuracy: Accuracy::of(&Evaluation::of(predictions, &categories, Vec::new())?),
+            })
+        };
+        settings.iter().zip(predictions).map(split).collect()
+    };
+    let rows: Vec<Result<Vec<Split>, ExperimentError>> = cases.par_iter().map(row).collect();
+    Ok(rows
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+        .collect())
+}

@@ -1,0 +1,107 @@
+//! The cross-validation table (the paper's Table I): components and taxels, force with and without motion, and several
+//! numbers of hidden states.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::evaluate::{Evaluation, Folds, TableOneUnit, cross_validate};
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::recipe::Recipe;
+use underbrush_recording::Trial;
+
+use crate::accuracy::Accuracy;
+use crate::cell::{self, Cell, CellKey, Ordering};
+use crate::definition::{Experiment, RecipeName};
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+use crate::training::{self, Trials};
+
+/// The table.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// All cells of all recipes.
+    pub table_1: Vec<Cell>,
+    /// By recipe: over the cells with a published figure, points.
+    pub mean_absolute_difference_points: BTreeMap<String, f64>,
+    /// The published statements on the table.
+    pub orderings: Vec<Ordering>,
+    /// The evaluation behind each cell.
+    #[serde(skip)]
+    pub evaluations: Vec<Evaluation>,
+}
+
+/// Cross-validates all cells in all recipes.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let data = session.once(training::run)?;
+    let experiment = session.experiment;
+    session.stage("Cross-validation", || {
+        let evaluated = evaluate(experiment, &data.trials, &experiment.file.recipes)?;
+        let (table_1, evaluations): (Vec<Cell>, Vec<Evaluation>) = evaluated.into_iter().unzip();
+        Ok(Outcome {
+            mean_absolute_difference_points: mean_difference(&table_1),
+            orderings: orderings(experiment, &table_1),
+            table_1,
+            evaluations,
+        })
+    })
+}
+
+/// All cells of some recipes, in parallel, each with the evaluation behind it. There are component cells only where there
+/// are component trials.
+pub fn evaluate(
+    experiment: &Experiment,
+    trials: &Trials,
+    recipes: &[RecipeName],
+) -> Result<Vec<(Cell, Evaluation)>, ExperimentError> {
+    let units = [
+        (TableOneUnit::Component, &trials.component),
+        (TableOneUnit::Taxel, &trials.taxel),
+    ];
+    let mut cases = Vec::new();
+    for name in recipes {
+        for (by, trials) in units.iter().filter(|(_, trials)| !trials.is_empty()) {
+            for features in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION] {
+                let states = experiment.file.states.iter();
+                cases.extend(states.map(|states| (*name, *by, *trials, features, *states)));
+            }
+        }
+    }
+    let case = |(name, by, trials, features, states): (RecipeName, TableOneUnit, &Vec<Trial>, FeatureSet, usize)| {
+        let recipe = Recipe {
+            states,
+            features,
+            ..estimators::recipe(name)
+        };
+        let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
+        let published = experiment.published();
+        let cell = Cell {
+            accuracy: Accuracy::of(&evaluation),
+            paper: published.and_then(|own| own.accuracy_percent(by, estimators::feature_names(features), states)),
+            key: CellKey {
+                by,
+                features,
+                states,
+                recipe: estimators::recipe_name(name).into(),
+            },
+        };
+        Ok((cell, evaluation))
+    };
+    let found: Vec<Result<(Cell, Evaluation), ExperimentError>> = cases.into_par_iter().map(case).collect();
+    found.into_iter().collect()
+}
+
+/// Mean absolute difference of the cells from the published ones, by recipe, points.
+pub fn mean_difference(cells: &[Cell]) -> BTreeMap<String, f64> {
+    let cells = cells.iter();
+    cell::mean_difference(cells.map(|cell| (cell.key.recipe.as_str(), cell.accuracy.accuracy, cell.paper)))
+}
+
+/// The published statements on these cells.
+pub fn orderings(experiment: &Experiment, cells: &[Cell]) -> Vec<Ordering> {
+    let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
+    let keyed: Vec<_> = cells.iter().map(|cell| (&cell.key, cell.accuracy.accuracy)).collect();
+    cell::orderings(statements, &keyed)
+}

@@ -1,0 +1,104 @@
+//! The training reaches and the contact trials cut from them.
+
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_recording::{FRAME_PERIOD_S, Trial};
+
+use crate::audit::{self, Worst};
+use crate::definition::Experiment;
+use crate::ends::Ends;
+use crate::error::ExperimentError;
+use crate::session::Session;
+use crate::training::{self, Trials};
+
+/// The training data.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// The reaches.
+    pub reaches: Reaches,
+    /// Contact trials by unit and label.
+    pub trials_per_reach: Vec<TrialsPerReach>,
+}
+
+/// The training reaches.
+#[derive(Serialize)]
+pub struct Reaches {
+    /// How many there are.
+    pub count: usize,
+    /// Their frames.
+    pub frames: usize,
+    /// Simulated time, s.
+    pub simulated_s: f64,
+    /// How they ended.
+    #[serde(flatten)]
+    pub ends: Ends,
+    /// The worst figures of their audit.
+    pub audit: std::collections::BTreeMap<&'static str, Worst>,
+}
+
+/// Contact trials of one label.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialsPerReach {
+    /// What a trial is made of.
+    pub by: TableOneUnit,
+    /// The label.
+    pub category: String,
+    /// How many trials there are.
+    pub trials: usize,
+    /// Trials in which nothing truly touched the skin.
+    pub untouched: usize,
+    /// Trials per reach of the label's scenes.
+    pub per_reach: f64,
+    /// The published number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<f64>,
+}
+
+/// Makes the data and counts it.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let data = session.once(training::run)?;
+    let (episodes, layout) = (data.dataset.episodes(), data.dataset.layout());
+    let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
+    let reaches = training::reaches(session.experiment, session.quick);
+    Ok(Outcome {
+        reaches: Reaches {
+            count: episodes.len(),
+            frames,
+            simulated_s: frames as f64 * FRAME_PERIOD_S,
+            ends: Ends::of(episodes),
+            audit: audit::worst(episodes, layout),
+        },
+        trials_per_reach: per_reach(session.experiment, &data.trials, &reaches),
+    })
+}
+
+/// Trials per reach, of a campaign of so many reaches of each training scene.
+pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> Vec<TrialsPerReach> {
+    let row = |by: TableOneUnit, trials: &[Trial], label: &str| {
+        let scenes = experiment.file.training.iter().zip(reaches);
+        let reaches: u64 = scenes
+            .filter(|(own, _)| own.label == label)
+            .map(|(_, reaches)| reaches)
+            .sum();
+        let own = || trials.iter().filter(|trial| trial.category.as_deref() == Some(label));
+        TrialsPerReach {
+            by,
+            category: label.into(),
+            trials: own().count(),
+            untouched: own().filter(|trial| trial.touched() == Some(false)).count(),
+            per_reach: own().count() as f64 / reaches as f64,
+            paper: experiment
+                .published()
+                .and_then(|published| published.trials_per_reach(by, label)),
+        }
+    };
+    let units = [
+        (TableOneUnit::Component, &trials.component),
+        (TableOneUnit::Taxel, &trials.taxel),
+    ];
+    let labels = experiment.labels();
+    let rows = units
+        .iter()
+        .flat_map(|(by, trials)| labels.iter().map(|label| row(*by, trials, label)));
+    rows.collect()
+}

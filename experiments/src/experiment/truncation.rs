@@ -1,0 +1,74 @@
+//! Accuracy on truncated trials (paper, section V-C, Fig. 13).
+
+use rayon::prelude::*;
+use serde::Serialize;
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::evaluate::{Folds, cross_validate};
+use underbrush_classifier::recipe::Recipe;
+
+use crate::accuracy::Accuracy;
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+use crate::training;
+
+/// Accuracy by length and number of states.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// Whole trials first, then the truncated ones in the order of the experiment file.
+    pub figure_13: Vec<Truncated>,
+}
+
+/// Accuracy at one length.
+#[derive(Serialize)]
+pub struct Truncated {
+    /// Number of hidden states.
+    pub states: usize,
+    /// Length, samples; `None`: whole trials.
+    pub max_samples: Option<usize>,
+    /// The accuracy.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+}
+
+/// Cross-validates taxels by force, with all but the fewest states of the cross-validation table.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let data = session.once(training::run)?;
+    let file = &session.experiment.file;
+    if file.truncations.is_empty() {
+        return Ok(Outcome { figure_13: Vec::new() });
+    }
+    let fewest = file.states.iter().copied().min();
+    let more: Vec<usize> = file
+        .states
+        .iter()
+        .copied()
+        .filter(|states| Some(*states) != fewest)
+        .collect();
+    let states = if more.is_empty() { &file.states } else { &more };
+    let lengths = std::iter::once(None).chain(file.truncations.iter().copied().map(Some));
+    let cases: Vec<(usize, Option<usize>)> = lengths
+        .flat_map(|length| states.iter().map(move |states| (*states, length)))
+        .collect();
+    let base = estimators::main_recipe(session.experiment);
+    let taxel_trials = &data.trials.taxel;
+    let case = |(states, max_samples)| {
+        let recipe = Recipe {
+            states,
+            max_samples,
+            ..base.clone()
+        };
+        let evaluation = cross_validate(taxel_trials, &recipe, Folds::paper(), &Decision::argmax())?;
+        Ok(Truncated {
+            states,
+            max_samples,
+            accuracy: Accuracy::of(&evaluation),
+        })
+    };
+    session.stage("Truncated trials", || {
+        let found: Vec<Result<Truncated, ExperimentError>> = cases.into_par_iter().map(case).collect();
+        Ok(Outcome {
+            figure_13: found.into_iter().collect::<Result<_, _>>()?,
+        })
+    })
+}

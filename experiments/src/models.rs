@@ -1,0 +1,18 @@
+//! The models that are tested online.
+
+use underbrush_classifier::HmmClassifier;
+
+use crate::error::ExperimentError;
+use crate::estimators;
+use crate::session::Session;
+use crate::training;
+
+/// Hidden Markov models by force, in the first recipe, fitted to all taxel trials.
+pub struct Models(pub HmmClassifier);
+
+/// Fits them.
+pub fn run(session: &Session) -> Result<Models, ExperimentError> {
+    let data = session.once(training::run)?;
+    let recipe = estimators::main_recipe(session.experiment);
+    session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0)))
+}

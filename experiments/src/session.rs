@@ -1,0 +1,124 @@
+//! One run of an experiment: what was asked for, where results are kept, and what was computed so far.
+
+use std::any::{Any, TypeId};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::Instant;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::definition::Experiment;
+use crate::error::ExperimentError;
+use crate::kept::{self, Run};
+use crate::progress::Progress;
+
+/// A run of an experiment.
+pub struct Session<'a> {
+    /// The experiment.
+    pub experiment: &'a Experiment,
+    /// The seed.
+    pub seed: u64,
+    /// Fewer reaches, and no ablation.
+    pub quick: bool,
+    /// Number of independent campaigns, of this seed and the next ones.
+    pub campaigns: u64,
+    /// The folder that data and finished results are kept in.
+    pub folder: &'a Path,
+    /// Told how the run goes on.
+    pub progress: &'a dyn Progress,
+    start: Instant,
+    stages: RefCell<Vec<(&'static str, f64)>>,
+    done: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
+}
+
+impl<'a> Session<'a> {
+    /// A run that has computed nothing yet.
+    pub fn new(
+        experiment: &'a Experiment,
+        (seed, quick, campaigns): (u64, bool, u64),
+        folder: &'a Path,
+        progress: &'a dyn Progress,
+    ) -> Self {
+        Session {
+            experiment,
+            seed,
+            quick,
+            campaigns,
+            folder,
+            progress,
+            start: Instant::now(),
+            stages: RefCell::default(),
+            done: RefCell::default(),
+        }
+    }
+
+    /// The result of a function of this session, which is called once, however often its result is asked for.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub fn once<T: 'static>(
+        &self,
+        make: impl FnOnce(&Session<'a>) -> Result<T, ExperimentError>,
+    ) -> Result<Rc<T>, ExperimentError> {
+        let found = self.done.borrow().get(&TypeId::of::<T>()).cloned();
+        if let Some(known) = found.and_then(|found| found.downcast::<T>().ok()) {
+            return Ok(known);
+        }
+        let made = Rc::new(make(self)?);
+        let kept: Rc<dyn Any> = Rc::<T>::clone(&made);
+        self.done.borrow_mut().insert(TypeId::of::<T>(), kept);
+        Ok(made)
+    }
+
+    /// Does a stage of the work and notes how long it takes.
+    ///
+    /// # Errors
+    /// Those of the work.
+    pub fn stage<T>(
+        &self,
+        name: &'static str,
+        work: impl FnOnce() -> Result<T, ExperimentError>,
+    ) -> Result<T, ExperimentError> {
+        self.progress.stage(name);
+        let start = Instant::now();
+        let result = work()?;
+        self.stages.borrow_mut().push((name, start.elapsed().as_secs_f64()));
+        Ok(result)
+    }
+
+    /// Wall time of each stage so far, s.
+    pub fn stages(&self) -> Vec<(&'static str, f64)> {
+        self.stages.borrow().clone()
+    }
+
+    /// Wall time so far, s.
+    pub fn wall_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// What a kept result of a seed depends on.
+    pub fn run_of(&self, seed: u64) -> Run {
+        Run {
+            seed,
+            quick: self.quick,
+            experiment: self.experiment.hash().into(),
+        }
+    }
+
+    /// A result of a seed that an earlier run has kept, or that is made now and kept.
+    ///
+    /// # Errors
+    /// Those of making it, or a file that cannot be written.
+    pub fn kept<T: Serialize + DeserializeOwned>(
+        &self,
+        name: &str,
+        seed: u64,
+        make: impl FnOnce() -> Result<T, ExperimentError>,
+    ) -> Result<T, ExperimentError> {
+        let path: PathBuf = self.folder.join("campaigns").join(format!("{name}-{seed}.json"));
+        kept::result(&path, &self.run_of(seed), self.progress, make)
+    }
+}

@@ -1,0 +1,152 @@
+use std::path::PathBuf;
+
+use underbrush_classifier::evaluate::{TABLE_ONE_PAPER, TableOneUnit};
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::InputError;
+
+use crate::definition::Experiment;
+use crate::estimators;
+use crate::training;
+
+/// Pins that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, its trials.
+#[test]
+fn the_file_that_ships_is_the_papers() {
+    let paper = Experiment::paper().unwrap();
+    let published = paper.published().unwrap();
+    for (by, features, states, percent) in TABLE_ONE_PAPER {
+        let found = published.accuracy_percent(by, estimators::feature_names(features), states);
+        assert_eq!(found, Some(percent));
+    }
+    assert_eq!(published.accuracy.len(), TABLE_ONE_PAPER.len());
+    assert_eq!(published.trials_per_reach(TableOneUnit::Component, "leaf"), Some(28.8));
+    assert_eq!(published.trials_per_reach(TableOneUnit::Taxel, "trunk"), Some(23.28));
+    assert_eq!(training::reaches(&paper, false), [10, 25]);
+    assert_eq!(training::reaches(&paper, true), [4, 8]);
+    assert_eq!(paper.trial_options(), TrialOptions::paper());
+    assert_eq!(paper.labels(), ["leaf", "trunk"]);
+    assert_eq!(paper.file.engineered.len(), 10);
+}
+
+const SMALL: &str = r#"title = "Small"
+states = [5]
+
+[[training]]
+scene = "one.toml"
+label = "leaf"
+reaches = 4
+
+[[training]]
+scene = "other.toml"
+label = "trunk"
+reaches = 4
+"#;
+
+fn written(text: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "summary = \"One trunk\"\n[[objects.trunk]]\ncount = 1\n";
+    std::fs::write(folder.path().join("one.toml"), scene).unwrap();
+    std::fs::write(folder.path().join("other.toml"), scene).unwrap();
+    let path = folder.path().join("small.toml");
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn error(text: &str) -> InputError {
+    let (_folder, path) = written(text);
+    Experiment::load(&path).unwrap_err()
+}
+
+/// Pins that each fault of an experiment file is named with its line, its field, what was found and what is allowed.
+#[test]
+fn faults_name_line_and_field() {
+    let (_folder, path) = written(SMALL);
+    Experiment::load(&path).unwrap();
+    for (was, is, line, field, allowed) in [
+        (
+            "states = [5]",
+            "sates = [5]",
+            2,
+            "sates",
+            "underbrush schema experiment",
+        ),
+        ("states = [5]", "states = [0]", 2, "states", "from 1"),
+        (
+            "label = \"trunk\"",
+            "label = \"leaf\"",
+            6,
+            "training.label",
+            "two different labels",
+        ),
+        (
+            "label = \"trunk\"",
+            "label = \"outlier\"",
+            11,
+            "training.label",
+            "verdicts",
+        ),
+        (
+            "label = \"trunk\"\nreaches = 4",
+            "label = \"trunk\"\nreaches = 1",
+            12,
+            "training.reaches",
+            "two folds",
+        ),
+        (
+            "states = [5]",
+            "states = [30]",
+            0,
+            "trials.min_samples",
+            "largest of `states`",
+        ),
+    ] {
+        let text = SMALL.replace(was, is);
+        assert_ne!(text, SMALL);
+        let error = error(&text);
+        assert!(error.field.contains(field), "{error}");
+        assert!(error.allowed.contains(allowed), "{error}");
+        assert_eq!(error.line.unwrap_or(0), line, "{error}");
+    }
+    let bad_classifier = format!("{SMALL}\n[[classifiers]]\nname = \"x\"\nmethod = \"hmm\"\nfeatures = [\"region\"]\n");
+    let error = error(&bad_classifier);
+    assert!(
+        error.field.contains("features") && error.allowed.contains("force"),
+        "{error}"
+    );
+}
+
+/// Pins that a scene that does not exist, and one with a fault, are errors that name the scene file.
+#[test]
+fn faults_of_scenes_name_the_scene() {
+    let missing = error(&SMALL.replace("other.toml", "nowhere.toml"));
+    assert!(missing.file.ends_with("nowhere.toml"), "{missing}");
+}
+
+/// Pins that labels without an object of that name are refused where verdicts are held against objects, and allowed
+/// elsewhere.
+#[test]
+fn labels_are_categories_where_reaches_are_judged_by_objects() {
+    let bamboo = SMALL.replace("\"trunk\"", "\"bamboo\"");
+    let (_folder, path) = written(&bamboo);
+    Experiment::load(&path).unwrap();
+    let judged = format!("{bamboo}\n[general]\nscene = \"other.toml\"\nreaches = 1\n");
+    let error = error(&judged);
+    assert!(
+        error.found.contains("bamboo") && error.allowed.contains("categories of objects"),
+        "{error}"
+    );
+}
+
+/// Pins that the hash of an experiment follows its file and the scenes that it names.
+#[test]
+fn the_hash_follows_file_and_scenes() {
+    let (folder, path) = written(SMALL);
+    let hash = || Experiment::load(&path).unwrap().hash().to_owned();
+    let first = hash();
+    assert_eq!(hash(), first);
+    let scene = "summary = \"Two trunks\"\n[[objects.trunk]]\ncount = 2\n";
+    std::fs::write(folder.path().join("one.toml"), scene).unwrap();
+    let second = hash();
+    assert_ne!(second, first);
+    std::fs::write(&path, SMALL.replace("[5]", "[6]")).unwrap();
+    assert_ne!(hash(), second);
+}

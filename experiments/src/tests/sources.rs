@@ -1,0 +1,62 @@
+use std::path::Path;
+
+#[path = "../../build.rs"]
+#[expect(
+    dead_code,
+    clippy::print_stdout,
+    reason = "a build script prints for cargo; only its hashes are wanted"
+)]
+mod build_script;
+
+use build_script::{ANALYSIS_SOURCES, DATA_SOURCES, hash};
+
+/// Pins what decides cached results: a change in this crate or in the classifier changes their hash, also a new file; a
+/// change in the report or the simulator does not. What decides data changes with the simulator, and not with the classifier.
+#[test]
+fn each_hash_follows_its_sources() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |path: &str, text: &str| {
+        let path = folder.path().join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    };
+    let files = [
+        "experiments/src/lib.rs",
+        "experiments/src/dataset.rs",
+        "classifier/src/hmm/model.rs",
+        "report/src/lib.rs",
+        "sim/src/world.rs",
+        "sim/arms/cody/cody.toml",
+        "recording/src/lib.rs",
+        "Cargo.lock",
+    ];
+    files.iter().for_each(|file| write(file, "1"));
+    let own = folder.path().join("experiments");
+    let hashes = || (hash(&own, &ANALYSIS_SOURCES), hash(&own, &DATA_SOURCES));
+    let mut before = hashes();
+    let mut changes = |path: &str| {
+        write(path, &format!("{path} changed"));
+        let now = hashes();
+        let changed = (now.0 != before.0, now.1 != before.1);
+        before = now;
+        changed
+    };
+    // (results, data)
+    assert_eq!(changes("report/src/lib.rs"), (false, false));
+    assert_eq!(changes("report/src/new.rs"), (false, false));
+    assert_eq!(changes("classifier/src/hmm/model.rs"), (true, false));
+    assert_eq!(changes("classifier/src/new.rs"), (true, false));
+    assert_eq!(changes("experiments/src/lib.rs"), (true, false));
+    assert_eq!(changes("experiments/src/dataset.rs"), (true, true));
+    assert_eq!(changes("sim/src/world.rs"), (false, true));
+    assert_eq!(changes("sim/arms/cody/cody.toml"), (false, true));
+    assert_eq!(changes("Cargo.lock"), (false, true));
+}
+
+/// Pins that the hashes built into the program are those of the sources beside this test.
+#[test]
+fn the_program_holds_the_hashes_of_its_sources() {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    assert_eq!(crate::kept::ANALYSIS_VERSION, hash(own, &ANALYSIS_SOURCES));
+    assert!(crate::dataset::PROGRAM_VERSION.ends_with(&hash(own, &DATA_SOURCES)));
+}

@@ -1,0 +1,210 @@
+//! Reaches through the training scenes, and the contact trials cut from them.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
+use underbrush_recording::disk::Dataset;
+use underbrush_recording::{Recording, Trial};
+use underbrush_sim::scene::SceneFile;
+
+use crate::dataset::{Campaign, Written};
+use crate::definition::Experiment;
+use crate::error::ExperimentError;
+use crate::progress::Progress;
+use crate::session::Session;
+
+/// Trials of all reaches of a campaign.
+#[derive(Default)]
+pub struct Trials {
+    /// One a connected component of taxels.
+    pub component: Vec<Trial>,
+    /// One a taxel.
+    pub taxel: Vec<Trial>,
+}
+
+/// Which reaches of a campaign are of which training scene.
+pub struct Labelled {
+    /// Number of reaches and label of each scene, in the order of the reaches.
+    scenes: Vec<(u64, String)>,
+}
+
+impl Labelled {
+    /// The label of the reach at a place of the campaign.
+    fn label(&self, place: usize) -> Option<&str> {
+        let mut end = 0;
+        let scene = self.scenes.iter().find(|(reaches, _)| {
+            end += reaches;
+            (place as u64) < end
+        });
+        scene.map(|(_, label)| label.as_str())
+    }
+}
+
+/// The training data of a run.
+pub struct TrainingData {
+    /// The reaches.
+    pub dataset: Dataset,
+    /// Trials of at least the experiment's number of samples.
+    pub trials: Trials,
+    /// Taxel trials of any length.
+    pub contacts: Vec<Trial>,
+}
+
+/// Makes the training reaches, or takes those that are finished in the run's folder, and cuts trials from them.
+pub fn run(session: &Session) -> Result<TrainingData, ExperimentError> {
+    let (experiment, progress) = (session.experiment, session.progress);
+    let dataset = session.stage("Training reaches", || {
+        let (campaign, _) = campaign(experiment, session.seed, &reaches(experiment, session.quick), |_| {})?;
+        let folder = session.folder.join("dataset");
+        match Dataset::open(&folder) {
+            Ok(dataset) if campaign.has_made(&dataset)? => {
+                progress.remark(&format!("  taken from {}", folder.display()));
+                Ok(dataset)
+            }
+            _ => match campaign.write(&folder, true, progress)? {
+                Written::New(dataset) | Written::Before(dataset) => Ok(dataset),
+            },
+        }
+    })?;
+    let contacts = session.stage("Trials", || {
+        Trials::of_dataset(session, &dataset, &experiment.any_length_options())
+    })?;
+    Ok(TrainingData {
+        trials: contacts.lasting(experiment.file.trials.min_samples),
+        contacts: contacts.taxel,
+        dataset,
+    })
+}
+
+/// Number of reaches of each training scene.
+pub fn reaches(experiment: &Experiment, quick: bool) -> Vec<u64> {
+    let training = experiment.file.training.iter();
+    training.map(|training| training.reaches(quick)).collect()
+}
+
+/// So many reaches of each training scene, with something changed. A data set stores the text of a scene and so would not
+/// tell of a change: use changed campaigns only for [`Trials::of_campaign`].
+pub fn campaign(
+    experiment: &Experiment,
+    seed: u64,
+    reaches: &[u64],
+    change: impl Fn(&mut SceneFile),
+) -> Result<(Campaign, Labelled), ExperimentError> {
+    let (mut scenes, mut labels, mut arms) = (Vec::new(), Vec::new(), BTreeMap::new());
+    for (training, reaches) in experiment.file.training.iter().zip(reaches) {
+        let Some(scene) = experiment.scene(&training.scene) else {
+            continue;
+        };
+        let mut scene = scene.clone();
+        change(&mut scene.file);
+        if let Some(arm) = experiment.arm() {
+            arms.insert(scene.name.clone(), arm.clone());
+        }
+        scenes.push((scene, *reaches));
+        labels.push((*reaches, training.label.clone()));
+    }
+    let campaign = Campaign {
+        scenes,
+        arms,
+        seed,
+        controller: experiment.controller(),
+        shard: None,
+    };
+    Ok((campaign, Labelled { scenes: labels }))
+}
+
+impl Trials {
+    /// The trials of one reach. A patch without a grid has no component trials.
+    pub fn cut(recording: &Recording, options: &TrialOptions) -> Result<Self, TrialError> {
+        let plain = |found: Vec<ContactTrial>| found.into_iter().map(|contact| contact.trial).collect();
+        let component = match component_trials(recording, options) {
+            Err(TrialError::NoGrid { .. }) => Vec::new(),
+            found => plain(found?),
+        };
+        Ok(Trials {
+            component,
+            taxel: plain(taxel_trials(recording, options)?),
+        })
+    }
+
+    /// Appends the trials of the reach at a place of the campaign and numbers them on.
+    pub fn append(&mut self, place: usize, label: Option<&str>, other: Trials) {
+        for (all, more) in [(&mut self.component, other.component), (&mut self.taxel, other.taxel)] {
+            for trial in more {
+                let number = all.len() as u64;
+                all.push(Trial {
+                    trial: number,
+                    reach: Some(place as u64),
+                    category: label.map(str::to_owned).or(trial.category),
+                    ..trial
+                });
+            }
+        }
+    }
+
+    /// The trials of the run's training reaches, cut in another way.
+    pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, ExperimentError> {
+        let (_, labelled) = campaign(
+            session.experiment,
+            session.seed,
+            &reaches(session.experiment, session.quick),
+            |_| {},
+        )?;
+        let count = session
+            .progress
+            .count("reaches read", dataset.episodes().len() as u64, 0);
+        let mut trials = Trials::default();
+        for episode in 0..dataset.episodes().len() {
+            let own = Trials::cut(&dataset.read_reach(episode)?, options)?;
+            trials.append(episode, label_by(options, &labelled, episode), own);
+            count.advance();
+        }
+        Ok(trials)
+    }
+
+    /// Runs a campaign and keeps its trials alone: the frames of twenty campaigns would fill a disk.
+    pub fn of_campaign(
+        experiment: &Experiment,
+        (campaign, labelled): &(Campaign, Labelled),
+        progress: &dyn Progress,
+    ) -> Result<Self, ExperimentError> {
+        let options = experiment.trial_options();
+        let cut: Mutex<Vec<(usize, Trials)>> = Mutex::default();
+        campaign.run(progress, |place, recording| {
+            let own = Trials::cut(&recording, &options)?;
+            if let Ok(mut cut) = cut.lock() {
+                cut.push((place, own));
+            }
+            Ok::<(), TrialError>(())
+        })?;
+        let mut cut = cut.into_inner().unwrap_or_default();
+        cut.sort_by_key(|(place, _)| *place);
+        let mut trials = Trials::default();
+        for (place, own) in cut {
+            trials.append(place, label_by(&options, labelled, place), own);
+        }
+        Ok(trials)
+    }
+
+    /// The trials of at least so many samples, numbered anew: the same as cut with [`TrialOptions::min_samples`].
+    pub fn lasting(&self, min_samples: usize) -> Self {
+        let renumbered = |trials: &[Trial]| {
+            let long = trials.iter().filter(|trial| trial.samples.len() >= min_samples);
+            let numbered = long.zip(0..).map(|(trial, number)| Trial {
+                trial: number,
+                ..trial.clone()
+            });
+            numbered.collect()
+        };
+        Trials {
+            component: renumbered(&self.component),
+            taxel: renumbered(&self.taxel),
+        }
+    }
+}
+
+/// The scene's label, unless trials are labelled by what touches the taxel.
+fn label_by<'a>(options: &TrialOptions, labelled: &'a Labelled, place: usize) -> Option<&'a str> {
+    (options.labels == Labels::Environment).then(|| labelled.label(place))?
+}

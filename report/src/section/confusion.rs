@@ -1,0 +1,45 @@
+//! Confusion of taxels by the models with most states (Figs. 6 and 7).
+
+use underbrush_classifier::evaluate::ConfusionMatrix;
+use underbrush_experiments::experiment::confusion::Outcome;
+
+use crate::drawing::{Cell, Table};
+use crate::report::Report;
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &Outcome) {
+    if outcome.figure_6.is_none() && outcome.figure_7.is_none() {
+        return;
+    }
+    report.section("confusion", &format!("confusion of taxels, {} states", outcome.states));
+    for (name, caption, matrix) in [
+        ("figure_6", "Force", &outcome.figure_6),
+        ("figure_7", "Force and motion", &outcome.figure_7),
+    ] {
+        let Some(matrix) = matrix else { continue };
+        let figures = matrix.accuracy().map_or(String::new(), |own| {
+            format!(
+                ": accuracy {:.1} %, balanced {:.1} %, majority baseline {:.1} %",
+                100.0 * own.accuracy,
+                100.0 * own.balanced_accuracy.unwrap_or(f64::NAN),
+                100.0 * own.majority_baseline
+            )
+        });
+        report.table(table(name, &format!("{caption}, number of trials{figures}"), matrix));
+    }
+}
+
+fn table(name: &str, caption: &str, matrix: &ConfusionMatrix) -> Table {
+    let columns: Vec<&str> = std::iter::once("truth \\ verdict")
+        .chain(matrix.verdict.iter().map(String::as_str))
+        .chain(["recall / %"])
+        .collect();
+    let mut table = Table::new(name, caption, &columns);
+    for (figures, (truth, row)) in matrix.figures().iter().zip(matrix.truth.iter().zip(&matrix.count)) {
+        let mut cells = vec![truth.as_str().into()];
+        cells.extend(row.iter().map(|count| Cell::Count(*count)));
+        cells.push(Cell::Number(100.0 * figures.recall, 1));
+        table.rows.push(cells);
+    }
+    table
+}

@@ -1,0 +1,146 @@
+//! Force and motion of one ordinary trial of each category (Fig. 5).
+
+use underbrush_experiments::experiment::example_trials::{Outcome, Typical};
+use underbrush_recording::Sample;
+
+use crate::drawing::{Axis, Cell, Chart, Layer, Shape, Table};
+use crate::report::Report;
+use crate::style;
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &Outcome) {
+    if outcome.figure_5.is_empty() {
+        return;
+    }
+    report.section("example_trials", "force and motion of a trial");
+    let parts: Vec<String> = outcome
+        .figure_5
+        .iter()
+        .map(|example| {
+            format!(
+                "{}: peak {:.2} N, motion up to {:.1} cm in {:.2} s",
+                example.category,
+                example.peak_force_n,
+                100.0 * example.farthest_motion_m,
+                example.samples as f64 / 100.0
+            )
+        })
+        .collect();
+    let caption = format!(
+        "One taxel trial of each category: among those of a second or more, the one with the median peak force. {}.",
+        parts.join("; ")
+    );
+    let medians = &outcome.figure_5_medians;
+    let text = match report.published().is_some() {
+        true => against_paper(medians).unwrap_or_else(|| typical(medians)),
+        false => typical(medians),
+    };
+    report.page.paragraph(&text);
+    report.page.figure(&caption, &charts(outcome));
+    report.numbers(table(outcome));
+}
+
+/// The medians of each category.
+fn typical(medians: &[Typical]) -> String {
+    let parts: Vec<String> = medians
+        .iter()
+        .map(|own| {
+            format!(
+                "{}, {} trials: force {:.2} N after 0.1 s, peak {:.2} N, motion {:.1} cm",
+                own.category,
+                own.trials,
+                own.force_after_100_ms_n,
+                own.peak_force_n,
+                100.0 * own.motion_m
+            )
+        })
+        .collect();
+    format!(
+        "Medians over the trials in which something touched the taxel. {}.",
+        parts.join("; ")
+    )
+}
+
+/// The paper's statements against the medians over all touched trials; `None` without leaves and trunks.
+pub fn against_paper(medians: &[Typical]) -> Option<String> {
+    let of = |category: &str| medians.iter().find(|own| own.category == category);
+    let (leaf, trunk) = (of("leaf")?, of("trunk")?);
+    let agreement = |holds: bool| {
+        if holds {
+            "as in the paper"
+        } else {
+            "unlike in the paper"
+        }
+    };
+    let larger = |trunk: f64, leaf: f64| if trunk > leaf { "larger" } else { "not larger" };
+    Some(format!(
+        "Medians over all trials in which something touched the taxel, {} on trunks and {} on leaves: the force 0.1 s after \
+         contact is {} on trunks, {} ({:.2} N, leaves {:.2} N); the peak force is {} on trunks, {} ({:.2} N, leaves \
+         {:.2} N); the motion is {} on trunks, {} ({:.1} cm, leaves {:.1} cm).",
+        trunk.trials,
+        leaf.trials,
+        larger(trunk.force_after_100_ms_n, leaf.force_after_100_ms_n),
+        agreement(trunk.force_after_100_ms_n > leaf.force_after_100_ms_n),
+        trunk.force_after_100_ms_n,
+        leaf.force_after_100_ms_n,
+        larger(trunk.peak_force_n, leaf.peak_force_n),
+        agreement(trunk.peak_force_n > leaf.peak_force_n),
+        trunk.peak_force_n,
+        leaf.peak_force_n,
+        larger(trunk.motion_m, leaf.motion_m),
+        agreement(trunk.motion_m < leaf.motion_m),
+        100.0 * trunk.motion_m,
+        100.0 * leaf.motion_m
+    ))
+}
+
+fn charts(outcome: &Outcome) -> Vec<String> {
+    let of = |what: &str, label: &str, unit: &str, value: fn(&Sample) -> Option<f64>| {
+        let mut description = format!("{what} over time since contact.");
+        let mut layers = Vec::new();
+        for (place, example) in outcome.figure_5.iter().enumerate() {
+            let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
+            let samples = example.data.samples.iter();
+            let points: Vec<(f64, f64)> = samples
+                .filter_map(|sample| Some((sample.time_s - start_s, value(sample)?)))
+                .collect();
+            let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
+            let lasts_s = points.last().map_or(0.0, |point| point.0);
+            description += &format!(" {}: up to {max:.3} {unit} in {lasts_s:.2} s.", example.category);
+            let style = style::category_line(&example.category, place);
+            layers.push(Layer::new(example.category.as_str(), style, Shape::Line(points)));
+        }
+        let chart = Chart {
+            name: format!("figure-5-{what}"),
+            title: format!("{what} of a taxel"),
+            description,
+            x: Axis::from_zero("time since contact / s"),
+            y: Axis::from_zero(label),
+            layers,
+        };
+        chart.svg()
+    };
+    vec![
+        of("Force", "force / N", "N", |sample| Some(sample.force_n)),
+        of("Motion", "motion / m", "m", |sample| sample.motion_m),
+    ]
+}
+
+/// All examples, sample by sample.
+fn table(outcome: &Outcome) -> Table {
+    let columns = ["category", "trial", "time_since_contact_s", "force_n", "motion_m"];
+    let mut table = Table::new("figure_5", "Example trials", &columns);
+    for example in &outcome.figure_5 {
+        let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
+        for sample in &example.data.samples {
+            table.rows.push(vec![
+                example.category.as_str().into(),
+                Cell::Count(example.trial as usize),
+                Cell::Number(sample.time_s - start_s, 2),
+                Cell::Number(sample.force_n, 3),
+                Cell::optional(sample.motion_m, 4),
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,319 @@
+//! Outliers: what thresholds make of the outlier reaches (Fig. 15).
+
+use underbrush_classifier::decision::Rule;
+use underbrush_classifier::evaluate::{RocCurve, RocPoint, StreamFrame};
+use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, Outcome};
+use underbrush_experiments::online::{Classified, Online};
+use underbrush_experiments::thresholds::Thresholds;
+use underbrush_recording::{Category, FRAME_PERIOD_S};
+
+use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::report::Report;
+use crate::style::{self, FIRST, INK, OUTLIER};
+
+/// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on fewer
+/// than one in ten.
+const FAILING_UNCERTAIN_SHARE: f64 = 0.9;
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &Outcome) {
+    if report.results.definition.file.outlier.is_none() {
+        return;
+    }
+    report.section("outliers", "outliers");
+    report.page.paragraph(&format!(
+        "By ground truth, {} of {} reaches drawn meet the outlier first and then a known category.",
+        outcome.figure_15.reaches, outcome.figure_15.drawn
+    ));
+    let charts: Vec<String> = outcome.online.outlier.iter().map(reach_chart).collect();
+    if !charts.is_empty() {
+        let caption = "Taxels by verdict over time, means of half a second, stacked. The dotted line shows how many of them \
+                       nothing presses on (spurious readings, creep, crosstalk). The strips below show when an object of each \
+                       category truly touches the patch.";
+        report.page.figure(caption, &charts);
+    }
+    report.numbers(frames_table(&outcome.online));
+    report.page.paragraph(&thresholds(&outcome.curves));
+    if let Some(text) = chosen_rule_online(&outcome.figure_15.detection) {
+        report.page.paragraph(&text);
+    }
+    let table = detection_table(outcome);
+    report.print(&table, table.columns.len());
+    report.table(table);
+    let charts = roc_charts(&outcome.curves, &outcome.first_label);
+    if !charts.is_empty() {
+        if let Some(area) = outcome.roc.outlier_area {
+            report.page.paragraph(&roc(area));
+        }
+        let caption = format!(
+            "The effect of every threshold. First chart: {} trials found against other trials mistaken for them as the minimum \
+             margin falls, on training trials held out by reach. Second chart: outliers found against known categories mistaken \
+             for them as the maximum margin of an outlier rises, on the outlier reaches.",
+            outcome.first_label
+        );
+        report.page.figure(&caption, &charts);
+        report.numbers(roc_table(&outcome.curves, &outcome.first_label));
+    }
+}
+
+/// Which thresholds were chosen, and what they do on held-out trials.
+fn thresholds(thresholds: &Thresholds) -> String {
+    let chosen = match &thresholds.chosen {
+        Ok(chosen) => chosen,
+        Err(why) => return format!("No thresholds could be chosen from the training data: {why}."),
+    };
+    let rule = match chosen.decision.rule {
+        Rule::OutlierBand {
+            uncertain_below,
+            category_above,
+        } => format!("uncertain below a margin of {uncertain_below:.1} nats, a category above {category_above:.1}"),
+        other => format!("{other:?}"),
+    };
+    let rates: Vec<String> = chosen
+        .false_positive_rate
+        .iter()
+        .map(|(category, rate)| {
+            let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
+            format!(
+                "{category}: {:.1} % of its own trials and {:.1} % of the others",
+                100.0 * found,
+                100.0 * rate
+            )
+        })
+        .collect();
+    format!(
+        "These thresholds were chosen from {} training trials held out by reach, for a false-positive rate of {} and an \
+         outlier prior of {}: {rule}. On these trials, each category is given to {}; {:.1} % are uncertain, and {:.1} % are \
+         called outliers although none is one.",
+        chosen.trials,
+        chosen.targets.false_positive_rate,
+        chosen.targets.outlier_prior,
+        rates.join(", "),
+        100.0 * chosen.uncertain,
+        100.0 * chosen.outlier
+    )
+}
+
+/// How many taxel frames of the outlier reaches the chosen thresholds leave undecided, and whether they fail.
+pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
+    let chosen: Vec<&Detection> = detection.iter().filter(|row| row.rule.starts_with(CHOSEN)).collect();
+    let frames: usize = chosen.iter().map(|row| row.taxel_frames).sum();
+    if frames == 0 {
+        return None;
+    }
+    let uncertain = chosen
+        .iter()
+        .map(|row| row.percent_of("uncertain") * row.taxel_frames as f64);
+    let percent = uncertain.sum::<f64>() / frames as f64;
+    let found =
+        format!("Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain");
+    Some(if percent > 100.0 * FAILING_UNCERTAIN_SHARE {
+        format!(
+            "{found}: the rule fails there. Its thresholds are margins of whole trials. A margin grows with every sample, so a \
+             contact that still lasts seldom reaches them."
+        )
+    } else {
+        format!("{found}.")
+    })
+}
+
+/// How well outliers are found by their small margin, whatever the threshold.
+fn roc(area: f64) -> String {
+    let worth = match area {
+        _ if area > 0.55 => "better than",
+        _ if area < 0.45 => "worse than",
+        _ => "about as good as",
+    };
+    format!(
+        "An outlier trial has a smaller margin than a trial of a known category with probability {area:.3}, the area under its \
+         curve. This is {worth} chance, which is 0.5."
+    )
+}
+
+/// Length of the time intervals over which the charts average, s. A choice: verdicts change from frame to frame, and a
+/// minute at 100 Hz has more frames than a chart has columns.
+const INTERVAL_S: f64 = 0.5;
+/// The blue of uncertain taxels, lighter: an area beside others that are as dark.
+const UNCERTAIN_AREA: &str = "#9cc2f0";
+
+/// Verdicts over time in one reach, with what truly touches the patch below them.
+fn reach_chart(reach: &Classified) -> String {
+    let frames = &reach.stream.frames;
+    let interval = |frame: &StreamFrame| (frame.time_s / INTERVAL_S).floor();
+    let mut description = format!("Mean number of taxels by verdict over intervals of {INTERVAL_S} s. Over the reach:");
+    let mut layers = Vec::new();
+    // Outliers at the bottom, uncertain taxels on top.
+    let rank = |name: &str| match name {
+        "outlier" => 0,
+        "trunk" => 1,
+        "uncertain" => 3,
+        _ => 2,
+    };
+    let mut verdicts: Vec<(usize, &String)> = reach.stream.verdicts.iter().enumerate().collect();
+    verdicts.sort_by_key(|(_, name)| rank(name));
+    for (column, name) in verdicts {
+        let style = match name.as_str() {
+            "uncertain" => Style::line(UNCERTAIN_AREA, Dash::Solid),
+            "leaf" => Style::line(style::LEAF, Dash::Dotted),
+            other => style::category_line(other, if other == "outlier" { 0 } else { column }),
+        };
+        let mean = |frames: &[StreamFrame]| {
+            let sum: usize = frames.iter().map(|frame| frame.by_verdict[column]).sum();
+            sum as f64 / frames.len() as f64
+        };
+        let intervals = frames.chunk_by(|a, b| interval(a) == interval(b));
+        let mut points: Vec<(f64, f64)> = intervals.map(|frames| (frames[0].time_s, mean(frames))).collect();
+        // The last interval ends with the reach.
+        let end = frames.last().zip(points.last().copied());
+        points.extend(end.map(|(end, last)| (end.time_s, last.1)));
+        description += &format!(" {name} {:.2},", mean(frames));
+        layers.push(Layer::new(name.as_str(), style, Shape::Areas(points)));
+    }
+    let untouched = |frames: &[StreamFrame]| {
+        let sum: usize = frames.iter().map(|frame| frame.tally.unknown).sum();
+        sum as f64 / frames.len() as f64
+    };
+    let intervals = frames.chunk_by(|a, b| interval(a) == interval(b));
+    let points = intervals.map(|frames| (frames[0].time_s, untouched(frames))).collect();
+    description += &format!(" without truth {:.2}", untouched(frames));
+    layers.push(Layer::new(
+        "nothing presses",
+        Style::line(INK, Dash::Dotted),
+        Shape::Steps(points),
+    ));
+    description = format!(
+        "{}. Truly touched in this share of the time:",
+        description.trim_end_matches(',')
+    );
+    for (name, place, style) in [
+        ("roll", Category::OUTLIER, Style::line(OUTLIER, Dash::Solid)),
+        ("trunk", Category::TRUNK, Style::line(style::TRUNK, Dash::Dashed)),
+        ("leaf", Category::LEAF, Style::line(style::LEAF, Dash::Dotted)),
+    ] {
+        let touched = |frame: &StreamFrame| touches(reach, frame, place);
+        let runs = frames.chunk_by(|a, b| touched(a) == touched(b));
+        let touching = runs.filter(|run| touched(&run[0]));
+        let ends = |run: &[StreamFrame]| (run[0].time_s, run[run.len() - 1].time_s + FRAME_PERIOD_S);
+        let share = frames.iter().filter(|frame| touched(frame)).count() as f64 / frames.len() as f64;
+        description += &format!(" {name} {:.0} %,", 100.0 * share);
+        layers.push(Layer::new(name, style, Shape::Bands(touching.map(ends).collect())));
+    }
+    let chart = Chart {
+        name: format!("figure-15-{}", reach.reach_index),
+        title: format!("Outlier reach, draw {}", reach.reach_index),
+        description: format!("{}.", description.trim_end_matches(',')),
+        x: Axis::from_zero("time / s"),
+        y: Axis::from_zero("taxels"),
+        layers,
+    };
+    chart.svg()
+}
+
+/// Whether an object of a category truly presses on the patch.
+fn touches(reach: &Classified, frame: &StreamFrame, category: Category) -> bool {
+    let place = reach.stream.truths.iter().position(|truth| *truth == category);
+    place
+        .and_then(|place| frame.touched.get(place))
+        .copied()
+        .unwrap_or(false)
+}
+
+/// All outlier reaches, frame by frame.
+fn frames_table(online: &Online) -> Table {
+    let verdicts = online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
+    let names = Category::BUILT_IN.map(|category| format!("touches_{}", category.name()));
+    let mut columns = vec!["reach_index", "time_s"];
+    columns.extend(verdicts.iter().map(String::as_str));
+    columns.push("without_truth");
+    columns.extend(names.iter().map(String::as_str));
+    let mut table = Table::new("figure_15", "Verdicts in the outlier reaches", &columns);
+    for reach in &online.outlier {
+        for frame in &reach.stream.frames {
+            let mut row = vec![Cell::Count(reach.reach_index as usize), Cell::Number(frame.time_s, 2)];
+            row.extend(frame.by_verdict.iter().map(|count| Cell::Count(*count)));
+            row.push(frame.tally.unknown.into());
+            let touched = Category::BUILT_IN.map(|category| touches(reach, frame, category));
+            row.extend(touched.map(|touched| Cell::Count(usize::from(touched))));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+fn detection_table(outcome: &Outcome) -> Table {
+    let verdicts = outcome
+        .online
+        .outlier
+        .first()
+        .map_or(&[][..], |reach| &reach.stream.verdicts);
+    let shares: Vec<String> = verdicts.iter().map(|verdict| format!("{verdict} / %")).collect();
+    let mut columns = vec!["thresholds", "truth", "taxel frames"];
+    columns.extend(shares.iter().map(String::as_str));
+    let caption = "Verdicts by what truly presses, over all frames of the outlier reaches";
+    let mut table = Table::new("outlier_detection", caption, &columns);
+    for row in &outcome.figure_15.detection {
+        let mut cells = vec![row.rule.as_str().into(), row.truth.into(), row.taxel_frames.into()];
+        cells.extend(verdicts.iter().map(|verdict| Cell::Number(row.percent_of(verdict), 1)));
+        table.rows.push(cells);
+    }
+    table
+}
+
+/// The curve of the first label against the others, and that of outliers against known categories.
+fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
+    let category = thresholds.category_roc.as_ref().map(|curve| {
+        let x = format!("other trials taken for {first} / %");
+        let title = format!("{first} against the others, held-out trials");
+        roc_chart(first, &title, &x, FIRST.colour, curve)
+    });
+    let outlier = thresholds.outlier_roc.as_ref().map(|curve| {
+        let x = "trials of known categories taken for outliers / %";
+        roc_chart("outlier", "Outliers against known categories", x, OUTLIER, curve)
+    });
+    category.into_iter().chain(outlier).collect()
+}
+
+fn roc_chart(name: &str, title: &str, x: &str, colour: &'static str, curve: &RocCurve) -> String {
+    let point = |point: &RocPoint| (100.0 * point.false_positive_rate, 100.0 * point.true_positive_rate);
+    let chart = Chart {
+        name: format!("roc-{name}"),
+        title: title.into(),
+        description: format!("Area under the curve {:.3}; 0.5 is chance.", curve.area),
+        x: Axis::spanning(x, 0.0, 100.0),
+        y: Axis::spanning(format!("{name} trials found / %"), 0.0, 100.0),
+        layers: vec![
+            Layer::new(
+                "chance",
+                Style::line(INK, Dash::Dotted),
+                Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]),
+            ),
+            Layer::new(
+                format!("area {:.3}", curve.area),
+                Style::line(colour, Dash::Solid),
+                Shape::Line(curve.points.iter().map(point).collect()),
+            ),
+        ],
+    };
+    chart.svg()
+}
+
+/// The points of both curves.
+fn roc_table(thresholds: &Thresholds, first: &str) -> Table {
+    let columns = ["curve", "margin_nats", "false_positive_rate", "true_positive_rate"];
+    let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
+    let category = format!("{first} against the others");
+    for (name, curve) in [
+        (category.as_str(), &thresholds.category_roc),
+        ("outlier", &thresholds.outlier_roc),
+    ] {
+        for point in curve.iter().flat_map(|curve| &curve.points) {
+            table.rows.push(vec![
+                name.into(),
+                Cell::optional(point.threshold, 2),
+                Cell::Number(point.false_positive_rate, 4),
+                Cell::Number(point.true_positive_rate, 4),
+            ]);
+        }
+    }
+    table
+}

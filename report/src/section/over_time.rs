@@ -1,0 +1,234 @@
+//! Online verdicts over time in a general reach (Figs. 8 to 10).
+
+use underbrush_classifier::evaluate::Tally;
+use underbrush_experiments::experiment::over_time::Outcome;
+use underbrush_experiments::online::Classified;
+
+use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::report::Report;
+use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &Outcome) {
+    if report.results.definition.file.general.is_none() {
+        return;
+    }
+    report.section("over_time", "online verdicts over time");
+    let Some(reach) = outcome.online.shown() else {
+        report
+            .page
+            .paragraph("No general reach was found in which the patch touches every category.");
+        return;
+    };
+    let total = reach.stream.total();
+    report.page.paragraph(&format!(
+        "This is the first reach in mixed clutter in which the patch touches {}: draw {}. {} of {} draws do so. The models \
+         have {} states and see force alone; a taxel is uncertain below a margin of {} nats. The truth of a taxel is the \
+         object that presses most on it. In {} of {} taxel frames nothing presses (spurious readings, crosstalk and creep); \
+         these have no truth and are counted separately.",
+        every(&report.results.definition.labels()),
+        reach.reach_index,
+        outcome.online.general.len(),
+        outcome.online.general_drawn,
+        underbrush_classifier::recipe::Recipe::authors().states,
+        report.results.definition.file.thresholds.uncertain_below_nats,
+        total.unknown,
+        total.unknown + total.judged()
+    ));
+    let timing = &report.results.timing;
+    if let Some(seconds) = timing.figure_8_seconds_per_100_taxels {
+        let median = timing.figure_8_median_seconds_per_100_taxels.unwrap_or(f64::NAN);
+        let published = timing.figure_8_paper_seconds_per_100_taxels;
+        let published = published.map_or(String::new(), |paper| {
+            format!(" The paper's mean is {paper} s on a laptop of 2011.")
+        });
+        report.page.paragraph(&format!(
+            "A new sample for 100 taxels takes {:.1} µs on average over the reach, and {:.1} µs in the median frame.{published} \
+             Wall times are the only results here that differ from run to run.",
+            1e6 * seconds,
+            1e6 * median,
+        ));
+    }
+    let used = &outcome.figure_9;
+    if let (Some(mean), Some(all)) = (used.mean_samples_used, used.mean_over_reaches) {
+        let published = used.paper.map_or(String::new(), |paper| {
+            format!(" ({:+.1} compared with the paper)", mean - paper)
+        });
+        report.page.paragraph(&format!(
+            "Samples used is the number of samples since contact at which a taxel's present verdict was made, or 0 while it is \
+             uncertain, averaged over the taxels in contact. The mean over this reach is {mean:.1}{published}; the mean of {} \
+             reaches is {all:.1}.",
+            used.reaches
+        ));
+        let published = used.paper.map_or(String::new(), |paper| format!(", paper {paper}"));
+        report.terminal += &format!("samples used for a verdict: {mean:.1}{published}\n");
+    }
+    if let Some(shares) = &outcome.figure_10 {
+        report.page.paragraph(&format!(
+            "Over the whole reach {:.1} % of the taxel frames with truth are correct, {:.1} % misclassified and {:.1} % \
+             uncertain.",
+            shares.correct_percent, shares.misclassified_percent, shares.uncertain_percent
+        ));
+    }
+    let charts = [computation_time(report, reach), samples_used(outcome, reach)];
+    report.page.figure("Computation time and samples used.", &charts);
+    report.page.figure(
+        "Taxels in contact by verdict. The last chart shows those that nothing presses on (spurious readings, creep, \
+         crosstalk); they have no truth and are not in the other charts.",
+        &verdicts(reach),
+    );
+    report.numbers(times_table(reach));
+    report.numbers(frames_table(reach));
+}
+
+/// `both leaf and trunk`, `leaf, trunk and outlier`.
+fn every(labels: &[&str]) -> String {
+    match labels {
+        [one, other] => format!("both {one} and {other}"),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+        [] => String::new(),
+    }
+}
+
+/// A constant line over the whole time of a reach.
+fn level(name: &str, value: f64, reach: &Classified) -> Layer {
+    let ends = [reach.stream.frames.first(), reach.stream.frames.last()];
+    let points = ends.into_iter().flatten().map(|frame| (frame.time_s, value)).collect();
+    Layer::new(name, Style::line(INK, Dash::Dotted), Shape::Line(points))
+}
+
+fn computation_time(report: &Report, reach: &Classified) -> String {
+    let timing = &report.results.timing;
+    let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
+    let points = frames.map(|(frame, seconds)| {
+        let per_100 = 100.0 * seconds / frame.in_contact as f64;
+        (frame.time_s, if frame.in_contact > 0 { per_100 } else { f64::NAN })
+    });
+    let mean = timing.figure_8_seconds_per_100_taxels.unwrap_or(f64::NAN);
+    let mut description = format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
+    let mut layers = vec![Layer::new(
+        "here",
+        Style::line(FIRST.colour, Dash::Solid),
+        Shape::Line(points.collect()),
+    )];
+    if let Some(paper_s) = timing.figure_8_paper_seconds_per_100_taxels {
+        description += &format!(" The paper's mean is {paper_s} s.");
+        layers.push(level(&format!("paper's mean, {paper_s} s"), paper_s, reach));
+    }
+    let chart = Chart {
+        name: "figure-8".into(),
+        title: "Computation time per 100 taxels".into(),
+        description,
+        x: Axis::from_zero("time / s"),
+        y: Axis::logarithmic("time per 100 taxels / s"),
+        layers,
+    };
+    chart.svg()
+}
+
+fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
+    let points = reach.stream.frames.iter().map(|frame| {
+        let used = if frame.in_contact > 0 {
+            frame.mean_samples_used
+        } else {
+            f64::NAN
+        };
+        (frame.time_s, used)
+    });
+    let mean = outcome.figure_9.mean_samples_used.unwrap_or(f64::NAN);
+    let mut description = format!("Mean over the taxels in contact. The mean over the reach is {mean:.1}.");
+    let mut layers = vec![Layer::new(
+        "here",
+        Style::line(FIRST.colour, Dash::Solid),
+        Shape::Steps(points.collect()),
+    )];
+    if let Some(paper) = outcome.figure_9.paper {
+        description += &format!(" In the paper it is {paper}.");
+        layers.push(level(&format!("paper's mean, {paper}"), paper, reach));
+    }
+    let chart = Chart {
+        name: "figure-9".into(),
+        title: "Samples used for a verdict".into(),
+        description,
+        x: Axis::from_zero("time / s"),
+        y: Axis::from_zero("samples"),
+        layers,
+    };
+    chart.svg()
+}
+
+/// Correct, misclassified and uncertain taxels over time, and those that nothing presses on, all on one scale.
+fn verdicts(reach: &Classified) -> Vec<String> {
+    type Of = fn(&Tally) -> usize;
+    let kinds: [(&str, &str, Of); 4] = [
+        ("correct", CORRECT, |tally| tally.correct),
+        ("misclassified", WRONG, |tally| tally.misclassified),
+        ("uncertain", UNCERTAIN, |tally| tally.uncertain),
+        ("that nothing presses on", UNTOUCHED, |tally| tally.unknown),
+    ];
+    let frames = &reach.stream.frames;
+    let highest = kinds
+        .iter()
+        .flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
+    let highest = highest.max().unwrap_or(1).max(1);
+    let chart = |(name, colour, of): (&str, &'static str, Of)| {
+        let points = frames.iter().map(|frame| (frame.time_s, of(&frame.tally) as f64));
+        let points: Vec<(f64, f64)> = points.collect();
+        let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
+        let mean = points.iter().map(|point| point.1).sum::<f64>() / points.len().max(1) as f64;
+        let chart = Chart {
+            name: format!("figure-10-{}", name.replace(' ', "-")),
+            title: format!("Taxels {name}"),
+            description: format!("Over the reach {mean:.1} taxels on average, at most {max}."),
+            x: Axis::from_zero("time / s"),
+            y: Axis::spanning("taxels", 0.0, highest as f64),
+            layers: vec![Layer::new("", Style::line(colour, Dash::Solid), Shape::Steps(points))],
+        };
+        chart.svg()
+    };
+    kinds.map(chart).to_vec()
+}
+
+/// Computation time frame by frame. Of all tables only this one and that of stages hold wall times, which differ from run
+/// to run.
+fn times_table(reach: &Classified) -> Table {
+    let columns = ["time_s", "taxels_in_contact", "seconds_per_100_taxels"];
+    let mut table = Table::new("figure_8_times", "Computation time", &columns);
+    for (frame, seconds) in reach.stream.frames.iter().zip(&reach.stream.seconds) {
+        let per_100 = (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64);
+        table.rows.push(vec![
+            Cell::Number(frame.time_s, 2),
+            frame.in_contact.into(),
+            Cell::optional(per_100, 9),
+        ]);
+    }
+    table
+}
+
+/// Samples used and verdicts, frame by frame.
+fn frames_table(reach: &Classified) -> Table {
+    let columns = [
+        "time_s",
+        "taxels_in_contact",
+        "mean_samples_used",
+        "mean_samples_since_contact",
+        "correct",
+        "misclassified",
+        "uncertain",
+        "without_truth",
+    ];
+    let mut table = Table::new("figures_9_10", "Samples used and verdicts", &columns);
+    for frame in &reach.stream.frames {
+        table.rows.push(vec![
+            Cell::Number(frame.time_s, 2),
+            frame.in_contact.into(),
+            Cell::Number(frame.mean_samples_used, 2),
+            Cell::Number(frame.mean_samples_since_contact, 2),
+            frame.tally.correct.into(),
+            frame.tally.misclassified.into(),
+            frame.tally.uncertain.into(),
+            frame.tally.unknown.into(),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,130 @@
+//! Other arms and speeds: trained at one setting, tested at others.
+
+use underbrush_experiments::experiment::settings::{Outcome, Split};
+
+use crate::drawing::{Cell, Table};
+use crate::report::{Report, accuracy_cells};
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &Outcome) {
+    if outcome.splits.is_empty() {
+        return;
+    }
+    report.section("settings", "Other arms and speeds");
+    report.page.paragraph(
+        "The training scenes with other arm stiffnesses and hand speeds; goals and clutter are the same at every setting. \
+         Classifiers are trained on one half of the reaches at one setting and tested on the other half at each setting, then \
+         the other way round, so that no clutter occurs in both training and testing.",
+    );
+    let classifiers = outcome.classifiers();
+    let sentences = classifiers
+        .iter()
+        .filter_map(|classifier| sentence(outcome, classifier));
+    let sentences: Vec<String> = sentences.collect();
+    report.page.list(&sentences);
+    for classifier in classifiers {
+        let table = of_classifier(outcome, classifier);
+        report.page.table(&table);
+        report.print(&table, table.columns.len());
+    }
+    // The tables above link to it.
+    report.tables.push(all(outcome));
+}
+
+/// How one classifier does where it was trained, and elsewhere.
+fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
+    let mean =
+        |splits: &[&Split]| splits.iter().map(|split| split.accuracy.accuracy).sum::<f64>() / splits.len() as f64;
+    let own = outcome.splits.iter().filter(|split| split.classifier == classifier);
+    let (same, other): (Vec<&Split>, Vec<&Split>) = own.partition(|split| split.trained == split.tested);
+    let lowest = other
+        .iter()
+        .min_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy))?;
+    // Compared with the classifier that was trained where this one is tested.
+    let covered = |split: &&&Split| {
+        let native = same.iter().find(|native| native.tested == split.tested);
+        native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
+    };
+    Some(format!(
+        "{classifier}: {:.1} % on average at the setting of training, {:.1} % at others ({:+.1} points). {} of {} of these lie \
+         within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is {:.1} % \
+         ({:.1} to {:.1}, majority baseline {:.1} %), trained at {} and tested at {}.",
+        mean(&same),
+        mean(&other),
+        mean(&other) - mean(&same),
+        other.iter().filter(covered).count(),
+        other.len(),
+        lowest.accuracy.accuracy,
+        lowest.accuracy.low,
+        lowest.accuracy.high,
+        lowest.accuracy.majority_baseline,
+        lowest.trained,
+        lowest.tested
+    ))
+}
+
+/// One classifier: settings of training in rows, settings of testing in columns.
+fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
+    let own = || outcome.splits.iter().filter(|split| split.classifier == classifier);
+    let mut settings: Vec<&str> = Vec::new();
+    for split in own() {
+        if !settings.contains(&split.tested.as_str()) {
+            settings.push(&split.tested);
+        }
+    }
+    let mut columns = vec!["trained at \\ tested at"];
+    columns.extend(&settings);
+    let caption =
+        format!("{classifier}: accuracy in % with the 95 % interval by reach; after the semicolon, balanced accuracy");
+    let mut table = Table::new("splits", caption, &columns);
+    // Where columns are narrow, lines break before an interval and not within it.
+    let text = |split: &Split| {
+        let own = &split.accuracy;
+        format!(
+            "{:.1} ({:.0}\u{2060}–\u{2060}{:.0}); {:.1}",
+            own.accuracy, own.low, own.high, own.balanced_accuracy
+        )
+    };
+    for trained in &settings {
+        let cells = own().filter(|split| split.trained == *trained);
+        let row = std::iter::once(Cell::from(*trained)).chain(cells.map(|split| text(split).into()));
+        table.rows.push(row.collect());
+    }
+    // The baseline depends only on the trials that are tested.
+    let majority = settings.iter().map(|tested| {
+        let tested = own().find(|split| split.tested == *tested);
+        let percent = tested.map(|split| format!("{:.1}", split.accuracy.majority_baseline));
+        percent.map_or(Cell::Missing, Cell::from)
+    });
+    table
+        .rows
+        .push(std::iter::once("majority baseline".into()).chain(majority).collect());
+    table
+}
+
+/// All of them, one a row.
+fn all(outcome: &Outcome) -> Table {
+    let columns = [
+        "classifier",
+        "trained",
+        "tested",
+        "trials",
+        "accuracy_percent",
+        "low_percent",
+        "high_percent",
+        "balanced_accuracy_percent",
+        "majority_baseline_percent",
+    ];
+    let mut table = Table::new("splits", "Other arms and speeds", &columns);
+    for split in &outcome.splits {
+        let mut row = vec![
+            split.classifier.as_str().into(),
+            split.trained.as_str().into(),
+            split.tested.as_str().into(),
+            split.accuracy.trials.into(),
+        ];
+        row.extend(accuracy_cells(&split.accuracy, 2));
+        table.rows.push(row);
+    }
+    table
+}

@@ -1,0 +1,201 @@
+//! The cross-validation table (the paper's Table I).
+
+use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_experiments::cell::{Cell, CellKey, unit_name};
+use underbrush_experiments::experiment::table_one::Outcome;
+
+use crate::agreement::{self, Compared};
+use crate::drawing::{self, Table};
+use crate::report::{Report, accuracy_cells, by_touch, possessive, seeds, with_published};
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &Outcome) {
+    let compared: Vec<Compared> = outcome.table_1.iter().map(compared).collect();
+    let recipes = agreement::recipes(&compared);
+    let name = report.figure_name("table_one", "Cross-validation");
+    report.section("table_one", "cross-validation");
+    report.page.paragraph(
+        "Two folds by position, equal priors; the model with the higher score wins. The authors' recipe scores the Viterbi \
+         path on unscaled features, the modern recipe the forward likelihood on z-scores. Intervals are 95 %, from \
+         resampling whole reaches, because the trials of one reach depend on each other.",
+    );
+    if let Some(text) = choices(report) {
+        report.page.paragraph(&text);
+    }
+    report.page.paragraph(&baselines(report, &outcome.table_1));
+    for recipe in &recipes {
+        let own: Vec<&Compared> = compared.iter().filter(|cell| cell.key.recipe == *recipe).collect();
+        let what = format!("With the {} recipe", possessive(recipe));
+        report.page.paragraph(&agreement::sentences(&what, &own));
+    }
+    let caption = match report.published().is_some() {
+        true => {
+            format!("{name} with the paper's figures and the majority baseline; whiskers are 95 % intervals by reach.")
+        }
+        false => "Accuracy with the majority baseline; whiskers are 95 % intervals by reach.".into(),
+    };
+    report
+        .page
+        .figure(&caption, &agreement::charts("table-1", "", &compared));
+    for recipe in &recipes {
+        // The page has a table for each recipe; the file has all cells.
+        let table = of_recipe(&name, &outcome.table_1, recipe);
+        report.page.table(&table);
+        report.print(&table, 9);
+    }
+    report.tables.push(all(&name, &outcome.table_1));
+    let rows = outcome.table_1.iter().map(|cell| {
+        let name = format!("{}, {} recipe", cell.key.name(), cell.key.recipe);
+        (name, &cell.accuracy)
+    });
+    let touched = by_touch("table_1_by_touch", &name, rows);
+    report.print(&touched, 9);
+    report.table(touched);
+    if !outcome.orderings.is_empty() {
+        report.page.paragraph("The paper's orderings:");
+        report.page.list(&agreement::orderings(&outcome.orderings));
+        let table = agreement::orderings_table("orderings", "The paper's orderings", &outcome.orderings);
+        report.print(&table, 5);
+        report.numbers(table);
+    }
+}
+
+fn compared(cell: &Cell) -> Compared<'_> {
+    Compared {
+        key: &cell.key,
+        accuracy: cell.accuracy.accuracy,
+        interval: Some((cell.accuracy.low, cell.accuracy.high)),
+        covers: true,
+        balanced_accuracy: cell.accuracy.balanced_accuracy,
+        majority_baseline: cell.accuracy.majority_baseline,
+        published: cell.paper,
+    }
+}
+
+/// That agreement is not a prediction, and whether parameters were chosen on this run's seeds.
+pub fn choices(report: &Report) -> Option<String> {
+    report.published()?;
+    let chosen_on = &report.results.definition.file.chosen_on;
+    let run = report.results.seeds();
+    let chosen: Vec<String> = chosen_on
+        .iter()
+        .map(|own| format!("{} on seeds {} to {}", own.what, own.first, own.last))
+        .collect();
+    let seen: Vec<String> = chosen_on
+        .iter()
+        .filter(|own| run.iter().any(|seed| (own.first..=own.last).contains(seed)))
+        .map(|own| format!("{} were chosen on some of these seeds", own.what))
+        .collect();
+    let here = match seen.is_empty() {
+        true => format!("Nothing was chosen on {}.", seeds(&run)),
+        false => format!("This run has {}: {}.", seeds(&run), seen.join(", and ")),
+    };
+    Some(format!(
+        "Agreement with the paper's figures is not a prediction. Parameters that the paper leaves open were chosen with its \
+         trial counts and Table I in view: {}. {here}",
+        chosen.join(", ")
+    ))
+}
+
+/// The majority baselines here, and in the paper by its trial counts.
+fn baselines(report: &Report, cells: &[Cell]) -> String {
+    let of = |by: TableOneUnit| {
+        let cell = cells.iter().find(|cell| cell.key.by == by)?;
+        let here = cell.accuracy.majority_baseline;
+        let published = published_majority_percent(report, by);
+        let published = published.map_or(String::new(), |percent| {
+            format!(" ({percent:.1} % by the paper's counts)")
+        });
+        Some(format!("{here:.1} % for {} trials{published}", unit_name(by)))
+    };
+    let units = [TableOneUnit::Component, TableOneUnit::Taxel];
+    let units: Vec<String> = units.into_iter().filter_map(of).collect();
+    let labels = report.results.definition.labels();
+    format!(
+        "An accuracy means little without its baseline. The majority baseline is the accuracy of always giving the most \
+         frequent category: {}. The balanced accuracy is the mean of the recalls of {}; for a constant verdict it is \
+         {:.0} %.",
+        units.join(" and "),
+        labels.join(", "),
+        100.0 / labels.len() as f64
+    )
+}
+
+/// The majority baseline of the published trials, per cent.
+pub fn published_majority_percent(report: &Report, by: TableOneUnit) -> Option<f64> {
+    let own = report.published()?.trials.iter().filter(|own| own.by == by);
+    let counts: Vec<f64> = own.map(|own| own.trials).collect();
+    let all: f64 = counts.iter().sum();
+    (all > 0.0).then(|| 100.0 * counts.iter().copied().fold(0.0, f64::max) / all)
+}
+
+/// The cells of one recipe.
+fn of_recipe(name: &str, cells: &[Cell], recipe: &str) -> Table {
+    let published = cells.iter().any(|cell| cell.paper.is_some());
+    let columns = with_published(
+        &[
+            "trials, features",
+            "states",
+            "here",
+            "from",
+            "to",
+            "balanced",
+            "majority",
+        ],
+        published,
+    );
+    let caption = format!(
+        "{name}, the {} recipe: two-fold accuracy in %, with the 95 % interval by reach, balanced accuracy and majority \
+         baseline",
+        possessive(recipe)
+    );
+    let mut table = Table::new("table_1", caption, &columns);
+    for cell in cells.iter().filter(|cell| cell.key.recipe == recipe) {
+        let mut row = vec![trials_and_features(&cell.key), cell.key.states.into()];
+        row.extend(accuracy_cells(&cell.accuracy, 1));
+        if published {
+            row.push(drawing::Cell::optional(cell.paper, 1));
+            let difference = cell.paper.map(|paper| cell.accuracy.accuracy - paper);
+            row.push(difference.map_or(drawing::Cell::Missing, |points| drawing::Cell::Difference(points, 1)));
+        }
+        table.rows.push(row);
+    }
+    table
+}
+
+/// All cells, with their recipe in a column.
+fn all(name: &str, cells: &[Cell]) -> Table {
+    let published = cells.iter().any(|cell| cell.paper.is_some());
+    let mut columns = vec![
+        "by",
+        "features",
+        "states",
+        "recipe",
+        "trials",
+        "accuracy_percent",
+        "low_percent",
+        "high_percent",
+        "balanced_accuracy_percent",
+        "majority_baseline_percent",
+    ];
+    columns.extend(published.then_some("paper_percent"));
+    let mut table = Table::new("table_1", name, &columns);
+    for cell in cells {
+        let mut row = vec![
+            unit_name(cell.key.by).into(),
+            cell.key.features.to_string().into(),
+            cell.key.states.into(),
+            cell.key.recipe.as_str().into(),
+            cell.accuracy.trials.into(),
+        ];
+        row.extend(accuracy_cells(&cell.accuracy, 2));
+        row.extend(published.then(|| drawing::Cell::optional(cell.paper, 2)));
+        table.rows.push(row);
+    }
+    table
+}
+
+/// The cell without states and recipe.
+pub fn trials_and_features(key: &CellKey) -> drawing::Cell {
+    format!("{}, {}", unit_name(key.by), key.features).into()
+}

@@ -1,0 +1,98 @@
+//! Colours and marks of charts. Colour-blind readers can tell the colours apart, and every layer also has its own mark, dash
+//! or hatching.
+
+use crate::drawing::{Dash, Layer, Mark, Point, Shape, Style};
+
+/// Leaves.
+pub const LEAF: &str = "#1b8a4b";
+/// Trunks.
+pub const TRUNK: &str = "#6b4423";
+/// Outliers.
+pub const OUTLIER: &str = "#c8102e";
+/// Taxels without a verdict.
+pub const UNCERTAIN: &str = "#1f5fbf";
+/// Taxels that read a force though nothing presses on them.
+pub const UNTOUCHED: &str = "#8a939c";
+/// Correct verdicts.
+pub const CORRECT: &str = "#009e73";
+/// Wrong verdicts.
+pub const WRONG: &str = "#d55e00";
+/// Text and reference lines.
+pub const INK: &str = "#222222";
+/// The first of several series: the first recipe, the fewest states.
+pub const FIRST: Style = Style::marked("#0072b2", Dash::Solid, Mark::Circle);
+/// Published figures.
+pub const PUBLISHED: Style = Style::marked(INK, Dash::Dotted, Mark::Diamond);
+/// The majority baseline: a line without marks.
+pub const MAJORITY: Style = Style::line("#7a828a", Dash::Dashed);
+
+/// Series of a chart, in their order.
+const SERIES: [Style; 7] = [
+    FIRST,
+    Style::marked("#56b4e9", Dash::Dashed, Mark::Circle),
+    Style::marked(TRUNK, Dash::Dashed, Mark::Square),
+    Style::marked(OUTLIER, Dash::Dashed, Mark::Cross),
+    Style::marked(WRONG, Dash::Solid, Mark::Diamond),
+    Style::marked(UNCERTAIN, Dash::Dashed, Mark::Ring),
+    Style::marked(CORRECT, Dash::Solid, Mark::Triangle),
+];
+
+/// Series beside each other, in two styles that differ most.
+const PAIRED: [Style; 2] = [FIRST, Style::marked(WRONG, Dash::Dashed, Mark::Square)];
+
+/// The style of a series by its place; more series than styles begin again.
+pub fn series(place: usize) -> Style {
+    SERIES[place % SERIES.len()]
+}
+
+/// The style of one of few series by its place.
+pub fn paired(place: usize) -> Style {
+    PAIRED.get(place).copied().unwrap_or_else(|| series(place + 1))
+}
+
+/// How far beside its place on an axis of names a point of one of several series stands.
+pub fn aside(place: usize, of: usize) -> f64 {
+    let centred = place as f64 - (of.max(1) - 1) as f64 / 2.0;
+    0.14 * centred
+}
+
+/// Colour and mark of a category by its name; the paper's colours for its own. `place` tells others apart.
+pub fn category(name: &str, place: usize) -> (&'static str, Mark) {
+    match name {
+        "leaf" => (LEAF, Mark::Triangle),
+        "trunk" => (TRUNK, Mark::Square),
+        "outlier" => (OUTLIER, Mark::Cross),
+        "uncertain" => (UNCERTAIN, Mark::Ring),
+        _ => {
+            let others = [
+                ("#8c4fb3", Mark::Diamond),
+                ("#b58900", Mark::Circle),
+                ("#0b7285", Mark::Triangle),
+            ];
+            others[place % others.len()]
+        }
+    }
+}
+
+/// The line of a category: its colour, and a dash by its place.
+pub fn category_line(name: &str, place: usize) -> Style {
+    let dash = match (name, place % 3) {
+        ("trunk", _) | (_, 1) => Dash::Dashed,
+        (_, 2) => Dash::Dotted,
+        _ => Dash::Solid,
+    };
+    Style::line(category(name, place).0, dash)
+}
+
+/// The majority baseline as a level over an axis of `places` names.
+pub fn majority_layer(percent: f64, places: usize) -> Layer {
+    let ends = [-0.5, places as f64 - 0.5].map(|x| (x, percent));
+    Layer::new("majority", MAJORITY, Shape::Line(ends.to_vec()))
+}
+
+/// Points over named places in words, for readers who do not see them.
+pub fn told(names: &[String], points: &[Point]) -> String {
+    let pairs = names.iter().zip(points);
+    let values: Vec<String> = pairs.map(|(name, point)| format!("{name}: {:.1}", point.y)).collect();
+    values.join(", ")
+}

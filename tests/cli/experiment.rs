@@ -1,0 +1,88 @@
+//! `underbrush reproduce --experiment`: experiments other than the paper's.
+
+use std::path::{Path, PathBuf};
+
+use crate::support::underbrush;
+
+fn example() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/examples/three-categories")
+}
+
+/// Copies the example with fewer reaches and goals; its arm by its full path.
+fn tiny(folder: &Path) -> PathBuf {
+    let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/arms/panda/panda.toml");
+    for entry in std::fs::read_dir(example()).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let text = text
+            .replace("../../../docs/arms/panda/panda.toml", arm.to_str().unwrap())
+            .replace("reaches = 12", "reaches = 4")
+            .replace("states = [5, 10]", "states = [4, 5]")
+            .replace("truncations = [50, 10]", "truncations = [5]")
+            .replace("states = 10", "states = 5")
+            .replace("count = 4\n", "count = 2\n");
+        std::fs::write(folder.join(path.file_name().unwrap()), text).unwrap();
+    }
+    folder.join("three-categories.toml")
+}
+
+/// Pins the example of a Panda and three categories, made small, from scenes to report: trials of all three labels, a confusion
+/// matrix of three categories, every classifier and setting of the file, and no word of the paper.
+#[test]
+fn an_experiment_with_another_arm_and_three_categories_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (tiny(folder.path()), folder.path().join("out"));
+    let summary = underbrush!["reproduce", "--experiment", &file, "--out", &out, "--json"].json();
+    assert_eq!(summary["experiment"], "three-categories");
+    let labels = ["leaf", "trunk", "foam roll"];
+    let rows = summary["trials_per_reach"].as_array().unwrap();
+    for label in labels {
+        let own = rows
+            .iter()
+            .find(|row| row["category"] == label && row["by"] == "taxel")
+            .unwrap();
+        assert!(own["trials"].as_u64().unwrap() > 0, "no trial of {label}: {rows:?}");
+        assert!(own["paper"].is_null());
+    }
+    let matrix = &summary["figure_7"];
+    let truths: Vec<&str> = matrix["truth"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|own| own.as_str().unwrap())
+        .collect();
+    assert_eq!(truths, ["foam roll", "leaf", "trunk"]);
+    assert_eq!(summary["classifiers"].as_array().unwrap().len(), 3);
+    // One classifier, trained and tested at two settings.
+    assert_eq!(summary["splits"].as_array().unwrap().len(), 4);
+    assert_eq!(summary["figure_11"].as_array().unwrap().len(), 0);
+    let page = std::fs::read_to_string(out.join("report/index.html")).unwrap();
+    assert!(
+        page.contains("foam roll") && !page.contains("In the paper") && !page.contains("NaN"),
+        "{page}"
+    );
+    assert!(!page.contains("the paper's experiment"));
+    // The same folder goes on only with the same experiment.
+    underbrush!["reproduce", "--out", &out, "--quick"].refused(&["another run"]);
+}
+
+/// Pins that a mistake in an experiment file is reported with its line, key and what is allowed.
+#[test]
+fn a_mistake_in_an_experiment_file_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = tiny(folder.path());
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("method = \"naive_bayes\"", "method = \"naive\"")).unwrap();
+    let out = folder.path().join("out");
+    underbrush!["reproduce", "--experiment", &file, "--out", &out].refused(&["method", "naive", "schema experiment"]);
+    assert!(!out.exists());
+}
+
+/// Pins that the schema of experiment files is printed and that its keys are those of the example.
+#[test]
+fn the_schema_has_the_keys_of_the_example() {
+    let schema: serde_json::Value = serde_json::from_str(&underbrush!["schema", "experiment"].success()).unwrap();
+    for key in ["title", "training", "classifiers", "settings", "published", "trials"] {
+        assert!(schema["properties"][key].is_object(), "{key}");
+    }
+}
