@@ -1,4 +1,4 @@
-//! Many reaches, over all cores, from one seed.
+//! Many reaches from one seed, run in parallel.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -19,16 +19,16 @@ pub struct Job {
 /// Why a campaign ended early; `E` is what the receiver of the recordings may fail with.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError<E: std::error::Error + 'static> {
-    /// A scene is impossible.
+    /// A scene cannot be drawn.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A recording could not be taken.
+    /// The receiver failed on a recording.
     #[error(transparent)]
     Receiver(E),
-    /// The engine gave up.
+    /// The physics engine panicked.
     #[error(
-        "reach {reach_index} of scene {scene} broke off inside the physics engine: {message}; the other reaches are \
-             kept: report the scene and the seed {seed}"
+        "reach {reach_index} of scene {scene} failed inside the physics engine: {message}; the other reaches are \
+             kept; please report the scene and the seed {seed}"
     )]
     Engine {
         /// The scene.
@@ -37,22 +37,22 @@ pub enum CampaignError<E: std::error::Error + 'static> {
         reach_index: u64,
         /// The campaign's seed.
         seed: u64,
-        /// What the engine said.
+        /// The engine's message.
         message: String,
     },
 }
 
-/// Runs the jobs on the threads of the current rayon pool and hands over each recording as soon as it is whole,
-/// with the job's position. The order of hand-over depends on the threads, the recordings do not.
+/// Runs the jobs on the threads of the current rayon pool and passes each recording, with the job's position, to `receive` as
+/// soon as it is complete. The order of the calls depends on the threads; the recordings do not.
 ///
 /// # Errors
-/// The first error met; jobs that are under way then end, later ones do not start.
+/// The first error. Jobs that are running then finish; no further ones start.
 pub fn run<E: std::error::Error + Send + 'static>(
     plans: &[ReachPlan],
     jobs: &[Job],
     receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
 ) -> Result<(), CampaignError<E>> {
-    // One job at a time: reaches differ tenfold in length, and blocks of them would leave threads idle at the end.
+    // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
     jobs.par_iter()
         .with_max_len(1)
         .enumerate()

@@ -1,4 +1,4 @@
-//! One concrete draw of a scene from a seed: what is there, and where the arm is to go.
+//! One concrete draw of a scene from a seed: the objects in their places, and the goals.
 
 use std::collections::BTreeMap;
 
@@ -17,23 +17,23 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-/// One drawn clutter with its goals.
+/// The drawn objects of one reach and its goals.
 #[derive(Debug)]
 pub struct Clutter {
     /// The objects in the order in which they were placed.
     pub objects: Vec<PlacedObject>,
-    /// Goals for the tip, m, world frame.
+    /// Goals for the end effector, m, world frame.
     pub goals: Vec<DVec3>,
 }
 
-/// One object in its place.
+/// An object in its place.
 #[derive(Debug)]
 pub struct PlacedObject {
     /// The object.
     pub object: Box<dyn Object>,
     /// Its foot, m, world frame.
     pub foot_world: DVec3,
-    /// Its turn about the vertical, rad.
+    /// Its rotation about the vertical, rad.
     pub yaw_rad: f64,
 }
 
@@ -61,7 +61,7 @@ impl PlacedObject {
         )
     }
 
-    /// An upright capsule that holds the whole object at rest.
+    /// An upright capsule that contains the whole object at rest.
     pub fn bounding_capsule(&self) -> Capsule {
         let radius_m = match self.object.footprint() {
             Footprint::Disc(radius) => radius,
@@ -83,7 +83,7 @@ impl PlacedObject {
     }
 }
 
-/// Starts before the scene is refused.
+/// Number of attempts before the scene is refused.
 const ATTEMPTS: usize = 20;
 
 impl Clutter {
@@ -100,8 +100,8 @@ impl Clutter {
             let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals)?;
             Ok(Clutter { objects, goals })
         };
-        // Objects placed one by one can shut each other out where together they would fit, and a few that all stand
-        // aside leave no way through them: then all start again.
+        // Objects that are placed one by one can block each other although all would fit, and a few objects that all stand
+        // to one side leave no goals beyond them. Then everything is drawn again.
         let mut drawn = attempt();
         for _ in 1..ATTEMPTS {
             if drawn.is_ok() {

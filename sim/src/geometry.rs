@@ -1,4 +1,4 @@
-//! Distances between segments, and ground areas that must not overlap.
+//! Shapes, distances between them, and ground areas that must not overlap.
 
 use glam::{DQuat, DVec2, DVec3};
 use parry3d::math::Pose as ParryPose;
@@ -23,7 +23,7 @@ pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
     })
 }
 
-/// A segment with a radius: the plain shape of a link or a plant, for questions of clearance.
+/// A segment with a radius: a simple bounding shape for a link or a plant, to measure clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     /// One end, m.
@@ -35,8 +35,8 @@ pub struct Capsule {
 }
 
 impl Capsule {
-    /// The capsule along the longest side of a collision shape's bounding box, as thick as the second longest, for
-    /// pictures. The corners of a box and the rims of a cylinder stick out of it, so it says nothing of clearance.
+    /// The capsule along the longest side of a collision shape's bounding box, as thick as the second longest side, for
+    /// pictures. The corners of a box and the rims of a cylinder extend beyond it, so it must not be used for clearance.
     pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
         let bounds = shape.compute_local_aabb();
         let half = bounds.half_extents();
@@ -54,7 +54,7 @@ impl Capsule {
         }
     }
 
-    /// Distance between the surfaces of two capsules, m; negative where they overlap.
+    /// Distance between the surfaces of two capsules, m; negative if they overlap.
     pub fn distance(&self, other: &Capsule) -> f64 {
         segment_distance(self.start, self.end, other.start, other.end) - self.radius_m - other.radius_m
     }
@@ -84,7 +84,7 @@ pub(crate) fn from_parry(pose: &ParryPose) -> Pose {
     Pose::new(pose.translation, pose.rotation)
 }
 
-/// A convex shape in its place in the world.
+/// A convex shape with its pose in the world.
 #[derive(Clone, Debug)]
 pub struct PlacedShape {
     /// The shape.
@@ -94,15 +94,15 @@ pub struct PlacedShape {
 }
 
 impl PlacedShape {
-    /// Distance to the surface of a capsule, m; 0 where they overlap.
+    /// Distance to the surface of a capsule, m; 0 if they overlap.
     pub fn distance(&self, other: &Capsule) -> f64 {
         let capsule = parry3d::shape::Capsule::new(other.start, other.end, other.radius_m);
-        // All shapes of links are convex, and the engine knows how to measure them.
+        // All shapes of links are convex, so the query is supported.
         let pose = parry_pose(&self.pose);
         query::distance(&pose, self.shape.as_ref(), &ParryPose::IDENTITY, &capsule).map_or(0.0, |found| found.distance)
     }
 
-    /// How far the shape reaches in a direction, measured from the origin of the world, m.
+    /// How far the shape extends in a direction, measured from the origin of the world, m.
     pub fn extent_m(&self, direction_world: DVec3) -> f64 {
         let farthest = self.shape.as_support_map();
         farthest.map_or(f64::NEG_INFINITY, |shape| {
@@ -118,7 +118,7 @@ impl PlacedShape {
     }
 }
 
-/// The ground area of an object, for placing objects without overlap.
+/// The ground area of an object, used to place objects without overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Footprint {
     /// A disc of this radius, m.
@@ -127,14 +127,14 @@ pub enum Footprint {
     Rectangle(f64, f64),
 }
 
-/// A footprint laid on the ground.
+/// A footprint in its place on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaidFootprint {
     /// Its shape.
     pub footprint: Footprint,
     /// Its centre, m, world frame.
     pub center: DVec2,
-    /// Its turn about the vertical, rad.
+    /// Its rotation about the vertical, rad.
     pub yaw_rad: f64,
 }
 

@@ -22,7 +22,7 @@ pub use schema::Within;
 pub struct Quantity {
     /// How the value is drawn.
     pub draw: Draw,
-    /// Byte range in the scene file; empty for a default.
+    /// Its byte range in the scene file; empty for a default.
     pub span: Range<usize>,
 }
 
@@ -38,9 +38,9 @@ pub enum Draw {
     Normal(f64, f64),
 }
 
-/// A range from which no physical value could be drawn.
+/// A range from which no value within the physical limits could be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{draw} gives no value within {low} … {high}")]
+#[error("{draw} gives no value from {low} to {high}")]
 pub struct DrawError {
     /// The range.
     pub draw: Draw,
@@ -64,7 +64,7 @@ impl fmt::Display for Draw {
 
 /// A named range with the physical limits of its values.
 pub struct Limited<'a> {
-    /// Key in the scene file.
+    /// Its key in the scene file.
     pub name: &'static str,
     /// The range.
     pub quantity: &'a Quantity,
@@ -72,7 +72,7 @@ pub struct Limited<'a> {
     pub limits: (f64, f64),
 }
 
-/// A truncated normal draw is given up after this many tries: the accepted share is then under about 0.5 %.
+/// A truncated normal draw is given up after this many attempts; the accepted share is then below about 0.5 %.
 const DRAWS: usize = 1000;
 
 impl Quantity {
@@ -95,7 +95,7 @@ impl Quantity {
     /// Draws one value within `limits` (inclusive).
     ///
     /// # Errors
-    /// When a fixed or uniform value lies outside the limits, or a normal one misses them a thousand times.
+    /// When a fixed or uniform value lies outside the limits, or a normal one does so a thousand times in a row.
     pub fn draw(&self, random: &mut ChaCha8Rng, limits: (f64, f64)) -> Result<f64, DrawError> {
         let error = DrawError {
             draw: self.draw,
@@ -116,7 +116,7 @@ impl Quantity {
         }
     }
 
-    /// What is wrong with the range for a field of these limits, if anything: `(found, allowed)`.
+    /// What is wrong with this range for a field with these limits, if anything: `(found, allowed)`.
     pub fn fault(&self, limits: (f64, f64)) -> Option<(String, String)> {
         let within = |value: f64| value.is_finite() && (limits.0..=limits.1).contains(&value);
         let allowed = format!("values from {} to {}", short(limits.0), short(limits.1));
@@ -126,7 +126,7 @@ impl Quantity {
                 return Some((self.draw.to_string(), "the lower bound first".into()));
             }
             Draw::Uniform(low, high) => within(low) && within(high),
-            // A wider one is a uniform range in all but name, and its draws would nearly all be thrown away.
+            // A wider one would be a uniform range in all but name, and nearly all its draws would be rejected.
             Draw::Normal(_, deviation) if !(0.0..=limits.1 - limits.0).contains(&deviation) => {
                 let allowed = format!("a standard deviation from 0 to {}", short(limits.1 - limits.0));
                 return Some((self.draw.to_string(), allowed));

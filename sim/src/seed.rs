@@ -1,11 +1,11 @@
-//! One `u64` seed decides everything: named streams of random numbers for each reach.
+//! Random numbers: one `u64` seed gives every reach its own named streams.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The stream for one purpose (`"clutter"`, `"goals"`, `"sensor"`, `"dead taxels"`) of one reach of one scene.
+/// The stream for one purpose (such as `"clutter"`, `"goals"` or `"sensor"`) of one reach of one scene.
 ///
-/// A reach's streams depend on nothing but these four, so neither threads nor shards nor other scenes change them.
+/// A stream depends only on these four arguments, so threads, shards and other scenes do not change it.
 pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha8Rng {
     let mut hasher = blake3::Hasher::new_derive_key("underbrush 2026 random streams");
     hasher.update(&seed.to_le_bytes());

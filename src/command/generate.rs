@@ -1,4 +1,4 @@
-//! `underbrush generate`: a data set of many reaches.
+//! `underbrush generate`: runs many reaches and writes a data set.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,26 +24,26 @@ pub struct Options {
     /// Scene files, such as scenes/leaf.toml scenes/trunk.toml
     #[arg(required_unless_present = "from", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Reaches of each scene
+    /// Number of reaches per scene
     #[arg(long, required_unless_present = "from", value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     reaches: Option<u64>,
-    /// Seed; scenes, seed and version decide every byte
+    /// Seed of the random numbers: the same scenes, seed and version give the same bytes
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// Folder of the data set
+    /// Folder to write the data set to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Make this data set again, from nothing but what it holds: scenes, arms, seed, controller, reaches and shard
+    /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard"])]
     from: Option<PathBuf>,
-    /// Controller, instead of each scene's own
+    /// Controller to use instead of each scene's
     #[arg(long, value_name = "NAME", value_parser = input::controller())]
     controller: Option<ControllerKind>,
-    /// Go on with an interrupted data set
+    /// Continue an interrupted data set
     #[arg(long)]
     resume: bool,
-    /// Run only part I of N (from 1), into a folder of its own
+    /// Run only part I of N (counted from 1), into a separate folder
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
 }

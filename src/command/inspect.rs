@@ -1,4 +1,4 @@
-//! `underbrush inspect`: what is in a file or folder, and whether it is sound.
+//! `underbrush inspect`: checks a file or folder and shows what it contains.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,12 +22,12 @@ use crate::{input, output};
 pub struct Options {
     /// Scene (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
     path: PathBuf,
-    /// With a scene: the seed of the draw that is tried
+    /// For a scene: seed of the draw that is tried
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
 }
 
-/// Checks the thing and prints what is in it.
+/// Checks the file or folder and prints what it contains.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let path = &options.path;
     input::check_exists(path, "a scene, data set (folder), recording, model or table of trials")?;
@@ -51,7 +51,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     output::result(json, &found, || text(&found, 0))
 }
 
-/// Nested keys and values, one a line.
+/// Nested keys and values, one per line.
 fn text(value: &Value, depth: usize) -> String {
     let pad = "  ".repeat(depth);
     match value {

@@ -26,27 +26,27 @@ use crate::progress::Shown;
 pub struct Options {
     /// Scene file, such as scenes/mixed.toml
     scene: PathBuf,
-    /// Seed
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// Which reach of the seed's campaign
+    /// Index of the reach: every index is a different draw of the scene
     #[arg(long, default_value_t = 0, value_name = "N")]
     index: u64,
-    /// Controller, instead of the scene's own
+    /// Controller to use instead of the scene's
     #[arg(long, value_parser = input::controller(), value_name = "NAME")]
     controller: Option<ControllerKind>,
-    /// Recording to write (Parquet)
+    /// Write the recording to this file (Parquet)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Picture to write (SVG): the frame in which most taxels of the skin feel something
+    /// Write a picture to this file (SVG): the frame in which the most taxels read a force
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Patch of skin whose trials are counted; the only or the first one if not given
+    /// Patch of skin whose trials are counted [default: the first]
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
 }
 
-/// How a reach went.
+/// Summary of a reach.
 #[derive(Serialize)]
 pub struct Report {
     scene: String,
@@ -55,9 +55,9 @@ pub struct Report {
     reach_index: u64,
     goals_reached: usize,
     goals: Vec<Goal>,
-    /// What ended the reach, where a force passed the stop force.
+    /// What aborted the reach, if a force exceeded the stop force.
     aborted_by: Option<NamedStop>,
-    /// Frames in which an object truly pressed on a patch, by patch.
+    /// Number of frames with true contact, by patch.
     touched_frames: BTreeMap<String, u32>,
     simulated_s: f64,
     wall_s: f64,
@@ -88,7 +88,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         patch: options.patch.clone(),
         ..TrialOptions::default()
     };
-    // A name that the skin does not have is refused before anything is computed.
+    // An unknown patch is refused before anything is computed.
     if options.patch.is_some() {
         PatchImage::new(
             &plan.arm.skin.layout,
@@ -106,7 +106,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         }
     })?;
     let wall_s = start.elapsed().as_secs_f64();
-    // What was computed is written before it is summed up.
+    // The recording is written first, so that a failure below does not lose it.
     if let Some(path) = &options.out {
         remove_leftovers(path);
         write_recording(path, &recording)?;
@@ -173,7 +173,7 @@ impl Report {
                 .iter()
                 .map(|contact| contact.peak_force_n)
                 .fold(0.0, f64::max),
-            // The sum of nothing is −0.
+            // An empty sum is −0.
             mean_contact_force_n: force_sum.max(0.0) / contact_frames.max(1.0),
             audit: recording.audit,
             patch: patch.map(|patch| patch.name.clone()),

@@ -32,7 +32,7 @@ fn unknown_key() {
     refuses(
         "summary = \"A scene\"\nsumary = 3\n",
         Some(2),
-        &["unknown field `sumary`", "`summary`", "mend the line"],
+        &["unknown field `sumary`", "`summary`", "correct this line"],
     );
     let text = format!("{HEAD}{LEAF}heigth_m = 0.3\n");
     refuses(
@@ -42,7 +42,7 @@ fn unknown_key() {
             "unknown field `heigth_m`",
             "`height_m`",
             "underbrush schema",
-            "mend the line",
+            "correct this line",
         ],
     );
     refuses(
@@ -58,14 +58,14 @@ fn no_toml() {
     refuses(
         "summary = \"A scene\"\ncontroller = \n",
         Some(2),
-        &["scene, controller: found", "mend the line"],
+        &["scene, controller: found", "correct this line"],
     );
 }
 
 /// Pins that a group of objects needs a count.
 #[test]
 fn missing_key() {
-    let parts = ["missing field `count`", "underbrush schema", "mend the line"];
+    let parts = ["missing field `count`", "underbrush schema", "correct this line"];
     refuses(&format!("{HEAD}[[objects.trunk]]\n"), Some(3), &parts);
 }
 
@@ -234,7 +234,7 @@ fn unknown_controller() {
         &[
             "controller: found unknown controller `clever`",
             "one of cody-2013, ijrr-foliage, blind",
-            "mend the line",
+            "correct this line",
         ],
     );
 }

@@ -1,4 +1,4 @@
-//! Where an arm stands before a reach.
+//! An arm in its start posture, as the clutter needs to know it.
 
 use glam::DVec3;
 use underbrush_recording::Pose;
@@ -6,43 +6,42 @@ use underbrush_recording::Pose;
 use super::{Arm, Link};
 use crate::geometry::{PlacedShape, engine_shape};
 
-/// Where an arm starts, how far it reaches and how thick it is: what the clutter must know of it.
+/// Where an arm starts, how far it reaches and how thick it is.
 #[derive(Clone, Debug)]
 pub struct ArmAtStart {
     /// Its collision shapes in the start posture, world frame.
     pub links: Vec<PlacedShape>,
-    /// Its tip, m, world frame.
+    /// Position of its tip, m, world frame.
     pub tip_world: DVec3,
-    /// The point it reaches from (its shoulder), m, world frame.
+    /// Position of its shoulder, m, world frame.
     pub shoulder_world: DVec3,
-    /// Its length from there, m.
+    /// Its length from the shoulder, m.
     pub length_m: f64,
-    /// Its first patch of skin, the one that is classified unless another is named.
+    /// Its first patch of skin, which is the one that is classified by default.
     pub skin: SkinAlongArm,
-    /// Half the smallest thickness of the link that carries the tip, across the line from its joint to the tip, m; 0 for a
-    /// link without collision shape.
+    /// Half the smallest thickness of the link that carries the tip, across the line from its joint to the tip, m; 0 if the
+    /// link has no collision shape.
     pub hand_half_thickness_m: f64,
 }
 
-/// Where a patch of skin lies on an arm that is stretched out.
+/// Where a patch of skin lies on a fully extended arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinAlongArm {
-    /// Distances behind the tip, along the bones, at which its taxels begin, have their middle and end, m.
+    /// Distances behind the tip, along the bones, of the first taxels, the middle and the last taxels, m.
     pub behind_tip_m: [f64; 3],
-    /// Largest distance of its taxels from the middle line of its link, m.
+    /// Largest distance of its taxels from the axis of its link, m.
     pub radius_m: f64,
 }
 
-/// Joints nearer to each other than this make one joint of several axes, and no bone between them, m.
-const LEAST_BONE_M: f64 = 1e-3;
+/// Joints closer to each other than this count as one joint with several axes, without a bone between them, m.
+const MIN_BONE_M: f64 = 1e-3;
 
 impl ArmAtStart {
-    /// Of an arm in its start posture.
+    /// The arm in its start posture.
     pub fn of(arm: &Arm) -> Self {
         let poses = arm.forward_kinematics(&arm.start_posture_rad());
         let links = arm.links.iter().zip(&poses);
         let links = links.flat_map(|(link, pose)| placed_shapes(link, pose)).collect();
-        // From the first joint whose offset from the next is a bone rather than an actuator's width.
         let tip_world = arm.tip_pose(&poses).position;
         let chain: Vec<DVec3> = poses[1..].iter().map(|pose| pose.position).chain([tip_world]).collect();
         ArmAtStart {
@@ -60,7 +59,7 @@ fn path_length_m(points: &[DVec3]) -> f64 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// A link's collision shapes where they are in the world.
+/// A link's collision shapes with their poses in the world.
 fn placed_shapes(link: &Link, link_pose: &Pose) -> Vec<PlacedShape> {
     let shapes = link.colliders.iter().filter_map(|collider| {
         let (shape, turn) = engine_shape(&collider.shape)?;
@@ -70,21 +69,21 @@ fn placed_shapes(link: &Link, link_pose: &Pose) -> Vec<PlacedShape> {
     shapes.collect()
 }
 
-/// The bone of a link that moves: its far end, where the next joint or the tip is, and the direction from there to the near
-/// end, world frame. `chain` is the joints, and the tip as the last.
+/// The bone of a moving link: its far end, at the next joint or the tip, and the direction from there to the near end, world
+/// frame. `chain` holds the positions of the joints, followed by that of the tip.
 fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
     let far_end = chain[link];
     let near_end = chain[..link]
         .iter()
         .rev()
-        .find(|joint| joint.distance(far_end) > LEAST_BONE_M);
+        .find(|joint| joint.distance(far_end) > MIN_BONE_M);
     (
         far_end,
         near_end.map_or(DVec3::Z, |near_end| (*near_end - far_end).normalize()),
     )
 }
 
-/// Where the first patch on a moving link lies; the middle line of the whole arm where there is none.
+/// Where the first patch on a moving link lies; without any, the axis of the whole arm.
 fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
     let length_m = path_length_m(chain);
     let whole = SkinAlongArm {
@@ -112,7 +111,7 @@ fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
     }
 }
 
-/// Directions across the hand in which its thickness is measured: every two degrees.
+/// Number of directions across the hand in which its thickness is measured, one every two degrees.
 const DIRECTIONS: usize = 90;
 
 fn hand_half_thickness_m(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> f64 {

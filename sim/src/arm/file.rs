@@ -1,4 +1,4 @@
-//! The arm's TOML file, and the arm put together from it, its URDF and its skin file.
+//! The arm's TOML file, and the arm assembled from it, its URDF and its skin file.
 
 use std::path::Path;
 
@@ -85,7 +85,7 @@ struct HullTable {
 /// Reads a file by its path.
 pub(super) type Read<'a> = &'a dyn Fn(&Path) -> Result<String, InputError>;
 
-/// Puts an arm together from the TOML file at `path` and the files that it names, relative to itself.
+/// Assembles an arm from the TOML file at `path` and the files that it names, relative to itself.
 pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     let open = |path: &Path| {
         Ok(Source {
@@ -131,7 +131,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     })
 }
 
-/// Joins what the URDF says of each moving joint with its table in the TOML file.
+/// Combines each moving joint of the URDF with its table in the TOML file.
 fn join_tables(
     source: &Source,
     chain: Vec<ChainJoint>,

@@ -7,16 +7,15 @@ use underbrush_recording::Pose;
 use super::Arm;
 
 impl Arm {
-    /// Poses of all links in the world frame, one per link, at joint angles `joint_angle_rad` (one per joint;
-    /// missing ones count as 0).
+    /// Poses of all links in the world frame at the given joint angles; missing angles count as 0.
     pub fn forward_kinematics(&self, joint_angle_rad: &[f64]) -> Vec<Pose> {
         let mut pose = Pose::IDENTITY;
         let mut link_poses = Vec::with_capacity(self.links.len());
         link_poses.push(pose);
         for (index, joint) in self.joints.iter().enumerate() {
             let angle = joint_angle_rad.get(index).copied().unwrap_or(0.0);
-            let turn = Pose::from_orientation(DQuat::from_axis_angle(joint.axis_child, angle));
-            pose = pose * joint.origin_parent * turn;
+            let rotation = Pose::from_orientation(DQuat::from_axis_angle(joint.axis_child, angle));
+            pose = pose * joint.origin_parent * rotation;
             link_poses.push(pose);
         }
         link_poses

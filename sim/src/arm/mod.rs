@@ -1,8 +1,8 @@
 //! The arm as data: a serial chain of links on compliant revolute joints, with tactile skin.
 //!
-//! An arm is three files. A URDF holds what URDF can say (links, inertia, joint axes, limits, collision shapes); a
-//! TOML file that names it holds the rest (springs, dampers, what the controller believes, start posture, convex
-//! hulls); a skin file names the links that carry patches of taxels. The robot Cody ships as such files.
+//! An arm is described by three files. A URDF holds what URDF can express (links, inertia, joint axes, limits, collision
+//! shapes). A TOML file that names it holds the rest (springs, dampers, the controller's model stiffness, start posture,
+//! convex hulls). A skin file places patches of taxels on links. The robot Cody ships as such files.
 
 use std::path::Path;
 
@@ -41,23 +41,23 @@ pub struct Arm {
     pub friction: f64,
     /// The skin.
     pub skin: Skin,
-    /// The files that it was read from, for the provenance of data sets: the arm's TOML file, its URDF, its skin file.
+    /// The files that it was read from, for the provenance of data sets: the TOML file, the URDF and the skin file.
     pub files: Vec<ArmSource>,
 }
 
-/// A file of an arm as it was read.
+/// A file of an arm, as it was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ArmSource {
     /// Its name, relative to the folder of the arm's TOML file.
     pub name: String,
-    /// Its whole text.
+    /// Its text.
     pub text: String,
 }
 
-/// One rigid link. Its frame stands at the joint that carries it.
+/// One rigid link. The origin of its frame is at the joint that carries it.
 #[derive(Clone, Debug)]
 pub struct Link {
-    /// Name in the URDF; where links are joined rigidly, the name of the one nearest the base.
+    /// Name in the URDF; of rigidly joined links, the name of the one closest to the base.
     pub name: String,
     /// Mass, kg; 0 for a base without inertia.
     pub mass_kg: f64,
@@ -85,7 +85,7 @@ pub struct Joint {
     pub name: String,
     /// Pose of the child link's frame in the parent link's frame at q = 0.
     pub origin_parent: Pose,
-    /// Axis, unit, child link frame; q turns right-handed about it.
+    /// Axis of rotation, unit vector, child link frame; q is right-handed about it.
     pub axis_child: DVec3,
     /// Mechanical limits of q, rad; infinite for a continuous joint.
     pub limits_rad: [f64; 2],
@@ -101,7 +101,7 @@ pub struct Joint {
     pub armature_kg_m2: f64,
     /// Stiffness in the controller's model of the arm, Nm/rad.
     pub model_stiffness_nm_per_rad: f64,
-    /// Limits of q that the controller keeps, rad.
+    /// Limits of q that the controller observes, rad.
     pub controller_limits_rad: [f64; 2],
     /// Angle at the start of a reach, rad.
     pub start_rad: f64,
@@ -111,13 +111,13 @@ impl Arm {
     /// Reads an arm from its TOML file and the files that it names, relative to itself.
     ///
     /// # Errors
-    /// When a file cannot be read or parsed, has unknown keys, a value outside its physical limits, a link or joint
-    /// that the other files do not know, or the URDF is no serial chain of revolute joints with inertia.
+    /// When a file cannot be read or parsed, has unknown keys, a value outside its limits, or a link or joint that the other
+    /// files do not have, or when the URDF is not a serial chain of revolute joints with inertia.
     pub fn load(path: impl AsRef<Path>) -> Result<Arm, InputError> {
         file::assemble(path.as_ref(), &source::read_from_disk)
     }
 
-    /// Puts an arm together from the texts of its files as [`Arm::files`] holds them, the TOML file first.
+    /// Assembles an arm from the texts of its files, in the order of [`Arm::files`]: the TOML file first.
     ///
     /// # Errors
     /// As [`Arm::load`].
@@ -136,7 +136,7 @@ impl Arm {
         file::assemble(Path::new(first), &read)
     }
 
-    /// The right arm of the robot Cody, from the files of this crate.
+    /// The right arm of the robot Cody, from the files that ship with this crate.
     ///
     /// # Errors
     /// Only when this crate's own files are broken.
@@ -149,7 +149,7 @@ impl Arm {
         self.joints.iter().map(|joint| joint.start_rad).collect()
     }
 
-    /// Makes every joint `scale` times as stiff, in the world and in the controller's belief, and keeps its damping ratio:
+    /// Makes every joint `scale` times as stiff, in the simulation and in the controller's model, and keeps its damping ratio:
     /// D ∝ √K.
     pub(crate) fn scale_stiffness(&mut self, scale: f64) {
         for joint in &mut self.joints {
@@ -165,13 +165,13 @@ impl Arm {
     }
 }
 
-/// Where the taxels of a skin are, from the TOML file of an arm or from a skin file alone.
+/// The layout of a skin's taxels, from the TOML file of an arm or from a skin file alone.
 ///
-/// From an arm's file a patch's frame is that of the moving link that carries it, as in recordings of the arm; from a
-/// skin file it is that of the link which the file names.
+/// From an arm's file, the frame of a patch is that of the moving link that carries it, as in recordings of the arm. From a
+/// skin file, it is the frame of the link that the file names.
 ///
 /// # Errors
-/// As for [`Arm::load`]; of a skin file only what it says itself is checked.
+/// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.
 pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
     let source = source::Source {
         path: path.as_ref().to_path_buf(),
@@ -194,7 +194,7 @@ pub fn skin_schema() -> schemars::Schema {
     schemars::schema_for!(skin_file::SkinFile)
 }
 
-/// The files of Cody by the names that they give each other.
+/// The files of Cody, by name.
 fn cody_file(path: &Path) -> Result<String, InputError> {
     match path.to_str() {
         Some("cody.toml") => Ok(include_str!("../../arms/cody/cody.toml").into()),

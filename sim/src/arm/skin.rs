@@ -1,4 +1,4 @@
-//! The skin: patches of taxels on links, the surfaces under them, and the elastic layer they lie in.
+//! The skin: patches of taxels on links, the surfaces under them, and the elastic layer that covers them.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -8,22 +8,22 @@ use underbrush_recording::{SkinLayout, Taxel};
 /// All tactile skin of an arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
-    /// Where the taxels are; a patch's frame is that of its link.
+    /// Positions of the taxels; the frame of a patch is that of its link.
     pub layout: SkinLayout,
     /// The surface under each patch, in the layout's order.
     pub surfaces: Vec<PatchSurface>,
-    /// Stiffness of the elastic layer per volume, N/m³: pressure over indentation.
+    /// Stiffness of the elastic layer per volume, N/m³: pressure divided by indentation.
     pub stiffness_n_per_m3: f64,
 }
 
-/// The surface under one patch, and what senses there.
+/// The surface under one patch, and its sensor technology.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchSurface {
     /// The link that carries the patch, index in [`crate::arm::Arm::links`].
     pub link: usize,
-    /// Its form.
+    /// Its shape.
     pub form: SurfaceForm,
-    /// What its taxels are made of.
+    /// Technology of its taxels.
     pub technology: Technology,
 }
 
@@ -38,14 +38,14 @@ pub enum Technology {
     Fabric,
 }
 
-/// The form of the surface under a patch.
+/// The shape of the surface under a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceForm {
-    /// A cylinder, with square taxels bent onto it.
+    /// A cylinder onto which square taxels are bent.
     Cylinder {
         /// A point on the axis, m, link frame.
         axis_point_link: DVec3,
-        /// Direction of the axis, unit, link frame: a taxel's first tangent.
+        /// Direction of the axis, unit vector, link frame. It is also the first tangent of every taxel.
         axis_link: DVec3,
         /// Radius, m.
         radius_m: f64,
@@ -66,8 +66,8 @@ pub struct SurfacePoint {
 }
 
 impl Skin {
-    /// The middles of the `per_side` × `per_side` equal pieces of a taxel, on the true surface, sorted along the
-    /// first tangent, then the second. Empty where there is no such taxel.
+    /// Divides a taxel into `per_side` × `per_side` equal pieces and returns their centres on the true surface, sorted along
+    /// the first tangent, then the second. Empty if there is no such taxel.
     pub fn surface_points(&self, patch: usize, taxel: usize, per_side: usize) -> Vec<SurfacePoint> {
         let surface = self.surfaces.get(patch);
         let taxel = self.layout.patches.get(patch).and_then(|patch| patch.taxels.get(taxel));
@@ -83,7 +83,7 @@ impl Skin {
             for across in (0..per_side).map(offset) {
                 points.push(match surface.form {
                     SurfaceForm::Cylinder { radius_m, .. } => {
-                        // Arc length across: the taxel is bent, not stretched.
+                        // `across` is an arc length, because the taxel is bent and not stretched.
                         let (sin, cos) = (across / radius_m).sin_cos();
                         let normal_link = taxel.normal_link * cos + second_tangent * sin;
                         let center = taxel.position_link - taxel.normal_link * radius_m;
@@ -106,19 +106,18 @@ impl Skin {
     }
 }
 
-/// A place can be pressed where its normal and the contact's differ by less than 60°: there even with friction
-/// (cos 60° > μ sin 60° for μ up to 0.57) it is pressed and not pulled.
+/// A place on the skin can be pressed by a contact if their normals differ by less than 60°: even with friction it is then
+/// pressed and not pulled (cos 60° > μ sin 60° for μ up to 0.57).
 pub const FACING_COSINE: f64 = 0.5;
 
-/// Beyond this a contact is on bare link, however far apart the taxels of a patch are, m. Choice: skins have taxels a few
-/// centimetres apart at most; what lies farther apart are sensors by themselves.
-const LONGEST_REACH_M: f64 = 0.05;
+/// A contact farther than this from every taxel is on the bare link, however far apart the taxels are, m. Choice: the taxels
+/// of a skin are a few centimetres apart at most; farther apart they are separate sensors.
+const MAX_REACH_M: f64 = 0.05;
 
-/// Largest distance of a contact point from the nearest taxel's centre that still is on this patch, m.
+/// Largest distance from the nearest taxel's centre at which a contact point still is on the patch, m.
 ///
-/// Contacts as far from the nearest taxel's centre as neighbouring centres are from each other still lie on the skin: the
-/// cover reaches over the gaps between taxels and a little beyond the outermost. A taxel's own corners always are skin, also
-/// where it has no neighbour.
+/// It is the distance between neighbouring centres, because the cover extends across the gaps between taxels and a little
+/// beyond the outermost ones. A taxel's own corners always belong to the skin, even if it has no neighbour.
 pub fn reach_m(taxels: &[Taxel]) -> f64 {
     let nearest = |index: usize| {
         let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);
@@ -134,6 +133,6 @@ pub fn reach_m(taxels: &[Taxel]) -> f64 {
         .map(nearest)
         .filter(|distance| distance.is_finite())
         .fold(0.0, f64::max)
-        .min(LONGEST_REACH_M)
+        .min(MAX_REACH_M)
         .max(corner_m)
 }

@@ -1,4 +1,4 @@
-//! The skin file: patches of taxels that name links, either laid on a cylinder or listed one by one.
+//! The skin file: patches of taxels on links, either arranged on a cylinder or listed one by one.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -107,8 +107,8 @@ struct TaxelTable {
     area_m2: Option<f64>,
 }
 
-/// Reads where the taxels of a skin file are, without the arm that wears it: positions are in the frames of the links
-/// that the file names.
+/// Reads the layout of a skin file without the arm that wears it. Positions are in the frames of the links that the file
+/// names.
 pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
     let mut layout = SkinLayout::default();
     for table in &read_file(source)?.patch {
@@ -133,17 +133,17 @@ fn read_file(source: &Source) -> Result<SkinFile, InputError> {
     Ok(file)
 }
 
-/// A patch as its table says it.
+/// A patch as described by its table.
 struct PatchTaxels {
     form: SurfaceForm,
     grid: Option<Grid>,
     taxels: Vec<Taxel>,
-    /// Where each taxel stands in the file, for errors.
+    /// The byte at which each taxel stands in the file, for error messages.
     offsets: Vec<usize>,
 }
 
-/// The taxels of a patch in the frame that the file names; the form in that of the link, where that frame has `pose`.
-/// Its name must differ from those of `earlier` patches.
+/// Reads the taxels of a patch in the frame that the file names, and the shape of its surface in the link's frame, in which
+/// that frame has the pose `pose`. The patch's name must differ from those of `earlier` patches.
 fn patch_taxels(
     source: &Source,
     table: &Spanned<PatchTable>,
@@ -226,7 +226,7 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
     Ok(skin)
 }
 
-/// The taxels of a cylinder in the frame that the file names; the form in that of the link, where it has `pose`.
+/// Reads the taxels of a cylinder, as [`patch_taxels`] does.
 fn cylinder_taxels(
     source: &Source,
     table: &Spanned<CylinderTable>,
@@ -241,7 +241,7 @@ fn cylinder_taxels(
     let row_0 = DVec3::from_array(table.row_0_m);
     let axis = source.direction(start, "patch.cylinder.axis", table.axis)?;
     let zero = source.direction(start, "patch.cylinder.zero_angle", table.zero_angle)?;
-    // Within a thousandth of the axis the direction across it is all rounding.
+    // Closer than a thousandth to the axis, the direction across it would be mostly rounding error.
     let Some(zero) = Some(zero.reject_from_normalized(axis))
         .filter(|across| across.length() > 1e-3)
         .and_then(DVec3::try_normalize)
@@ -346,7 +346,7 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
                 return Err(source.fault_after(at, &place("area_m2"), "none", allowed));
             }
         };
-        // Along the link's z axis, or its x axis where z is the normal.
+        // Along the link's z axis, or along its x axis if z is the normal.
         let along = DVec3::Z.reject_from_normalized(normal_link);
         let along = if along.length() > 1e-6 { along } else { DVec3::X };
         let tangent_link = along.reject_from_normalized(normal_link).normalize();
@@ -360,7 +360,7 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
     Ok(taxels)
 }
 
-/// The square of the distance to the nearest taxel that faces the same way (within 90°); infinite for a lone one.
+/// The square of the distance to the nearest taxel that faces the same way (within 90°); infinite if there is none.
 fn derived_area(taxels: &[Spanned<TaxelTable>], number: usize, normal: DVec3) -> f64 {
     let position = |taxel: &Spanned<TaxelTable>| DVec3::from_array(taxel.get_ref().position_m);
     let neighbours = taxels

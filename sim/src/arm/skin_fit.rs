@@ -1,5 +1,5 @@
-//! How the taxels lie on their links. Contacts are made on a link's collision shapes, so a taxel that lies off them, or
-//! faces into the link, feels nothing; such a skin is refused. What feels, but not quite where it lies, is doubtful.
+//! Checks how the taxels lie on their links. Contacts occur on a link's collision shapes, so a taxel that is away from them
+//! or faces into the link would feel nothing; such a skin is refused. A taxel that is slightly off is reported as doubtful.
 
 use glam::DVec3;
 use underbrush_recording::{InputError, Patch, Taxel};
@@ -12,7 +12,7 @@ use crate::geometry::{PlacedShape, engine_shape};
 /// A link's collision shapes, posed in its frame.
 struct Surface(Vec<PlacedShape>);
 
-/// Step over which the surface's direction is measured, m: finer than the features of shapes.
+/// Step of the finite difference that measures the surface's direction, m: finer than the features of the shapes.
 const STEP_M: f64 = 5e-4;
 
 impl Surface {
@@ -27,14 +27,14 @@ impl Surface {
         Surface(shapes.collect())
     }
 
-    /// Distance of a point from the surface of all shapes together, m; negative within.
+    /// Distance of a point from the surface of all shapes together, m; negative inside.
     fn distance_m(&self, point: DVec3) -> f64 {
         let distances = self.0.iter().map(|shape| shape.signed_distance_m(point));
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// Cosine between a taxel's normal and the surface's: how fast the distance grows along the normal just outside, where
-    /// faces that shapes hide from each other do not count.
+    /// Cosine between a taxel's normal and the surface's: the rate at which the distance grows along the normal. It is measured
+    /// just outside, where faces that lie inside another shape do not count.
     fn facing_cosine(&self, taxel: &Taxel) -> f64 {
         let depth_m = (-self.distance_m(taxel.position_link)).max(0.0);
         let at =
@@ -43,11 +43,11 @@ impl Surface {
     }
 }
 
-/// Refuses the taxels of a patch that cannot feel; `offsets` are the bytes of the file at which each is described.
+/// Refuses a patch with taxels that cannot feel; `offsets` are the bytes of the file at which each taxel is described.
 ///
 /// # Errors
-/// Where the link has no collision shape, or a taxel is farther from the link's surface than a contact of this patch may be
-/// from its taxels, or faces into the link.
+/// When the link has no collision shape, or a taxel faces into the link or is farther from its surface than a contact of this
+/// patch may be from its taxels.
 pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Link) -> Result<(), InputError> {
     let surface = Surface::of(link);
     let fault = |taxel: usize, found: String, allowed: String| {
@@ -58,7 +58,11 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
     };
     if surface.0.is_empty() {
         let found = format!("link {} without a collision shape", link.name);
-        return fault(0, found, "a link with collision shapes: only they are touched".into());
+        return fault(
+            0,
+            found,
+            "a link with collision shapes, because only these can be touched".into(),
+        );
     }
     let reach = reach_m(&patch.taxels);
     for (number, taxel) in patch.taxels.iter().enumerate() {
@@ -66,7 +70,7 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
         let touchable = distance_m.abs() <= reach;
         if !touchable {
             let allowed = format!(
-                "at most {:.1} mm off it: contacts farther than that from the patch's taxels are the bare link's",
+                "at most {:.1} mm from it; contacts farther than that from the patch's taxels belong to the bare link",
                 reach * 1000.0
             );
             return fault(number, place(distance_m, &link.name), allowed);
@@ -77,7 +81,7 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
             return fault(
                 number,
                 found,
-                "a normal that points out of it: nothing presses from within".into(),
+                "a normal that points out of the link, because nothing presses from inside".into(),
             );
         }
     }
@@ -93,9 +97,9 @@ fn place(distance_m: f64, link: &str) -> String {
 }
 
 impl Arm {
-    /// What is doubtful about the skin, a sentence a patch: taxels more than half of the patch's reach off the collision
-    /// surface, where a contact's force may go to a neighbour, and taxels whose normal is more than 60° off the surface's,
-    /// which feel only what presses from the side.
+    /// What is doubtful about the skin, at most two sentences per patch: taxels so far off the collision surface that a
+    /// contact's force may go to a neighbour (more than half the patch's reach), and taxels whose normal is more than 60° off
+    /// the surface's, which feel only what presses from the side.
     pub fn skin_doubts(&self) -> Vec<String> {
         let patches = self.skin.layout.patches.iter().zip(&self.skin.surfaces);
         patches
@@ -118,7 +122,7 @@ fn doubts(patch: &Patch, link: &Link) -> Vec<String> {
     let farthest = (0..count).max_by(|a, b| distances[*a].abs().total_cmp(&distances[*b].abs()));
     if let Some(farthest) = farthest.filter(|_| off > 0) {
         found.push(format!(
-            "patch {}: {off} of {count} taxels lie more than {:.1} mm off the collision surface; taxel {farthest} lies {}",
+            "patch {}: {off} of {count} taxels are more than {:.1} mm off the collision surface; taxel {farthest} is {}",
             patch.name,
             bound_m * 1000.0,
             place(distances[farthest], &link.name)

@@ -30,19 +30,19 @@ pub(super) fn read_from_disk(path: &Path) -> Result<String, InputError> {
     })
 }
 
-/// Numbers in brackets, each as short as it can be.
+/// A list of numbers in brackets, each as short as possible.
 pub(super) fn listed(values: &[f64]) -> String {
     let texts: Vec<String> = values.iter().map(|value| short(*value)).collect();
     format!("[{}]", texts.join(", "))
 }
 
-/// The unit vector in the direction of one whose length lies within the limits.
+/// Normalizes a direction vector whose length is within the limits.
 pub(super) fn unit(vector: [f64; 3]) -> Option<DVec3> {
     let vector = DVec3::from_array(vector);
     vector.try_normalize().filter(|_| DIRECTION.hold(vector.length()))
 }
 
-/// What a direction may be, for error texts.
+/// What a direction may be, for error messages.
 pub(super) fn directions() -> String {
     format!("three numbers, not all zero; a vector of length {DIRECTION}")
 }
@@ -75,7 +75,7 @@ impl Source {
         InputError::new(&self.path, field, found.to_string(), allowed, remedy)
     }
 
-    /// An error about `field`, at the first line from byte `offset` on that sets the field's last part, or else at
+    /// An error about `field`. Its line is the first one from byte `offset` on that sets the last part of the field, or else
     /// the line of `offset` itself.
     pub(super) fn fault_after(
         &self,
@@ -94,7 +94,7 @@ impl Source {
         self.fault(field, found, allowed, remedy).at_line(line)
     }
 
-    /// The error where a number at `field`, written from byte `offset` on, lies outside its limits.
+    /// Checks that a number at `field`, which stands after byte `offset`, is within its limits.
     pub(super) fn check(&self, offset: usize, field: &str, value: f64, limits: Limits) -> Result<(), InputError> {
         if limits.hold(value) {
             return Ok(());
@@ -102,7 +102,7 @@ impl Source {
         Err(self.fault_after(offset, field, short(value), limits.to_string()))
     }
 
-    /// As [`Source::check`], for coordinates.
+    /// As [`Source::check`], for a list of numbers.
     pub(super) fn check_each(
         &self,
         offset: usize,
@@ -117,12 +117,12 @@ impl Source {
         Err(self.fault_after(offset, field, listed(values), allowed))
     }
 
-    /// The error where a vector that gives a direction is too short or too long to be one.
+    /// Normalizes the direction vector at `field`; an error if it is too short or too long.
     pub(super) fn direction(&self, offset: usize, field: &str, vector: [f64; 3]) -> Result<DVec3, InputError> {
         unit(vector).ok_or_else(|| self.fault_after(offset, field, listed(&vector), directions()))
     }
 
-    /// The line, from 1, of a byte.
+    /// The line, counted from 1, that contains a byte.
     pub(super) fn line(&self, offset: usize) -> usize {
         line_of(&self.text, offset)
     }

@@ -1,4 +1,4 @@
-//! From a URDF to a serial chain of rigid links: links that fixed joints join become one.
+//! Reads a URDF as a serial chain of rigid links. Links that are connected by fixed joints are merged into one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -8,30 +8,30 @@ use underbrush_recording::limits::short;
 use underbrush_recording::{BodyShape, InputError, Pose};
 use urdf_rs::{Geometry, JointType, Robot};
 
-use super::limits::{self, MOST_JOINTS};
+use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};
 use super::urdf_text::{Elements, elements};
 use super::{Link, LinkCollider};
 
-/// What the URDF says of a chain.
+/// A chain as described by a URDF.
 pub(super) struct Chain {
     /// Links from the base on.
     pub(super) links: Vec<Link>,
     /// Joints from the base on; joint j carries link j + 1.
     pub(super) joints: Vec<ChainJoint>,
-    /// Where every URDF link of the chain ended up: link index and pose in that link's frame.
+    /// For every URDF link of the chain, the index of the link it was merged into and its pose in that link's frame.
     pub(super) frames: BTreeMap<String, (usize, Pose)>,
 }
 
 impl Chain {
-    /// The names that a file may give a link, for error texts.
+    /// The names that a file may use for a link, for error messages.
     pub(super) fn known_links(&self) -> String {
         let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
         format!("a link of the chain: {}", names.join(", "))
     }
 }
 
-/// What the URDF says of a joint.
+/// A joint as described by a URDF.
 pub(super) struct ChainJoint {
     pub(super) name: String,
     pub(super) origin_parent: Pose,
@@ -41,9 +41,9 @@ pub(super) struct ChainJoint {
     pub(super) velocity_limit_rad_per_s: f64,
 }
 
-const REMEDY: &str = "mend the URDF";
+const REMEDY: &str = "correct the URDF";
 
-/// Reads the chain that hangs on `base`.
+/// Reads the chain that starts at `base`.
 pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputError> {
     let elements = elements(source)?;
     let robot = urdf_rs::read_from_string(&source.text)
@@ -75,15 +75,15 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
         }
         chain.links.push(link);
         let Some((joint, origin_parent)) = joint else { break };
-        if chain.joints.len() == MOST_JOINTS {
-            let allowed = format!("at most {MOST_JOINTS} moving joints");
+        if chain.joints.len() == MAX_JOINTS {
+            let allowed = format!("at most {MAX_JOINTS} moving joints");
             return Err(reader.joint_fault(joint, "", "one more moving joint", &allowed));
         }
         chain.joints.push(reader.joint(joint, origin_parent)?);
         root = &joint.child.link;
     }
     if chain.joints.is_empty() {
-        return Err(reader.link_fault(base, "", "no moving joint on it", "a base link that carries the arm"));
+        return Err(reader.link_fault(base, "", "no moving joint on it", "the base link of the arm"));
     }
     Ok(chain)
 }
@@ -94,7 +94,7 @@ struct Reader<'a> {
     robot: &'a Robot,
 }
 
-/// Rigidly joined URDF links with their poses in the first one's frame.
+/// Rigidly connected URDF links with their poses in the first one's frame.
 type RigidGroup<'a> = Vec<(&'a str, Pose)>;
 
 impl<'a> Reader<'a> {
@@ -124,7 +124,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// All links that fixed joints hang on `root`.
+    /// All links that fixed joints connect to `root`.
     fn rigid_group(&self, root: &'a str) -> Result<RigidGroup<'a>, InputError> {
         let mut frames = vec![(root, Pose::IDENTITY)];
         let mut next = 0;
@@ -145,7 +145,7 @@ impl<'a> Reader<'a> {
         Ok(frames)
     }
 
-    /// The one moving joint that a rigid group carries, with its pose in the group's frame; `None` at the end.
+    /// The one moving joint on a rigid group, with its pose in the group's frame; `None` at the end of the chain.
     fn next_joint(&self, frames: &RigidGroup<'a>) -> Result<Option<(&'a urdf_rs::Joint, Pose)>, InputError> {
         let mut next: Option<(&urdf_rs::Joint, Pose)> = None;
         for joint in self
@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Joins a rigid group to one link. Only the base may be without inertia: it never moves.
+    /// Merges a rigid group into one link. Only the base may have no inertia, because it does not move.
     fn join(&self, frames: &RigidGroup<'a>, is_base: bool) -> Result<Link, InputError> {
         let name = frames.first().map_or("", |(name, _)| *name);
         let mut parts = Vec::new();
@@ -252,14 +252,14 @@ impl<'a> Reader<'a> {
                 name,
                 "inertial",
                 "no mass",
-                "an <inertial> with a positive mass: the link moves",
+                "an <inertial> with a positive mass, because the link moves",
             ));
         }
         let center = parts.iter().map(|(mass, center, _)| *center * *mass).sum::<DVec3>() / mass_kg;
         let center_of_mass_link = if parts.is_empty() { DVec3::ZERO } else { center };
         let mut inertia_link = DMat3::ZERO;
         for (mass, center, inertia) in &parts {
-            // Parallel axes (Steiner): m (r² 1 − r rᵀ).
+            // Parallel axis theorem: m (r² 1 − r rᵀ).
             let r = *center - center_of_mass_link;
             let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
             inertia_link += *inertia + (DMat3::IDENTITY * r.length_squared() - outer) * *mass;
@@ -273,7 +273,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The inertia about the centre of mass, turned by `rotation`. A body's principal moments are positive and none
+    /// The inertia about the centre of mass, rotated by `rotation`. A body's principal moments are positive and none
     /// exceeds the sum of the other two.
     fn inertia(&self, link: &str, given: &urdf_rs::Inertia, rotation: DQuat) -> Result<DMat3, InputError> {
         let entries = [given.ixx, given.ixy, given.ixz, given.iyy, given.iyz, given.izz];
@@ -286,7 +286,7 @@ impl<'a> Reader<'a> {
         let matrix = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let mut moments = matrix.symmetric_eigenvalues();
         moments.as_mut_slice().sort_by(f64::total_cmp);
-        // Figures rounded to a few digits may miss the triangle inequality by that rounding.
+        // Values rounded to a few digits may violate the triangle inequality by that rounding.
         let within = moments.iter().all(|moment| limits::INERTIA_KG_M2.hold(*moment));
         if !within || moments[2] > (moments[0] + moments[1]) * 1.001 {
             let found = format!("principal moments {:e}, {:e}, {:e}", moments[0], moments[1], moments[2]);
@@ -296,9 +296,9 @@ impl<'a> Reader<'a> {
             );
             return Err(self.link_fault(link, "inertial.inertia", found, &allowed));
         }
-        let turn = DMat3::from_quat(rotation);
+        let rotation = DMat3::from_quat(rotation);
         let matrix = DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
-        Ok(turn * matrix * turn.transpose())
+        Ok(rotation * matrix * rotation.transpose())
     }
 
     fn shape(&self, link: &str, place: &str, geometry: &Geometry) -> Result<BodyShape, InputError> {

@@ -1,6 +1,6 @@
-//! The text of a URDF, looked through element by element before it is parsed as a whole: types of attributes, what is
-//! missing, how deep elements are nested. The parser behind it names neither the element nor the line of a fault, passes
-//! over words among numbers, and calls itself for every nested element until the stack is full.
+//! Checks the text of a URDF, element by element, before urdf-rs parses it: the types of attributes, missing elements and
+//! attributes, and nesting depth. urdf-rs names neither the element nor the line of an error, skips words among numbers, and
+//! recurses for every nested element until the stack overflows.
 
 use underbrush_recording::InputError;
 use underbrush_recording::limits::short;
@@ -8,13 +8,13 @@ use xml::attribute::OwnedAttribute;
 use xml::common::Position;
 use xml::reader::{EventReader, ParserConfig, XmlEvent};
 
-use super::limits::{MOST_ELEMENTS, MOST_NESTED_ELEMENTS};
+use super::limits::{MAX_ELEMENTS, MAX_NESTED_ELEMENTS};
 use super::source::Source;
 
 /// What an attribute holds.
 #[derive(Clone, Copy)]
 enum Holds {
-    /// So many numbers, separated by spaces.
+    /// This many numbers, separated by spaces.
     Numbers(usize),
     /// A name.
     Name,
@@ -34,7 +34,7 @@ const JOINT_TYPES: &[&str] = &[
     "spherical",
 ];
 
-/// The attributes that are read: element, attribute, what it holds, whether the element must have it.
+/// The attributes that are read: element, attribute, type, and whether the attribute is required.
 const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
     ("link", "name", Name, true),
     ("joint", "name", Name, true),
@@ -75,7 +75,7 @@ const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
     ("color", "rgba", Numbers(4), true),
 ];
 
-/// Elements that must hold one of others: element, what it must hold.
+/// Required children: an element, and the elements of which it must contain one.
 const CHILDREN: &[(&str, &[&str])] = &[
     ("joint", &["parent"]),
     ("joint", &["child"]),
@@ -86,16 +86,16 @@ const CHILDREN: &[(&str, &[&str])] = &[
     ("geometry", &["box", "cylinder", "capsule", "sphere", "mesh"]),
 ];
 
-const REMEDY: &str = "mend the element";
+const REMEDY: &str = "correct the element";
 
-/// Where the elements of a URDF stand.
+/// The lines of a URDF's elements.
 pub(super) struct Elements {
-    /// Every link and joint, such as `link forearm`, and the elements in it, such as `inertial.mass`, with their lines.
+    /// For every element: its link or joint, such as `link forearm`, its path in that, such as `inertial.mass`, and its line.
     places: Vec<(String, String, usize)>,
 }
 
 impl Elements {
-    /// The line, from 1, of the element at `path` in an owner such as `link forearm`, or else of what is nearest around it.
+    /// The line of the element at `path` in an owner such as `link forearm`, or else of the closest element around it.
     pub(super) fn line(&self, owner: &str, path: &str) -> Option<usize> {
         let mut path = path;
         loop {
@@ -122,10 +122,10 @@ struct Open {
     children: Vec<String>,
 }
 
-/// Looks through the text.
+/// Checks the text.
 ///
 /// # Errors
-/// Where it is no XML, an attribute that is read has another type, or an element or attribute that is needed is missing.
+/// When it is not XML, an attribute has the wrong type, or a required element or attribute is missing.
 pub(super) fn elements(source: &Source) -> Result<Elements, InputError> {
     let config = ParserConfig::new().override_encoding(Some(xml::Encoding::Utf8));
     let mut reader = EventReader::new_with_config(source.text.as_bytes(), config);
@@ -164,12 +164,12 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn start(&mut self, name: String, attributes: &[OwnedAttribute], line: usize) -> Result<(), InputError> {
         self.count += 1;
-        if self.open.len() >= MOST_NESTED_ELEMENTS {
-            let found = format!("more than {MOST_NESTED_ELEMENTS} elements within each other");
+        if self.open.len() >= MAX_NESTED_ELEMENTS {
+            let found = format!("more than {MAX_NESTED_ELEMENTS} nested elements");
             return Err(self.fault("robot", found, "robot, link, collision, geometry, shape", line));
         }
-        if self.count > MOST_ELEMENTS {
-            let found = format!("more than {MOST_ELEMENTS} elements");
+        if self.count > MAX_ELEMENTS {
+            let found = format!("more than {MAX_ELEMENTS} elements");
             return Err(self.fault("robot", found, "a robot", line));
         }
         if self.open.len() == 1 && matches!(name.as_str(), "link" | "joint") {
@@ -192,7 +192,7 @@ impl Walk<'_> {
             line,
             children: Vec::new(),
         });
-        // Elements that are neither a link's nor a joint's (transmissions, simulators' own) are nobody's business here.
+        // Elements outside links and joints (transmissions, extensions of simulators) are not read.
         if self.is_read() {
             self.check(attributes, line)?;
             self.places.push((self.owner.clone(), self.path(), line));

@@ -1,4 +1,4 @@
-//! Where the tip is to go: drawn so that the arm passes through plants on its way.
+//! The goals: drawn so that the arm passes through plants on its way.
 
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
@@ -11,13 +11,11 @@ use crate::object::Object;
 use crate::range::Quantity;
 use crate::scene::Scene;
 
-/// Goals tried before the scene is refused.
+/// Candidates for one goal before the attempt is given up.
 const GOAL_TRIES: usize = 5000;
-/// Room kept between trunks or rolls and a hand whose tip is at a goal and that points along them, m. Choice: a finger's
-/// breadth.
+/// Clearance between an obstacle and a hand that points along it with its tip at a goal, m. Choice: a finger's breadth.
 const GOAL_MARGIN_M: f64 = 0.02;
-/// Goals are no farther from the shoulder than this share of the arm's length. Choice: an arm stretched to its full length
-/// cannot give way.
+/// Largest distance of a goal from the shoulder, as a share of the arm's length. Choice: a fully extended arm cannot yield.
 const REACHABLE_SHARE: f64 = 0.97;
 
 /// Distance that goals keep from the surface of trunks and rolls, m: half the thickness of the hand, and the margin. 6.1 cm
@@ -26,7 +24,7 @@ pub(super) fn goal_clearance_m(arm: &ArmAtStart) -> f64 {
     arm.hand_half_thickness_m + GOAL_MARGIN_M
 }
 
-/// Draws the goals one after the other so that the arm, on its way from the last one, passes through a plant.
+/// Draws the goals one by one, such that the arm passes through a plant on its way from each goal to the next.
 pub(super) fn draw_goals(
     scene: &Scene,
     arm: &ArmAtStart,
@@ -78,10 +76,10 @@ pub(super) fn draw_goals(
     Ok(goals)
 }
 
-/// Whether the skin, on an arm taken to be stretched from the shoulder to the tip, comes upon a plant on the way.
+/// Whether the skin meets a plant on the way, for an arm that is taken to be stretched from the shoulder to the tip.
 ///
-/// The first patch and not the hand: it is the one that is classified, so an operator picks goals that bring it among
-/// plants.
+/// This looks at the first patch of skin and not at the hand, because that patch is the one that is classified: an operator
+/// picks goals that bring it among plants.
 fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
     let behind = |tip: DVec3, distance: f64| tip + (arm.shoulder_world - tip).normalize_or_zero() * distance;
     let sweeps = arm

@@ -1,4 +1,4 @@
-//! Where the objects of a scene stand: drawn one by one, clear of each other and of the arm.
+//! Places the objects of a scene one by one, clear of each other and of the arm.
 
 use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
@@ -10,11 +10,11 @@ use crate::object::{Footing, StandsOn};
 use crate::range::{Placement, Quantity};
 use crate::scene::Scene;
 
-/// Room kept between the arm's start posture and any object, m.
+/// Clearance between the arm in its start posture and any object, m.
 pub(super) const START_CLEARANCE_M: f64 = 0.02;
-/// Room kept between a leaf's foot and the edge of its block, m.
+/// Clearance between a leaf's foot and the edge of its block, m.
 const BLOCK_MARGIN_M: f64 = 0.01;
-/// Places tried for one object before all start again.
+/// Places tried for one object before everything is drawn again.
 const PLACES: usize = 1000;
 
 /// Places every object of a scene.
@@ -36,9 +36,9 @@ pub(super) fn place_all(
                     rejected.no_foam += 1;
                     continue;
                 };
-                let object = group
-                    .draw(random, &footing)
-                    .map_err(|error| scene.fault(&field, error, "a range with a fair share of physical values"))?;
+                let object = group.draw(random, &footing).map_err(|error| {
+                    scene.fault(&field, error, "a range most of whose values are physically possible")
+                })?;
                 let placed = PlacedObject {
                     object,
                     foot_world: center.extend(footing.height_m),
@@ -50,7 +50,7 @@ pub(super) fn place_all(
                 }
             }
             objects.push(found.ok_or_else(|| {
-                let allowed = format!("no more than there is room for; placed {done}; {rejected}");
+                let allowed = format!("no more objects than there is room for; {done} were placed; {rejected}");
                 scene.fault(&format!("{field}.count"), group.count(), allowed)
             })?);
         }
@@ -58,7 +58,7 @@ pub(super) fn place_all(
     Ok(objects)
 }
 
-/// Why proposed places were refused, for the error text.
+/// How many proposed places were rejected, and why, for the error message.
 #[derive(Debug, Default)]
 struct Rejections {
     no_foam: usize,
@@ -89,8 +89,8 @@ impl std::fmt::Display for Rejections {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "of {PLACES} places tried for the next one, {} overlapped another object, {} were too near the arm's start \
-             and {} had no foam to stand in",
+            "of {PLACES} places tried for the next one, {} overlapped another object, {} were too close to the arm's \
+             start posture and {} had no foam to stand in",
             self.overlap, self.arm, self.no_foam
         )
     }
@@ -104,7 +104,7 @@ fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
     in_foam(a, b) || in_foam(b, a)
 }
 
-/// A place, a turn and what is underfoot; `None` where a leaf finds no foam.
+/// Draws a place, a rotation and the ground there; `None` if an object that needs foam finds none.
 fn propose(
     scene: &Scene,
     place: Option<&Placement>,

@@ -111,7 +111,7 @@ fn objects_keep_their_distance_from_the_arm() {
         "{error:?}"
     );
     assert!(
-        text.contains("placed 0") && text.contains("1000 were too near the arm's start"),
+        text.contains("0 were placed") && text.contains("1000 were too close to the arm's start"),
         "{text}"
     );
 }

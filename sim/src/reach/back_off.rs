@@ -1,26 +1,26 @@
-//! What a reach does when it gets stuck (Jain et al. 2013): 5 cm back, then 10 cm sideways, then once more to the goal.
+//! Recovery of an arm that got stuck (Jain et al. 2013): 5 cm back, then 10 cm to the side, then again to the goal.
 
 use glam::DVec3;
 use underbrush_recording::Outcome;
 
 const BACK_OFF_M: f64 = 0.05;
 const SIDESTEP_M: f64 = 0.10;
-/// Time allowed for each of the two, s: at the slower preset's 0.2 m/s either takes half a second. A choice.
+/// Time limit for each of the two, s. Choice: at the slowest published hand speed, 0.2 m/s, they take half a second at most.
 pub(super) const TIME_S: f64 = 2.0;
 
-/// One way of the tip.
+/// One leg of the recovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
     /// To the goal.
     ToGoal,
-    /// Back from where it got stuck.
+    /// Backwards from where it got stuck.
     Back,
-    /// From there to the side.
+    /// From there to one side.
     Aside,
 }
 
-/// Drives to a goal and, each time it gets stuck, backs off and tries again, `retries` times at most. `drive` says how a
-/// way ended; back and aside need not be reached, but an abort ends all.
+/// Drives to a goal and backs off and tries again each time the arm gets stuck, at most `retries` times. `drive` returns how
+/// a leg ended. The points behind and beside need not be reached, but an abort ends everything.
 pub(super) fn pursue(retries: u32, mut drive: impl FnMut(Way) -> Outcome) -> Outcome {
     let mut outcome = drive(Way::ToGoal);
     for _ in 0..retries {
@@ -37,11 +37,11 @@ pub(super) fn pursue(retries: u32, mut drive: impl FnMut(Way) -> Outcome) -> Out
     outcome
 }
 
-/// The points behind and beside a tip that got stuck on its way to a goal, m, world frame, at the tip's height.
+/// The points behind and beside an arm's tip that got stuck on its way to a goal, m, world frame, at the tip's height.
 pub(super) fn waypoints(tip_world: DVec3, goal_world: DVec3) -> [DVec3; 2] {
     let forward = (goal_world - tip_world).with_z(0.0).normalize_or(DVec3::X);
     let back = tip_world - forward * BACK_OFF_M;
-    // To the left, where the other arm would be on the robot's right side there is nothing: a choice.
+    // Choice: to the left.
     [back, back + DVec3::Z.cross(forward) * SIDESTEP_M]
 }
 

@@ -18,13 +18,13 @@ fn plan(robot: &str) -> ReachPlan {
 
 #[test]
 fn a_stiffer_arm_keeps_its_damping_ratio() {
-    // Pins what `stiffness_scale = 4` does to each joint: four times the stiffness, real and believed, and the same D²/K.
+    // Pins what `stiffness_scale = 4` does to each joint: four times the stiffness, of the joint and of the controller's model, and the same D²/K.
     let (published, scaled) = (Arm::cody().unwrap(), plan("stiffness_scale = 4.0").arm);
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
     for (published, scaled) in published.joints.iter().zip(&scaled.joints) {
         assert!(close(scaled.stiffness_nm_per_rad, 4.0 * published.stiffness_nm_per_rad));
-        let believed = 4.0 * published.model_stiffness_nm_per_rad;
-        assert!(close(scaled.model_stiffness_nm_per_rad, believed));
+        let in_model = 4.0 * published.model_stiffness_nm_per_rad;
+        assert!(close(scaled.model_stiffness_nm_per_rad, in_model));
         let ratio = |joint: &crate::arm::Joint| joint.damping_nm_s_per_rad.powi(2) / joint.stiffness_nm_per_rad;
         assert!(close(ratio(scaled), ratio(published)));
     }

@@ -1,5 +1,5 @@
-//! Scenes: what could be there. A scene file is read and checked here; its keys are in `file.rs`. See `scenes/` for
-//! examples and `underbrush schema` for the JSON Schema.
+//! Scenes: the ranges from which the clutter of a reach is drawn. This module reads and checks scene files; their keys are in
+//! `file.rs`. See `scenes/` for examples and `underbrush schema` for the JSON Schema.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -19,13 +19,13 @@ pub use file::{Goals, Objects, PhysicsSection, RobotSection, SceneFile, Workspac
 /// One scene: the ranges from which the clutter of each reach is drawn.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Name: the file's stem.
+    /// Name: the file's name without its extension.
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// Its text, for the provenance of data sets and for error lines.
+    /// Its text, for the provenance of data sets and for the lines in error messages.
     pub text: String,
-    /// What it says.
+    /// Its contents.
     pub file: SceneFile,
 }
 
@@ -33,7 +33,7 @@ impl Scene {
     /// Reads and checks a scene file.
     ///
     /// # Errors
-    /// When the file cannot be read, is not TOML, has unknown keys or a value outside its physical limits.
+    /// When the file cannot be read, is not TOML, has unknown keys, or has a value outside its limits.
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|error| {
@@ -48,7 +48,7 @@ impl Scene {
         Scene::parse(path, text)
     }
 
-    /// Checks the text of a scene file; `path` names it in errors and gives the scene its name.
+    /// Parses and checks the text of a scene file. `path` appears in error messages and gives the scene its name.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -63,7 +63,7 @@ impl Scene {
                 format!("scene, {key}")
             };
             let allowed = "the keys that `underbrush schema` lists";
-            let fault = InputError::new(path, field, error.message(), allowed, "mend the line");
+            let fault = InputError::new(path, field, error.message(), allowed, "correct this line");
             fault.at_line(line_of(&text, span.start))
         })?;
         let name = path
@@ -114,7 +114,7 @@ impl Scene {
         self.check_objects(anywhere)
     }
 
-    /// The numbers that stand by themselves.
+    /// Checks the numbers that depend on no others.
     fn check_numbers(&self) -> Result<(), InputError> {
         let file = &self.file;
         let (goals, physics, robot) = (&file.goals, &file.physics, &file.robot);
@@ -147,18 +147,18 @@ impl Scene {
         }
     }
 
-    /// Whole steps make a frame, and substeps are not too short.
+    /// Checks that a frame is a whole number of steps and that substeps are not too short.
     fn check_steps(&self) -> Result<(), InputError> {
         let physics = &self.file.physics;
         let steps = FRAME_PERIOD_S / physics.step_s;
         if (steps - steps.round()).abs() > 1e-6 {
-            let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 … 0.0001)";
+            let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 ... 0.0001)";
             return Err(self.fault("physics.step_s", short(physics.step_s), allowed));
         }
-        // A step of 0.1 ms may have ten substeps, whatever the rounding.
+        // Ten substeps of a step of 0.1 ms must be allowed in spite of rounding.
         let most = (physics.step_s / limits::SHORTEST_SUBSTEP_S * (1.0 + 1e-9)).floor();
         if f64::from(physics.substeps) > most {
-            let allowed = format!("1 to {most} with this step_s: substeps of 10 µs at least");
+            let allowed = format!("1 to {most} with this step_s, because a substep must be at least 10 µs long");
             return Err(self.fault("physics.substeps", physics.substeps, allowed));
         }
         Ok(())
@@ -194,7 +194,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The error about an option of the sensor, if there is a fault.
+    /// Turns a fault of the sensor options into an error about this file.
     pub(crate) fn sensor_fault(&self, fault: Option<Fault>) -> Result<(), InputError> {
         fault.map_or(Ok(()), |(key, found, allowed)| {
             Err(self.fault(&format!("sensor.{key}"), found, allowed))
@@ -214,8 +214,8 @@ impl Scene {
         })
     }
 
-    /// An error about this file; the line is that of the key's last part in the group that `field` names, or in the
-    /// whole text where it stands there only once.
+    /// An error about this file. Its line is the one that sets the last part of `field`, searched for in the group that
+    /// `field` names, if there is exactly one such line.
     pub(crate) fn fault(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
         let fault = InputError::new(
             &self.path,
@@ -237,8 +237,8 @@ impl Scene {
         }
     }
 
-    /// The lines, from 0, of the group that a field such as `objects.leaf[1].count` or `goals.count` is in: from its
-    /// header to the next.
+    /// The lines, counted from 0, of the group that contains a field such as `objects.leaf[1].count` or `goals.count`: from
+    /// its header to the next one.
     fn group_lines(&self, field: &str) -> Option<Range<usize>> {
         let (header, number) = match field.split_once('[') {
             Some((kind, rest)) => (format!("[[{kind}]]"), rest.split_once(']')?.0.parse().ok()?),

@@ -1,4 +1,4 @@
-//! The capacitive skin: a continuous cover over capacitors (crosstalk, creep) and the authors' driver behind them.
+//! Capacitive skin: capacitors under a continuous cover (crosstalk, creep), read by the authors' driver.
 
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch};
@@ -7,20 +7,20 @@ use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
 use super::spurious::SpuriousReadings;
 
-/// Retardation times of the cover's creep, s: one a decade, so that between the first and the last a held force's reading
-/// grows with the logarithm of time, as rubber's strain does.
+/// Retardation times of the cover's creep, s. With one per decade, the reading of a held force grows with the logarithm of
+/// time between the first and the last, as the strain of rubber does.
 pub const CREEP_TIMES_S: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
 /// The capacitive taxels of one patch.
 #[derive(Clone)]
 pub struct Capacitive {
-    /// Four neighbours of each taxel; the taxel itself stands for one that the grid does not have.
+    /// The four neighbours of each taxel; the taxel itself in place of one that the grid does not have.
     neighbours: Vec<[usize; 4]>,
     crosstalk_share: f64,
     creep_share: f64,
-    /// Share of the way to its end that each part of the creep goes in a frame.
+    /// Share of the remaining creep that each element completes in one frame.
     creep_advance: [f64; CREEP_TIMES_S.len()],
-    /// The forces that each taxel has crept to, N, by retardation time.
+    /// Creep of each taxel so far, as a force, N, by retardation time.
     crept_n: Vec<[f64; CREEP_TIMES_S.len()]>,
     spurious: SpuriousReadings,
     noise: Noise,
@@ -31,7 +31,7 @@ pub struct Capacitive {
 }
 
 impl Capacitive {
-    /// The taxels of a patch, at rest.
+    /// The taxels of a patch, unloaded.
     pub fn new(options: &SensorOptions, patch: &Patch) -> Self {
         Capacitive {
             neighbours: neighbours(patch),
@@ -48,7 +48,7 @@ impl Capacitive {
         }
     }
 
-    /// Reads all taxels once: true forces in, readings out, N.
+    /// Turns the true forces on all taxels into one set of readings, N.
     pub fn read(
         &mut self,
         true_force_n: &[f64],
@@ -59,7 +59,7 @@ impl Capacitive {
         let offsets = self.spurious.advance(random_spurious);
         for (taxel, (reading, offset)) in reading_n.iter_mut().zip(offsets).enumerate() {
             let felt = felt(&self.neighbours[taxel], self.crosstalk_share, true_force_n, taxel);
-            // Kelvin-Voigt elements, exact for a force that is constant over the frame: dz/dt = (f − z)/τ.
+            // Kelvin-Voigt elements, dz/dt = (f − z)/τ, integrated exactly for a force that is constant over the frame.
             let crept = &mut self.crept_n[taxel];
             for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
                 *crept += (felt - *crept) * advance;
@@ -74,16 +74,16 @@ impl Capacitive {
     }
 }
 
-/// The force on a taxel's capacitor, N: what the cover leaves it of its own and hands it from its neighbours.
+/// The force on a taxel's capacitor, N, after the cover has passed part of it to the neighbours and part of theirs to it.
 ///
-/// Where a taxel has fewer than four neighbours it keeps their parts, so each column of the kernel sums to 1: force is
-/// moved, none is lost.
+/// A taxel with fewer than four neighbours keeps the parts of those that are missing. Each column of the kernel therefore
+/// sums to 1, and no force is lost.
 fn felt(neighbours: &[usize; 4], crosstalk_share: f64, force_n: &[f64], taxel: usize) -> f64 {
     let around: f64 = neighbours.iter().map(|next| force_n[*next]).sum();
     force_n[taxel] + crosstalk_share * (around / 4.0 - force_n[taxel])
 }
 
-/// The four neighbours in the patch's grid, around the sleeve where it wraps; without a grid a taxel has none.
+/// The four neighbours in the patch's grid, around the sleeve if it wraps. Without a grid a taxel has none.
 fn neighbours(patch: &Patch) -> Vec<[usize; 4]> {
     let count = patch.taxels.len();
     let Some(Grid { rows, columns, wraps }) = patch.grid else {

@@ -1,4 +1,4 @@
-//! What every taxel's electronics have: noise, and steps of a converter.
+//! What the electronics of all taxels have in common: noise and quantization.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -10,34 +10,34 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Noise of this standard deviation, N; none at 0.
+    /// Noise with this standard deviation, N; 0 switches it off.
     pub fn new(standard_deviation_n: f64) -> Self {
         Noise { standard_deviation_n }
     }
 
-    /// The noise of one reading, N. It is drawn even where it is 0, so that the noise of one technology does not depend on
-    /// whether the other has any.
+    /// Draws the noise of one reading, N. A number is drawn even if the noise is off, so that the noise of one technology does
+    /// not depend on whether the other has any.
     pub fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
         let deviations: f64 = StandardNormal.sample(random);
         deviations * self.standard_deviation_n
     }
 }
 
-/// Rounds readings to steps.
+/// Quantizes readings.
 #[derive(Clone)]
 pub struct Converter {
     steps_per_n: f64,
 }
 
 impl Converter {
-    /// Steps of this size, N; none at 0.
+    /// Steps of this size, N; 0 switches quantization off.
     pub fn with_quantum(quantum_n: f64) -> Self {
         if quantum_n == 0.0 {
             return Converter { steps_per_n: 0.0 };
         }
         let steps = 1.0 / quantum_n;
-        // The nearest number to 0.001 is not a thousandth: with whole steps per newton, readings are the numbers
-        // nearest to count / steps, which print as short as they are.
+        // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton, readings are
+        // the numbers nearest to count / steps, which print with few digits.
         let whole = steps.round();
         let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
         Converter {
@@ -45,12 +45,12 @@ impl Converter {
         }
     }
 
-    /// So many steps per newton; none at 0.
+    /// This many steps per newton; 0 switches quantization off.
     pub fn with_steps_per_n(steps_per_n: f64) -> Self {
         Converter { steps_per_n }
     }
 
-    /// The step nearest to a reading, N.
+    /// The quantized value nearest to a reading, N.
     pub fn convert(&self, reading_n: f64) -> f64 {
         if self.steps_per_n > 0.0 {
             (reading_n * self.steps_per_n).round() / self.steps_per_n

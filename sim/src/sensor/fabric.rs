@@ -1,17 +1,17 @@
-//! Piezoresistive fabric: a voltage divider that saturates, and fabric that opens later than it closed.
+//! Piezoresistive fabric: a voltage divider that saturates, and hysteresis of the fabric.
 
 use rand_chacha::ChaCha8Rng;
 
 use super::converter::{Converter, Noise};
 use super::options::FabricOptions;
 
-/// The fabric taxels of one patch. They are separate pieces: no crosstalk.
+/// The fabric taxels of one patch. They are separate pieces, so there is no crosstalk.
 #[derive(Clone)]
 pub struct Fabric {
     full_scale_n: f64,
-    /// Reading over force while the fabric opens: 1 / (1 − hysteresis share).
+    /// Ratio of reading to force while the force decreases: 1 / (1 − hysteresis share).
     opening_gain: f64,
-    /// The force that each piece stands at, N.
+    /// The force that each piece remembers, N.
     memory_n: Vec<f64>,
     noise: Noise,
     gate_n: f64,
@@ -19,7 +19,7 @@ pub struct Fabric {
 }
 
 impl Fabric {
-    /// So many taxels, at rest.
+    /// This many taxels, unloaded.
     pub fn new(options: &FabricOptions, taxels: usize) -> Self {
         Fabric {
             full_scale_n: options.full_scale_n,
@@ -31,14 +31,14 @@ impl Fabric {
         }
     }
 
-    /// Reads all taxels once: true forces in, readings out, N.
+    /// Turns the true forces on all taxels into one set of readings, N.
     pub fn read(&mut self, true_force_n: &[f64], reading_n: &mut [f64], random: &mut ChaCha8Rng) {
         for ((force, memory), reading) in true_force_n.iter().zip(&mut self.memory_n).zip(reading_n) {
-            // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling
-            // one only when it is the hysteresis share below. Without force nothing remains.
+            // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling force
+            // only once it is lower by the hysteresis share. Without force nothing remains.
             *memory = memory.min(force * self.opening_gain).max(*force).max(0.0);
-            // The fabric's conductance is proportional to force; in a voltage divider it gives F S / (F + S). The
-            // driver knows only the slope at small forces.
+            // The fabric's conductance is proportional to the force, which in a voltage divider gives F S / (F + S). The
+            // driver calibrates only the slope at small forces.
             let divided = *memory / (1.0 + *memory / self.full_scale_n);
             let analog = divided + self.noise.draw(random);
             *reading = if analog.abs() < self.gate_n {

@@ -1,6 +1,6 @@
-//! What the skin's electronics make of the taxels' true forces, frame by frame.
+//! The tactile sensors: from the true forces on the taxels to their readings, frame by frame.
 //!
-//! | patch | the force passes |
+//! | patch | stages |
 //! |---|---|
 //! | capacitive | crosstalk → creep → spurious readings → noise → gate and floor → quantum → saturation |
 //! | fabric | hysteresis → saturating response → noise → gate → counts |
@@ -36,17 +36,17 @@ enum Electronics {
     Fabric(Fabric),
 }
 
-/// The sensor of one reach: press taxels, sample a frame, read.
+/// The sensors of one reach. In every frame the pressed taxels are reported, then all taxels are sampled, then read.
 ///
 /// Every taxel is sampled in every frame, in the same order, so that the noise of one does not depend on what touches
 /// another.
 #[derive(Clone)]
 pub struct Sensor {
-    /// Electronics of each patch, in the layout's order, and where its taxels are below.
+    /// Electronics of each patch, in the layout's order, and the indices of its taxels in the vectors below.
     patches: Vec<(Electronics, Range<usize>)>,
     dead: Vec<bool>,
     true_force_n: Vec<f64>,
-    /// The last frames of readings, one more than the delay, as a ring.
+    /// Ring buffer of the last frames of readings, one more than the delay.
     readings_n: Vec<Vec<f64>>,
     newest: usize,
     random: ChaCha8Rng,
@@ -55,7 +55,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// The sensor of reach number `reach_index`; it draws from the streams `sensor`, `strays` and `dead taxels`.
+    /// The sensors of reach number `reach_index`; they draw from the streams `sensor`, `strays` and `dead taxels`.
     pub fn new(options: &SensorOptions, skin: &Skin, seed: u64, scene: &str, reach_index: u64) -> Self {
         let mut taxels = 0;
         let mut patches = Vec::with_capacity(skin.layout.patches.len());
@@ -87,12 +87,12 @@ impl Sensor {
         }
     }
 
-    /// Adds to the true normal force of a taxel in the frame to be sampled, N.
+    /// Adds to the true normal force on a taxel in the frame that is sampled next, N.
     pub fn press(&mut self, patch: usize, taxel: usize, normal_force_n: f64) {
         self.true_force_n[self.patches[patch].1.start + taxel] += normal_force_n;
     }
 
-    /// Samples all taxels once and forgets what pressed them.
+    /// Samples all taxels once and clears the true forces.
     pub fn sample(&mut self) {
         self.newest = (self.newest + 1) % self.readings_n.len();
         let newest = &mut self.readings_n[self.newest];
@@ -114,16 +114,16 @@ impl Sensor {
         self.true_force_n.fill(0.0);
     }
 
-    /// What a taxel reports after the last sample, N.
+    /// A taxel's reading after the last sample, N.
     pub fn reading_n(&self, patch: usize, taxel: usize) -> f64 {
-        // The slot behind the newest holds the oldest.
+        // The slot after the newest holds the oldest.
         let oldest = (self.newest + 1) % self.readings_n.len();
         self.readings_n[oldest][self.patches[patch].1.start + taxel]
     }
 }
 
-/// The dead taxels of all patches: those listed, and those that `drawn` picks. A listed taxel is drawn as well, so that
-/// listing it does not change the draws of those after it.
+/// Which taxels are dead: those listed and those drawn. A number is drawn for a listed taxel too, so that listing it does
+/// not change the draws of those after it.
 fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8Rng) -> Vec<bool> {
     let of_patch = layout.patches.iter().flat_map(|patch| {
         let listed = options.dead_taxels.get(&patch.name);

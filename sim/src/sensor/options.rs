@@ -9,11 +9,11 @@ use underbrush_recording::limits::short;
 
 use super::limits;
 
-/// What the skin's electronics do to the true force.
+/// Properties of the tactile sensors.
 ///
-/// `delay_frames` and the dead taxels are of all skin, `fabric` of the patches that the arm's skin file calls fabric,
-/// every other key of those that it calls capacitive. `perfect = true` switches all of it off; each effect also goes by
-/// itself, at 0 or, for the two saturations, at `inf`.
+/// `delay_frames` and the dead taxels apply to all skin, `fabric` to the patches that the arm's skin file calls fabric, and
+/// all other keys to those that it calls capacitive. `perfect = true` switches every effect off. A single effect is switched
+/// off by the value 0 or, for the two saturations, `inf`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorOptions {
@@ -22,23 +22,23 @@ pub struct SensorOptions {
     /// Standard deviation of a taxel's noise, N.
     #[schemars(range(min = 0.0, max = limits::NOISE_N.most))]
     pub noise_n: f64,
-    /// Deviations under this many standard deviations of the noise read 0 (the authors' driver: 6).
+    /// Readings below this many standard deviations of the noise are 0 (the authors' driver: 6).
     #[schemars(range(min = limits::GATE_SIGMAS.least, max = limits::GATE_SIGMAS.most))]
     pub gate_sigmas: f64,
-    /// Smallest step of a reading, N (the authors' driver: counts / 1000).
+    /// Quantization step of a reading, N (the authors' driver: counts / 1000).
     #[schemars(range(min = 0.0, max = limits::QUANTUM_N.most))]
     pub quantum_n: f64,
-    /// Largest force that a taxel can tell, N (17 on the robot); larger ones read as this.
+    /// Largest reading of a taxel, N (17 on the robot).
     #[schemars(range(min = limits::SATURATION_N.least))]
     pub saturation_n: f64,
-    /// Readings under this many newtons read 0; off at 0 (the authors' optional floor: 1.0).
+    /// Readings below this are 0, N (the authors' optional floor: 1.0).
     #[schemars(range(min = 0.0, max = limits::FLOOR_N.most))]
     pub floor_n: f64,
-    /// Share of a taxel's force that its cover hands to the neighbours in the patch's grid, in equal parts to the four.
+    /// Share of a taxel's force that the cover passes to its four neighbours in the patch's grid, in equal parts.
     #[schemars(range(min = limits::SHARE.least, max = limits::SHARE.most))]
     pub crosstalk_share: f64,
-    /// What a held force adds to its own reading by creep in every decade of time from 0.1 to 100 s, as a share of the
-    /// force; after release it is taken back as slowly.
+    /// Creep: how much the reading of a held force grows in every decade of time from 0.1 to 100 s, as a share of the force.
+    /// After release it recovers as slowly.
     #[schemars(range(min = limits::CREEP_SHARE.least, max = limits::CREEP_SHARE.most))]
     pub creep_share_per_decade: f64,
     /// Long-run share of the taxels with a spurious reading: a force although nothing touches them.
@@ -52,15 +52,15 @@ pub struct SensorOptions {
     /// Smallest and largest spurious reading, N; values between them are equally likely.
     #[serde(alias = "stray_force_n")]
     pub spurious_force_n: [f64; 2],
-    /// Frames of 10 ms that readings are late.
+    /// Delay of the readings in frames of 10 ms.
     #[schemars(range(min = limits::DELAY_FRAMES.least, max = limits::DELAY_FRAMES.most))]
     pub delay_frames: u32,
-    /// Share of all taxels that are dead in a reach, drawn anew for each; a dead taxel reads 0.
+    /// Share of dead taxels, drawn for every reach; a dead taxel reads 0.
     #[schemars(range(min = limits::SHARE.least, max = limits::SHARE.most))]
     pub dead_share: f64,
-    /// Taxels that are dead in every reach: lists of indices by patch name.
+    /// Taxels that are dead in every reach: lists of taxel indices by the name of the patch.
     pub dead_taxels: BTreeMap<String, Vec<u16>>,
-    /// Fabric taxels.
+    /// Properties of fabric taxels.
     pub fabric: FabricOptions,
 }
 
@@ -68,7 +68,7 @@ pub struct SensorOptions {
 const SPURIOUS_SHARE: f64 = 2.0 / 384.0;
 
 impl Default for SensorOptions {
-    /// Gate, quantum and saturation are the authors'. The others are choices:
+    /// Gate, quantization step and saturation are the authors'. The others are choices:
     ///
     /// * spurious readings: in a stored frame of the real skin, four of 384 taxels away from the one contact read 0.02 to
     ///   0.10 N. Some of these may be creep left by earlier contacts, so half of them count as spurious. Their duration is
@@ -103,31 +103,31 @@ impl Default for SensorOptions {
     }
 }
 
-/// What a taxel of piezoresistive fabric makes of the true force.
+/// Properties of taxels of piezoresistive fabric.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FabricOptions {
-    /// Steps of a reading per newton (about 30 on the robot); no steps at 0.
+    /// Quantization steps per newton (about 30 on the robot).
     #[schemars(range(min = 0.0, max = limits::COUNTS_PER_N.most))]
     pub counts_per_n: f64,
-    /// The reading S that an infinite force tends to, N: a force F reads F S / (F + S).
+    /// Full scale S, N: the reading of a force F is F S / (F + S).
     #[schemars(range(min = limits::SATURATION_N.least))]
     pub full_scale_n: f64,
-    /// Share of the largest force that must be taken away before the reading begins to fall.
+    /// Hysteresis: by what share of its largest value the force must fall before the reading begins to fall.
     #[schemars(range(min = limits::HYSTERESIS_SHARE.least, max = limits::HYSTERESIS_SHARE.most))]
     pub hysteresis_share: f64,
     /// Standard deviation of a taxel's noise, N.
     #[schemars(range(min = 0.0, max = limits::NOISE_N.most))]
     pub noise_n: f64,
-    /// Deviations under this many standard deviations of the noise read 0.
+    /// Readings below this many standard deviations of the noise are 0.
     #[schemars(range(min = limits::GATE_SIGMAS.least, max = limits::GATE_SIGMAS.most))]
     pub gate_sigmas: f64,
 }
 
 impl Default for FabricOptions {
-    /// About 30 counts per newton of a 10 bit converter are the authors' figures, so the full scale is 1023 / 30 N.
-    /// Choices: a hysteresis of a quarter ("strong"); noise of half a count, as of a converter whose last bit flickers;
-    /// the gate of the other skin.
+    /// The authors report a 10-bit converter with about 30 counts per newton, so the full scale is 1023 / 30 N. Choices:
+    /// hysteresis of a quarter ("strong"); noise of half a count, as in a converter whose last bit flickers; the gate of the
+    /// capacitive skin.
     fn default() -> Self {
         FabricOptions {
             counts_per_n: 30.0,
@@ -143,7 +143,7 @@ impl Default for FabricOptions {
 pub type Fault = (String, String, String);
 
 impl SensorOptions {
-    /// Every effect off, each by its own key: what a single effect is judged against.
+    /// Every effect switched off by its own key, as the baseline for testing single effects.
     pub fn off() -> Self {
         SensorOptions {
             perfect: false,
@@ -170,7 +170,7 @@ impl SensorOptions {
         }
     }
 
-    /// What is wrong with the options, if anything.
+    /// What is wrong with these options, if anything.
     pub fn fault(&self) -> Option<Fault> {
         let fabric = &self.fabric;
         let [min_spurious_n, max_spurious_n] = self.spurious_force_n;
