@@ -71,8 +71,8 @@ const EXPLAINED: Limits = Limits::new(0.0, 1.0, "");
 /// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
 ///
 /// let classifier = NearestNeighbours::default().fit(&trials.iter().collect::<Vec<_>>())?;
-/// // After three samples of a new contact:
-/// let scores = &classifier.scores_after(&press("trunk", 0.25, 3), &[3])?[0];
+/// // After twenty samples of a new contact; after very few, a hard press looks like the plateau of a soft one.
+/// let scores = &classifier.scores_after(&press("trunk", 0.25, 3), &[20])?[0];
 /// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
