@@ -27,14 +27,7 @@ type Module = Vec<String>;
 type Sources = BTreeMap<Module, (PathBuf, String)>;
 
 /// Modules that still form circles, each named by one of its members; nothing else may.
-<<<<<<< HEAD
-const KNOWN: &[&str] = &["experiments: ablation", "report: tables", "validation: check"];
-=======
-const KNOWN: &[&str] = &[
-    "underbrush: command/classify/json",
-    "validation: check",
-];
->>>>>>> d81b3d4 (Experiments are files: one outcome an experiment, one section a figure, and any scenes, arm, categories and classifiers)
+const KNOWN: &[&str] = &["validation: check"];
 
 /// Every crate's folder of sources, with the crate's name.
 fn crates(root: &Path) -> Vec<(String, PathBuf)> {

@@ -9,6 +9,7 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
+use underbrush_sim::simulation::StateError;
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
@@ -17,7 +18,8 @@ use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulate
 pub const CHECK: Check = Check {
     number: 15,
     name: "determinism",
-    summary: "Reaches have the same bytes in every run and on any number of threads; a copied world goes on as its original",
+    summary: "Reaches have the same bytes in every run and on any number of threads; a copied simulation, and one that was \
+              saved and loaded, continue exactly as the original",
     cases: &[
         Case {
             compare: repeated,
@@ -26,6 +28,10 @@ pub const CHECK: Check = Check {
         Case {
             compare: copied,
             falsifications: &[OTHER_PUSH],
+        },
+        Case {
+            compare: restored,
+            falsifications: &[LOST_VELOCITIES],
         },
     ],
 };
@@ -36,8 +42,14 @@ const OTHER_SEED: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 const OTHER_PUSH: Falsification = Falsification {
-    wrong: "equilibrium angles in the copied world",
-    by: "1 µrad farther",
+    wrong: "equilibrium angles of the copied simulation",
+    by: "1 µrad too large",
+    breaks: Breaks::Every,
+};
+
+const LOST_VELOCITIES: Falsification = Falsification {
+    wrong: "part of the saved state",
+    by: "joint velocities lost",
     breaks: Breaks::Every,
 };
 
@@ -73,9 +85,12 @@ fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let again = reaches(seed, 1)?;
     let threads = reaches(seed, 3)?;
     Ok(vec![
-        same("three reaches run twice, differing", differing(&first, &again)),
         same(
-            "three reaches on one and on three threads, differing",
+            "bytes that differ between two runs of three reaches",
+            differing(&first, &again),
+        ),
+        same(
+            "bytes that differ between three reaches on one thread and on three",
             differing(&first, &threads),
         ),
     ])
@@ -84,8 +99,16 @@ fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 fn copied(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let [original, copy] = copy(simulated.with(OTHER_PUSH, 0.0, 1e-6))?;
     Ok(vec![same(
-        "a second after a copy, original and copy, differing",
+        "bytes that differ between a simulation and its copy within a second",
         differing(&original, &copy),
+    )])
+}
+
+fn restored(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let [original, loaded] = restore(simulated.is(LOST_VELOCITIES))?;
+    Ok(vec![same(
+        "bytes that differ between a simulation and one loaded from its saved state, to the end of a reach",
+        differing(&original, &loaded),
     )])
 }
 
@@ -118,8 +141,8 @@ fn bytes(recording: &Recording) -> Vec<u8> {
     format!("{:?} {:?} {:?}", recording.objects, recording.goals, recording.frames).into_bytes()
 }
 
-/// Joint angles and contact forces of a world and of its copy, frame by frame for a second after the copy was made in
-/// the middle of a push on a leaf; the copy is pushed by `more_rad` more.
+/// The reports of a simulation and of its copy, as bytes, for a second after the copy was made in the middle of a push on a
+/// leaf. The equilibrium angles of the copy are larger by `more_rad`.
 fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
     let arm = Arm::cody()?;
     let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(LEAF), 0.002, 0.3), OPTIONS)?;
@@ -137,7 +160,33 @@ fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
     Ok(found)
 }
 
-/// Bytes that differ, those by which one is longer included. No byte at all differs wholly.
+/// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to its
+/// end. With `lost`, the loaded one has lost its joint velocities.
+fn restore(lost: bool) -> Result<[Vec<u8>; 2], CheckError> {
+    let fault = |error: StateError| CheckError::Case(error.to_string());
+    let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, 0)?;
+    let frames = plan.run(0, &mut |_, _| {})?.frames;
+    let (before, after) = frames.split_at(frames.len() / 2);
+    let mut original = plan.simulation(0)?;
+    for frame in before {
+        original.step(&frame.equilibrium_angle_rad);
+    }
+    let mut loaded = plan.simulation(0)?;
+    loaded.load(&original.save().map_err(fault)?).map_err(fault)?;
+    if lost {
+        loaded.set_joint_velocity(&vec![0.0; plan.arm.joints.len()]);
+    }
+    let mut found = [Vec::new(), Vec::new()];
+    for frame in after {
+        for (simulation, bytes) in [&mut original, &mut loaded].into_iter().zip(&mut found) {
+            let report = simulation.step(&frame.equilibrium_angle_rad);
+            bytes.extend(format!("{report:?}").into_bytes());
+        }
+    }
+    Ok(found)
+}
+
+/// The number of bytes that differ, including those by which one is longer. Nothing at all counts as a difference.
 fn differing(left: &[u8], right: &[u8]) -> usize {
     let unequal = left.iter().zip(right).filter(|(a, b)| a != b).count();
     unequal + left.len().abs_diff(right.len()) + usize::from(left.is_empty())

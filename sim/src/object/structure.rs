@@ -2,6 +2,7 @@
 //! The simulation builds it into its engine; an object file needs to know nothing of the engine.
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 
 /// The bodies of one object at rest, as a tree. The object's frame has its origin at the foot and z pointing up.
@@ -55,7 +56,7 @@ pub enum Axis {
 }
 
 /// Spring and damper on one degree of freedom, unloaded at rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// Stiffness that never relaxes: Nm/rad of a rotation, N/m of a translation.
     pub stiffness: f64,
@@ -80,7 +81,7 @@ impl Spring {
 }
 
 /// The Maxwell branch of a standard linear solid: a spring in series with a dashpot, both parallel to the elastic spring.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Maxwell {
     /// Stiffness of the branch, in the unit of the elastic spring.
     pub stiffness: f64,

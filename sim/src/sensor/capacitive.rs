@@ -1,6 +1,7 @@
 //! Capacitive skin: capacitors under a continuous cover (crosstalk, creep), read by the authors' driver.
 
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch};
 
 use super::converter::{Converter, Noise};
@@ -12,7 +13,7 @@ use super::spurious::SpuriousReadings;
 pub const CREEP_TIMES_S: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
 /// The capacitive taxels of one patch.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Capacitive {
     /// The four neighbours of each taxel; the taxel itself in place of one that the grid does not have.
     neighbours: Vec<[usize; 4]>,

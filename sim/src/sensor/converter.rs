@@ -2,9 +2,10 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 
 /// White Gaussian noise of one standard deviation for all taxels.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Noise {
     standard_deviation_n: f64,
 }
@@ -24,7 +25,7 @@ impl Noise {
 }
 
 /// Quantizes readings.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Converter {
     steps_per_n: f64,
 }

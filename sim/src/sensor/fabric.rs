@@ -1,12 +1,13 @@
 //! Piezoresistive fabric: a voltage divider that saturates, and hysteresis of the fabric.
 
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use super::converter::{Converter, Noise};
 use super::options::FabricOptions;
 
 /// The fabric taxels of one patch. They are separate pieces, so there is no crosstalk.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Fabric {
     full_scale_n: f64,
     /// Ratio of reading to force while the force decreases: 1 / (1 − hysteresis share).

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::SkinLayout;
 
 mod capacitive;
@@ -29,7 +30,7 @@ use fabric::Fabric;
 pub use options::{FabricOptions, Fault, SensorOptions};
 
 /// The electronics of one patch.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 enum Electronics {
     Perfect,
     Capacitive(Capacitive),
@@ -40,7 +41,7 @@ enum Electronics {
 ///
 /// Every taxel is sampled in every frame, in the same order, so that the noise of one does not depend on what touches
 /// another.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Sensor {
     /// Electronics of each patch, in the layout's order, and the indices of its taxels in the vectors below.
     patches: Vec<(Electronics, Range<usize>)>,

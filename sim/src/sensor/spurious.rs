@@ -3,13 +3,14 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::FRAME_PERIOD_S;
 
 use super::options::SensorOptions;
 
 /// The spurious readings of one patch. Each taxel's offset is a telegraph process: it is zero for a while, then one constant
 /// force for a while.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct SpuriousReadings {
     /// Probability per frame that a taxel's spurious reading begins, and that it ends.
     begin: f64,

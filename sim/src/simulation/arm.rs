@@ -1,6 +1,7 @@
 //! The arm in the engine: a multibody of compliant joints, its equilibrium angles, and what its encoders read.
 
 use rapier3d::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::engine::{Engine, groups};
 use super::report::JointState;
@@ -19,7 +20,7 @@ const STOP: SpringCoefficients<f64> = SpringCoefficients {
 };
 
 /// One arm in an [`Engine`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ArmBodies {
     /// Bodies of the links, in the arm's order.
     pub(super) links: Vec<RigidBodyHandle>,

@@ -1,6 +1,7 @@
 //! One world of the Rapier engine and its step.
 
 use rapier3d::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::physics::PhysicsOptions;
 
@@ -20,6 +21,7 @@ const SKIN_ON_BENDABLE: SpringCoefficients<f64> = SpringCoefficients {
 };
 
 /// A Rapier world: bodies, shapes, joints and contacts.
+#[derive(Serialize, Deserialize)]
 pub struct Engine {
     /// The options it was created with.
     pub options: PhysicsOptions,
@@ -33,6 +35,7 @@ pub struct Engine {
     pub joints: MultibodyJointSet,
     /// Contacts of the last step.
     pub narrow_phase: NarrowPhase,
+    #[serde(skip, default = "PhysicsPipeline::new")]
     pipeline: PhysicsPipeline,
     islands: IslandManager,
     broad_phase: BroadPhaseBvh,

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rapier3d::prelude::*;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape};
 
 use super::engine::{Engine, groups};
@@ -9,7 +10,7 @@ use crate::geometry::{engine_shape, from_parry, parry_pose};
 use crate::object::FRICTION;
 use crate::object::structure::{self, Axis, CollisionGroup, Inertia, Spring, Structure};
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Coordinate {
     joint: MultibodyJointHandle,
     axis: usize,
@@ -18,7 +19,7 @@ struct Coordinate {
 }
 
 /// One object's bodies and springs in a [`Engine`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Mechanism {
     bodies: Vec<RigidBodyHandle>,
     colliders: Vec<ColliderHandle>,

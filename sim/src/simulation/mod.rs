@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose;
 
 use crate::arm::Arm;
@@ -24,12 +25,14 @@ mod mechanism;
 mod model;
 mod report;
 pub mod rig;
+mod saved;
 mod sense;
 mod tactile;
 mod world;
 
 pub use contact::{Contact, contact_torque_nm};
 pub use report::{FrameReport, JointState, ObjectState, StepObserver, StepReport};
+pub use saved::StateError;
 pub use tactile::{ContactPair, LinkForce, TactileFrame};
 
 /// What a simulation is made of.
@@ -54,7 +57,7 @@ pub struct Simulation {
 }
 
 /// Everything that changes while a simulation runs.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 struct State {
     world: World,
     sensor: Sensor,
@@ -131,6 +134,24 @@ impl Simulation {
     /// Step and solver options.
     pub fn physics(&self) -> PhysicsOptions {
         self.model.physics
+    }
+
+    /// The present state as bytes, for [`Simulation::load`].
+    ///
+    /// # Errors
+    /// If the state cannot be encoded.
+    pub fn save(&self) -> Result<Vec<u8>, StateError> {
+        self.state.save(&self.model)
+    }
+
+    /// Continues from a state that a simulation with the same arm, clutter and options saved, bit for bit as that one would.
+    /// The sensor, too, becomes the saved one.
+    ///
+    /// # Errors
+    /// If the bytes are not a saved state, are damaged, or belong to another simulation; this one is then unchanged.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), StateError> {
+        self.state = State::load(&self.model, bytes)?;
+        Ok(())
     }
 
     /// Sets the joint velocities q̇, rad/s, one for each joint.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rapier3d::prelude::*;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use super::arm::ArmBodies;
@@ -13,7 +14,7 @@ use super::report::{StepObserver, StepReport};
 use crate::geometry::from_parry;
 
 /// The engine with one arm and one clutter.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct World {
     pub(super) engine: Engine,
     pub(super) arm: ArmBodies,

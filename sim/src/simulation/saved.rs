@@ -1,0 +1,79 @@
+//! Saving the state of a simulation, and continuing from it.
+//!
+//! A saved state holds what changes: the engine's bodies, joints and contacts, the objects' relaxing springs, the sensor with
+//! its random streams, and the last report. It does not hold the arm and the clutter; their fingerprint tells whether a
+//! saved state belongs to them.
+
+use super::State;
+use super::model::Model;
+use crate::physics::ENGINE;
+
+/// The first bytes of every saved state.
+const MAGIC: &[u8; 16] = b"underbrush state";
+
+/// Length of a BLAKE3 hash, bytes.
+const HASH: usize = blake3::OUT_LEN;
+
+/// Why a state could not be saved or loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum StateError {
+    /// The bytes are something else.
+    #[error("these bytes are not a saved state of a simulation: give bytes that `Simulation::save` returned")]
+    NotAState,
+    /// The state was saved from a simulation of something else.
+    #[error(
+        "this state was saved by another version of the program or from a simulation with another arm, clutter or step: load it \
+         into a simulation with the same"
+    )]
+    Foreign,
+    /// Some bytes are missing or were changed.
+    #[error("this saved state is damaged, its checksum does not match: save it again")]
+    Damaged,
+    /// The state could not be written or read although its checksum matches.
+    #[error("this state cannot be written or read: {0}")]
+    Format(#[from] postcard::Error),
+}
+
+impl State {
+    /// The state as bytes: magic, fingerprint of the model, checksum, and the encoded state.
+    pub(super) fn save(&self, model: &Model) -> Result<Vec<u8>, StateError> {
+        let encoded = postcard::to_allocvec(self)?;
+        let mut bytes = Vec::with_capacity(MAGIC.len() + 2 * HASH + encoded.len());
+        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(&fingerprint(model));
+        bytes.extend_from_slice(blake3::hash(&encoded).as_bytes());
+        bytes.extend_from_slice(&encoded);
+        Ok(bytes)
+    }
+
+    /// The state that [`State::save`] wrote for this model.
+    pub(super) fn load(model: &Model, bytes: &[u8]) -> Result<State, StateError> {
+        let rest = bytes.strip_prefix(MAGIC).ok_or(StateError::NotAState)?;
+        let (own, rest) = rest.split_at_checked(HASH).ok_or(StateError::Damaged)?;
+        let (checksum, encoded) = rest.split_at_checked(HASH).ok_or(StateError::Damaged)?;
+        if own != fingerprint(model) {
+            return Err(StateError::Foreign);
+        }
+        if checksum != blake3::hash(encoded).as_bytes() {
+            return Err(StateError::Damaged);
+        }
+        Ok(postcard::from_bytes(encoded)?)
+    }
+}
+
+/// A hash of the program's version and of everything that a saved state relies on.
+fn fingerprint(model: &Model) -> [u8; HASH] {
+    // `Debug` prints a float with as many digits as tell it from every other.
+    let text = format!(
+        "{} {ENGINE} {:?} {} {:?} {:?}",
+        env!("CARGO_PKG_VERSION"),
+        model.physics,
+        model.dormancy,
+        model.arm,
+        model.clutter.objects
+    );
+    *blake3::hash(text.as_bytes()).as_bytes()
+}
+
+#[cfg(test)]
+mod tests;
