@@ -2,6 +2,7 @@
 
 mod arms;
 mod balance;
+mod categories;
 mod engine;
 mod imports;
 mod own_controller;
