@@ -106,7 +106,7 @@ fn two_categories_in_one_trial() {
         &[
             "category: found trunk",
             "leaf, as in earlier rows of trial 0",
-            "give each trial",
+            "give each value",
         ],
     );
 }

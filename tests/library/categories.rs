@@ -9,7 +9,7 @@ use underbrush_classifier::evaluate::{StreamTruth, classify_stream};
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::trial::{TrialOptions, taxel_trials};
-use underbrush_classifier::{ModelSet, is_trained};
+use underbrush_classifier::{HmmClassifier, is_trained};
 use underbrush_experiments::Silent;
 use underbrush_experiments::dataset::{Campaign, Written};
 use underbrush_recording::disk::{Dataset, DatasetWriter};
@@ -72,7 +72,7 @@ fn a_further_category_goes_from_a_reach_to_verdicts() {
     );
     assert!(!categories.contains("trunk") && is_trained("post"));
 
-    let (models, _) = ModelSet::train(
+    let (models, _) = HmmClassifier::train(
         &trials,
         &Recipe {
             states: 3,
@@ -84,7 +84,6 @@ fn a_further_category_goes_from_a_reach_to_verdicts() {
     let options = OnlineOptions {
         patch: None,
         threshold_n: TrialOptions::default().threshold_n,
-        score: Recipe::modern().score,
         decision: Decision::argmax(),
     };
     let (mut judged, mut named, mut touched) = (0, 0, 0);

@@ -4,51 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::check::{Found, run_case};
-use crate::{Case, Check, CheckError, Comparison, Judged, Simulated, Verdict};
-
-/// A parameter of the simulated side that is wrong on purpose, as a mistake in a scene file, in an arm file or in the
-/// program could make it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Falsification {
-    /// What is wrong.
-    pub wrong: &'static str,
-    /// By how much.
-    pub by: &'static str,
-    /// The comparisons of its case that must fail.
-    #[serde(skip)]
-    pub breaks: Breaks,
-}
-
-/// Which comparisons of a case a falsification must break.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Breaks {
-    /// Every one.
-    Every,
-    /// Those with one of these texts in the name of their quantity.
-    Named(&'static [&'static str]),
-}
-
-impl Falsification {
-    /// Whether a comparison of this quantity must fail.
-    pub fn must_break(&self, quantity: &str) -> bool {
-        match self.breaks {
-            Breaks::Every => true,
-            Breaks::Named(parts) => parts.iter().any(|part| quantity.contains(part)),
-        }
-    }
-
-    /// Parts of names that occur in none of the comparisons' quantities.
-    fn unknown_names(&self, comparisons: &[Comparison]) -> impl Iterator<Item = &'static str> {
-        let named = match self.breaks {
-            Breaks::Every => &[],
-            Breaks::Named(parts) => parts,
-        };
-        named
-            .iter()
-            .copied()
-            .filter(|part| !comparisons.iter().any(|comparison| comparison.quantity.contains(part)))
-    }
-}
+use crate::{Case, Check, CheckError, Comparison, Falsification, Judged, Simulated, Verdict};
 
 /// What the falsifications of one check did.
 #[derive(Clone, Debug, Serialize)]
@@ -193,6 +149,7 @@ pub fn judge_falsified(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Breaks;
 
     const LONG: Falsification = Falsification {
         wrong: "length",

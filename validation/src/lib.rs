@@ -33,12 +33,14 @@ mod series;
 mod shortfall;
 mod skin_forces;
 mod skin_layer;
+mod wrong_parameter;
 
 pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
-pub use falsification::{Breaks, Falsification, Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
+pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
 pub use portrait::{Portrait, portraits, roll_loop};
 pub use shortfall::{SHORTFALLS, Shortfall};
+pub use wrong_parameter::{Breaks, Falsification};
 
 /// All checks, by number.
 pub const CHECKS: &[Check] = &[
