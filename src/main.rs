@@ -79,7 +79,7 @@ enum Command {
     Reach(command::reach::Options),
     /// Simulate many reaches and write them as a data set
     Generate(command::generate::Options),
-    /// Train one hidden Markov model per category
+    /// Fit a classifier to trials and save it as a model file
     Train(command::train::Options),
     /// Classify contact trials: leaf, trunk, uncertain or outlier
     Classify(command::classify::Options),

@@ -25,8 +25,6 @@ pub struct Options {
     /// Model file to write (JSON)
     #[arg(long, value_name = "MODEL")]
     out: PathBuf,
-    #[command(flatten)]
-    estimator: EstimatorArguments,
     /// Continue training the hidden Markov models in this file; their states, features and other options stay the same
     #[arg(
         long,
@@ -44,6 +42,8 @@ pub struct Options {
     #[arg(long, value_name = "X", default_value_t = 0.05, requires = "false_positive_rate")]
     outlier_prior: f64,
     #[command(flatten)]
+    estimator: EstimatorArguments,
+    #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
 }
 
