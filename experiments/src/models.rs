@@ -14,5 +14,7 @@ pub struct Models(pub HmmClassifier);
 pub fn run(session: &Session) -> Result<Models, ExperimentError> {
     let data = session.once(training::run)?;
     let recipe = estimators::main_recipe(session.experiment);
-    session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0)))
+    session.stage("Models", || {
+        Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0))
+    })
 }

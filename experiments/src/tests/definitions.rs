@@ -131,7 +131,7 @@ fn labels_are_categories_where_reaches_are_judged_by_objects() {
     let judged = format!("{bamboo}\n[general]\nscene = \"other.toml\"\nreaches = 1\n");
     let error = error(&judged);
     assert!(
-        error.found.contains("bamboo") && error.allowed.contains("categories of objects"),
+        error.found.contains("bamboo") && error.allowed.contains("the category of an object"),
         "{error}"
     );
 }
