@@ -14,30 +14,30 @@ use crate::sensor::SensorOptions;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// One sentence on what the scene shows; the task name in data sets.
+    /// One sentence that says what the scene shows. Data sets use it as the name of the task.
     pub summary: String,
-    /// `cody`, or a path to a user's arm file, relative to the scene file.
+    /// `cody`, or the path of an arm file, relative to the scene file.
     #[serde(default = "default_arm")]
     pub arm: String,
-    /// Controller of the arm: see `underbrush reach --help`.
+    /// The arm's controller.
     #[serde(default = "default_controller")]
     pub controller: ControllerKind,
-    /// What is changed about the arm.
+    /// Changes to the arm and its controller.
     #[serde(default)]
     pub robot: RobotSection,
-    /// Where the clutter stands.
+    /// Where objects may stand.
     #[serde(default)]
     pub workspace: Workspace,
-    /// Goals of a reach.
+    /// The goals of a reach.
     #[serde(default)]
     pub goals: Goals,
-    /// The objects, in groups: `[[objects.leaf]]`, `[[objects.trunk]]`, `[[objects.foam_block]]`, …
+    /// The objects, in groups: `[[objects.leaf]]`, `[[objects.trunk]]`, `[[objects.foam_block]]` and others.
     #[serde(default)]
     pub objects: Objects,
-    /// The engine's step.
+    /// Time step and other options of the physics engine.
     #[serde(default)]
     pub physics: PhysicsSection,
-    /// The skin's electronics.
+    /// Properties of the tactile sensors.
     #[serde(default)]
     pub sensor: SensorOptions,
 }
@@ -46,27 +46,27 @@ fn default_arm() -> String {
     "cody".into()
 }
 
-/// The flipper-era values of the authors' robot.
+/// The parameters of the authors' robot with its flipper.
 fn default_controller() -> ControllerKind {
     ControllerKind::Cody2013
 }
 
-/// What is changed about the arm and its controller, for other arms of the same build and other speeds.
+/// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RobotSection {
-    /// Factor on the stiffness of every joint, the simulated and the believed; the damping goes with its square root, which
-    /// keeps the joints' damping ratio (a choice).
+    /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root, which keeps
+    /// the joints' damping ratio (a choice).
     #[schemars(range(min = limits::STIFFNESS_SCALE.least, max = limits::STIFFNESS_SCALE.most))]
     pub stiffness_scale: f64,
-    /// Factor on what the controller allows the hand in one step: move, turn, and change of the equilibrium angles. The
-    /// joints' own slew limits stay.
+    /// Scales how far the controller may move the hand and the equilibrium angles in one step. The joints' own slew limits
+    /// stay as they are.
     #[schemars(range(min = limits::HAND_SPEED_SCALE.least, max = limits::HAND_SPEED_SCALE.most))]
     pub hand_speed_scale: f64,
 }
 
 impl Default for RobotSection {
-    /// The arm and the controller as they are.
+    /// No change.
     fn default() -> Self {
         RobotSection {
             stiffness_scale: 1.0,
@@ -75,13 +75,13 @@ impl Default for RobotSection {
     }
 }
 
-/// Where the clutter stands, in the world frame: origin at the arm's base, x forward, y left, z up.
+/// Where objects may stand, in the world frame: origin at the arm's base, x forward, y left, z up.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Workspace {
-    /// Nearest and farthest foot of an object, m.
+    /// Smallest and largest x of an object's foot, m.
     pub x_m: [f64; 2],
-    /// Rightmost and leftmost foot, m.
+    /// Smallest and largest y of an object's foot, m.
     pub y_m: [f64; 2],
     /// Height of the table top, m.
     #[schemars(range(min = PLACE_M.least, max = PLACE_M.most))]
@@ -89,8 +89,8 @@ pub struct Workspace {
 }
 
 impl Default for Workspace {
-    /// Choice: the foam's top lies 50 cm under the shoulder of Cody's right arm; the clutter stands from beside the
-    /// drawn-back hand to the end of the arm's reach, so that the forearm comes among it and not the hand alone.
+    /// Choice: the top of the foam is 50 cm below the shoulder of Cody's right arm. The clutter extends from beside the
+    /// drawn-back hand to the limit of the arm's reach, so that the forearm moves among it and not only the hand.
     fn default() -> Self {
         Workspace {
             x_m: [0.20, 0.75],
@@ -100,33 +100,33 @@ impl Default for Workspace {
     }
 }
 
-/// Goals of a reach: points for the arm's tip, drawn so that the way there passes through clutter.
+/// The goals of a reach: points for the arm's end effector, drawn so that the arm passes through clutter on its way there.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Goals {
-    /// How many per reach ("multiple goal positions", paper, section IV-B).
+    /// Number of goals per reach (the paper has "multiple goal positions", section IV-B).
     #[schemars(range(min = limits::GOALS.least, max = limits::GOALS.most))]
     pub count: u32,
-    /// How often a goal is tried again, after backing off, where the arm got stuck (Jain et al. 2013).
+    /// How many times an arm that got stuck backs off and tries the same goal again (Jain et al. 2013).
     #[schemars(range(min = limits::RETRIES.least, max = limits::RETRIES.most))]
     pub retries: u32,
-    /// How long the operator, who gives the goals one by one (paper, section IV-B), watches an arm that makes no headway
-    /// before giving the next, s. If not given, nobody watches: the controller's own rule decides when it is stuck.
+    /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one by one
+    /// (paper, section IV-B). If not given, the rule published with the controller decides when the arm is stuck.
     #[schemars(range(min = limits::PATIENCE_S.least, max = limits::PATIENCE_S.most))]
     pub patience_s: Option<f64>,
-    /// Forward, m, world frame.
+    /// Coordinate x of a goal (forward), m, world frame.
     #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
     pub x_m: Quantity,
-    /// Left, m, world frame.
+    /// Coordinate y of a goal (left), m, world frame.
     #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
     pub y_m: Quantity,
-    /// Up, m, world frame.
+    /// Coordinate z of a goal (up), m, world frame.
     #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
     pub z_m: Quantity,
 }
 
 impl Default for Goals {
-    /// Choice: what Cody's arm reaches in front of its right shoulder, at the height of the foliage but clear of the foam.
+    /// Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the foam.
     fn default() -> Self {
         Goals {
             count: 4,
@@ -139,26 +139,26 @@ impl Default for Goals {
     }
 }
 
-/// The engine's step.
+/// Time step and other options of the physics engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PhysicsSection {
-    /// Length of a step, s; a whole number of steps makes 10 ms, the period of the skin. Not under 0.1 ms.
+    /// Time step, s: 10 ms (the period of the skin) or a whole fraction of it, at least 0.1 ms.
     #[schemars(range(min = limits::STEP_S.least, max = limits::STEP_S.most))]
     pub step_s: f64,
-    /// Solver substeps in a step.
+    /// Solver substeps per step.
     #[schemars(range(min = limits::SUBSTEPS.least, max = limits::SUBSTEPS.most))]
     pub substeps: u32,
     /// Gravity, m/s².
     #[schemars(range(min = limits::GRAVITY_M_PER_S2.least, max = limits::GRAVITY_M_PER_S2.most))]
     pub gravity_m_per_s2: f64,
-    /// Whether objects that nothing is near are left out of the solver until something comes near.
+    /// Whether objects at rest are left out of the simulation until something comes near them.
     pub dormancy: bool,
 }
 
 impl Default for PhysicsSection {
-    /// Chosen from `benches/time_step.rs`: the contact force of a trunk is then within 1–2 % of that at steps of 0.1 ms
-    /// (median), and shorter substeps do not come nearer until 1 ms.
+    /// Chosen by `benches/time_step.rs`: the contact force of a trunk is within 1–2 % (median) of the force at steps of
+    /// 0.1 ms, and substeps shorter than these bring it no closer until they reach 1 ms.
     fn default() -> Self {
         PhysicsSection {
             step_s: 0.01,
@@ -182,7 +182,7 @@ impl PhysicsSection {
 
 macro_rules! define_objects {
     ($($(#[$attribute:meta])* $key:ident: $specification:ty,)*) => {
-        /// All groups of objects in a scene file, one list a kind.
+        /// All groups of objects in a scene file, one list for each kind.
         #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, default)]
         pub struct Objects {
@@ -190,7 +190,7 @@ macro_rules! define_objects {
         }
 
         impl Objects {
-            /// Every group with its key and its number in the list of its kind, in the order in which they are placed.
+            /// Every group with its key and its index in the list of its kind, in the order of placement.
             #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields")]
             pub fn groups(&self) -> Vec<(&'static str, usize, &dyn Specification)> {
                 let mut groups: Vec<(&'static str, usize, &dyn Specification)> = Vec::new();
