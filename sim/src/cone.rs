@@ -3,6 +3,8 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 
+use crate::newton::minimize;
+
 /// One taxel under a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carrier {
@@ -28,56 +30,59 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     if carriers.iter().all(inside) {
         return true;
     }
-    // The function of λ that is minimized, and its gradient.
-    let look = |multiplier: DVec3| {
+    // The function of λ that is minimized, and its slope.
+    let state_at = |multiplier: DVec3| {
         let (mut value, mut slope) = (-multiplier.dot(total), -total);
         for carrier in carriers.iter() {
             let (force, _) = project(carrier, friction, multiplier);
             value += force.length_squared() / (2.0 * carrier.weight_n);
             slope += force;
         }
-        (value, slope)
+        State {
+            multiplier,
+            value,
+            slope,
+        }
     };
     let weight_n: f64 = carriers.iter().map(|carrier| carrier.weight_n).sum();
-    let mut multiplier = DVec3::ZERO;
-    let (mut value, mut slope) = look(multiplier);
-    for _ in 0..NEWTON_STEPS {
-        if slope.length() <= 1e-13 * total.length() {
-            break;
+    let is_minimum = |state: &State| state.slope.length() <= 1e-13 * total.length();
+    // If there is no solution λ grows without bound: no cone lets a taxel carry a thousand times the whole force.
+    let diverges = |state: &State| state.multiplier.length() * weight_n > 1e3 * total.length();
+    let newton_step = |state: &State| {
+        if is_minimum(state) || diverges(state) {
+            return None;
         }
-        // Without a solution λ diverges: in no solution does a taxel carry a thousand times the whole force.
-        if multiplier.length() * weight_n > 1e3 * total.length() {
-            return false;
-        }
-        // If the apex of every cone is the nearest point, there is no curvature. This regularization leads out of there and
-        // vanishes towards the end.
-        let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * slope.length() / total.length());
+        // Where every cone's apex is the nearest point the curvature is zero; this regularization, which vanishes towards
+        // the minimum, leads out of there.
+        let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * state.slope.length() / total.length());
         for carrier in carriers.iter() {
-            curvature += project(carrier, friction, multiplier).1 * carrier.weight_n;
+            curvature += project(carrier, friction, state.multiplier).1 * carrier.weight_n;
         }
-        let step = solve_symmetric(curvature, slope);
-        let mut length = 1.0;
-        let accepted = loop {
-            let trial = multiplier - step * length;
-            let (trial_value, trial_slope) = look(trial);
-            // Near the end the value changes by less than its rounding error; the gradient still decreases.
-            if trial_value < value || trial_slope.length() < 0.5 * slope.length() {
-                (multiplier, value, slope) = (trial, trial_value, trial_slope);
-                break true;
-            }
-            length *= 0.5;
-            if length < 1e-6 {
-                break false;
-            }
-        };
-        if !accepted {
-            break;
-        }
+        Some(solve_symmetric(curvature, state.slope))
+    };
+    let found = minimize(
+        state_at(DVec3::ZERO),
+        NEWTON_STEPS,
+        newton_step,
+        |state, step, share| state_at(state.multiplier - *step * share),
+        // Near the minimum the value changes by less than its rounding; the slope still decreases.
+        |trial, state| trial.value < state.value || trial.slope.length() < 0.5 * state.slope.length(),
+    );
+    if diverges(&found) && !is_minimum(&found) {
+        return false;
     }
+    let multiplier = found.multiplier;
     settle(carriers, friction, multiplier, total)
 }
 
-/// Several times as many as a solution needs; without a solution λ diverges.
+/// A multiplier λ, with the value and the gradient of the function there.
+struct State {
+    multiplier: DVec3,
+    value: f64,
+    slope: DVec3,
+}
+
+/// Several times as many as a solution needs.
 const NEWTON_STEPS: usize = 60;
 
 /// Accepts the forces that a multiplier gives, if they add up.

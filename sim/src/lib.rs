@@ -19,6 +19,7 @@ mod cone;
 mod contact_log;
 pub mod controller;
 pub mod geometry;
+mod newton;
 pub mod object;
 pub mod physics;
 mod quadrature;

@@ -21,6 +21,7 @@ use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
 use crate::geometry::signed_distance_m;
+use crate::newton::minimize;
 use crate::object::FRICTION;
 
 /// One place on a taxel, link frame.
@@ -287,39 +288,33 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
             .sum();
         0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
     };
-    // Start deep enough that at least one cell is indented, so that the first Newton step has a gradient.
-    let mut pose = Vector3::new(nearest + force / stiffness, 0.0, 0.0);
-    let mut value = energy(&pose);
-    for _ in 0..50 {
+    // Deep enough that at least one cell is in touch, so that the first Newton step has a slope.
+    let start = Vector3::new(nearest + force / stiffness, 0.0, 0.0);
+    let newton_step = |(pose, _): &(Vector3<f64>, f64)| {
         let mut slope = cost * pose - load;
         let mut curvature = cost;
         for cell in cells {
-            let pressed = depth(cell, &pose);
+            let pressed = depth(cell, pose);
             if pressed > 0.0 {
                 slope += cell.place * (cell.stiffness * cell.share * pressed);
                 curvature += cell.place * cell.place.transpose() * (cell.stiffness * cell.share);
             }
         }
         if slope.amax() <= 1e-12 * force {
-            break;
+            return None;
         }
-        let Some(step) = curvature.cholesky().map(|factor| factor.solve(&slope)) else {
-            break;
-        };
-        let mut length = 1.0;
-        loop {
-            let trial = pose - step * length;
-            let trial_value = energy(&trial);
-            if trial_value < value {
-                (pose, value) = (trial, trial_value);
-                break;
-            }
-            length *= 0.5;
-            if length < 1e-6 {
-                return cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect();
-            }
-        }
-    }
+        curvature.cholesky().map(|factor| factor.solve(&slope))
+    };
+    let (pose, _) = minimize(
+        (start, energy(&start)),
+        50,
+        newton_step,
+        |(pose, _), step, share| {
+            let trial = pose - step * share;
+            (trial, energy(&trial))
+        },
+        |(_, trial), (_, value)| trial < value,
+    );
     cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect()
 }
 

@@ -1,0 +1,71 @@
+//! Newton's method for smooth convex functions, with a backtracking line search.
+
+/// Shortest share of a Newton step that is tried: 2⁻¹⁹, about 2·10⁻⁶.
+const MAX_HALVINGS: i32 = 19;
+
+/// Minimizes from `start`. A state is a point together with whatever the function's value and slope are needed for.
+///
+/// `step` computes the Newton step from a state and returns `None` to stop there, because the slope has vanished or the
+/// curvature is singular. `moved` is the state after a share of that step. The step is halved until `is_lower(moved, state)`
+/// accepts it; the search also ends where no share is accepted, or after `max_steps`.
+pub(crate) fn minimize<State, Step>(
+    start: State,
+    max_steps: usize,
+    step: impl Fn(&State) -> Option<Step>,
+    moved: impl Fn(&State, &Step, f64) -> State,
+    is_lower: impl Fn(&State, &State) -> bool,
+) -> State {
+    let mut state = start;
+    for _ in 0..max_steps {
+        let Some(step) = step(&state) else { break };
+        let trials = (0..=MAX_HALVINGS).map(|halvings| moved(&state, &step, 0.5_f64.powi(halvings)));
+        let accepted = trials.into_iter().find(|trial| is_lower(trial, &state));
+        let Some(next) = accepted else { break };
+        state = next;
+    }
+    state
+}
+
+#[cfg(test)]
+mod tests {
+    use super::minimize;
+
+    /// Minimizes ln cosh x from a start, by its value, slope tanh x and curvature 1 / cosh² x; counts the points looked at.
+    fn log_cosh(start: f64) -> (f64, usize) {
+        let looked = std::cell::Cell::new(0);
+        let found = minimize(
+            start,
+            50,
+            |x: &f64| (x.tanh().abs() > 1e-12).then(|| x.tanh() * x.cosh().powi(2)),
+            |x, step, share| {
+                looked.set(looked.get() + 1);
+                x - share * step
+            },
+            // ln cosh grows with |x|; compared itself, it is lost in rounding near the minimum.
+            |trial, x| trial.abs() < x.abs(),
+        );
+        (found, looked.get())
+    }
+
+    /// Pins that the line search leads to the minimum from where the undamped method diverges: for ln cosh x that is
+    /// |x| > 1.09, from where each full step leads farther away.
+    #[test]
+    fn a_step_that_overshoots_is_shortened() {
+        for start in [0.5, 1.0, 2.0, -3.0] {
+            let (found, looked) = log_cosh(start);
+            assert!(found.abs() < 1e-12, "{found} from {start}");
+            // Close by no step is shortened: convergence is cubic here.
+            assert!(start.abs() > 1.09 || looked <= 6, "{looked} points from {start}");
+        }
+    }
+
+    /// Pins where the search ends: at once where the slope is none, where no share of a step is lower, and at the limit.
+    #[test]
+    fn the_search_ends() {
+        assert_eq!(log_cosh(0.0), (0.0, 0));
+        let stays = minimize(1.0, 50, |_| Some(1.0), |x, step, share| x + share * step, |_, _| false);
+        assert_eq!(stays, 1.0);
+        let three = minimize(0.0, 3, |_| Some(1.0), |x, step, share| x + share * step, |_, _| true);
+        assert_eq!(three, 3.0);
+    }
+}
