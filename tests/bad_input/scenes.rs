@@ -188,7 +188,7 @@ fn more_trunks_than_room() {
         Some(4),
         &[
             "objects.trunk[0].count: found 9000",
-            "no more than there is room for; placed",
+            "no more objects than there is room for;",
         ],
     );
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 10001\n");

@@ -107,7 +107,7 @@ fn any_skin_is_summed_up() {
         "{report}"
     );
     let unknown = reach(&scene, &["--patch", "forearm"]);
-    unknown.refused(&["no patch called \"forearm\"", "sleeve", "flipper"]);
+    unknown.refused(&["no patch named \"forearm\"", "sleeve", "flipper"]);
     assert!(!out.exists(), "an unknown patch is refused before the reach is run");
 
     let scene = arm::write(folder.path(), arm::flipper_alone);

@@ -77,7 +77,7 @@ fn unnoticed_mistakes_are_an_error() {
     for part in [
         "0 of 3 comparisons fail as they should",
         "HOLDS",
-        "3 comparisons of 1 checks under 1 wrong parameters",
+        "3 comparisons of 1 checks with 1 wrong parameters",
     ] {
         assert!(answer.stdout.contains(part), "no {part:?} in:\n{}", answer.stdout);
     }
