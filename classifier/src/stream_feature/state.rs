@@ -89,7 +89,7 @@ pub struct StreamFeatures {
 }
 
 impl StreamFeatures {
-    /// Adds the next sample. Missing motion counts as zero and a missing region is skipped: a [`Selection`] refuses such
+    /// Adds the next sample. Missing motion counts as zero and a missing region is skipped: a `Selection` refuses such
     /// samples where a selected feature depends on them.
     pub fn push(&mut self, sample: &Sample) {
         self.count += 1.0;
