@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::Accuracy;

@@ -1,11 +1,9 @@
 //! Classifiers as an experiment file names them.
 
-use underbrush_classifier::baseline::{EchoStateNetwork, Logistic, NaiveBayes, NearestNeighbours};
 use underbrush_classifier::estimator::Estimator;
-use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 
-use crate::definition::{ClassifierEntry, Experiment, Feature, Method, RecipeName};
+use crate::definition::{ClassifierEntry, Experiment, RecipeName, is_hmm};
 
 /// Name of the recipe in tables.
 pub fn recipe_name(name: RecipeName) -> &'static str {
@@ -33,37 +31,14 @@ pub fn main_recipe_name(experiment: &Experiment) -> RecipeName {
     experiment.file.recipes.first().copied().unwrap_or(RecipeName::Authors)
 }
 
-/// The features of hidden Markov models as an experiment file names them.
-pub fn features(named: &[Feature]) -> FeatureSet {
-    match named.contains(&Feature::Motion) {
-        true => FeatureSet::FORCE_AND_MOTION,
-        false => FeatureSet::FORCE,
-    }
-}
-
-/// The same by name.
-pub fn feature_names(features: FeatureSet) -> &'static [Feature] {
-    match features == FeatureSet::FORCE {
-        true => &[Feature::Force],
-        false => &[Feature::Force, Feature::Motion],
-    }
-}
-
 /// The classifier that an entry describes; `recipe` is that of hidden Markov models.
 pub fn estimator(entry: &ClassifierEntry, recipe: &Recipe) -> Box<dyn Estimator> {
-    match entry.method {
-        Method::Hmm => Box::new(Recipe {
-            states: entry.states.unwrap_or(recipe.states),
-            features: features(&entry.features),
-            ..recipe.clone()
-        }),
-        Method::NearestNeighbours => Box::new(NearestNeighbours::default()),
-        Method::NaiveBayes => Box::new(NaiveBayes::default()),
-        Method::EchoStateNetwork => Box::new(EchoStateNetwork::default()),
-        Method::LogisticRegression if entry.features.contains(&Feature::Region) => Box::new(Logistic::default()),
-        Method::LogisticRegression => Box::new(Logistic {
-            features: FeatureSet::FORCE_AND_MOTION,
-            ..Logistic::default()
-        }),
+    if !is_hmm(entry) {
+        return (entry.method.estimator)(entry.features);
     }
+    Box::new(Recipe {
+        states: entry.states.unwrap_or(recipe.states),
+        features: entry.features.unwrap_or(recipe.features),
+        ..recipe.clone()
+    })
 }

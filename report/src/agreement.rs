@@ -1,9 +1,9 @@
 //! How the cells of a cross-validation table agree with published ones, in words and as charts: for one campaign and for
 //! the mean of several.
 
-use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::cell::{CellKey, Ordering, unit_name};
+use underbrush_experiments::definition::TableOneUnit;
 
 use crate::drawing::{Axis, Chart, Layer, Point, Shape, Table};
 use crate::report::possessive;

@@ -13,7 +13,6 @@ mod prediction;
 mod rates;
 mod roc;
 mod stream;
-mod table_one;
 mod threshold;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
@@ -28,7 +27,6 @@ pub use prediction::Prediction;
 pub use rates::Rates;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{Stream, StreamFrame, StreamTruth, Tally, classify_stream};
-pub use table_one::{TABLE_ONE_PAPER, TableOneCell, TableOneUnit, table_one};
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 
 #[cfg(test)]

@@ -2,7 +2,6 @@ use underbrush_recording::{Sample, Trial};
 
 use super::*;
 use crate::decision::{Decision, Verdict};
-use crate::feature::FeatureSet;
 use crate::hmm_classifier::HmmClassifier;
 use crate::recipe::Recipe;
 
@@ -267,40 +266,4 @@ fn clusters_widen_the_interval() {
     let mut homeless = clustered;
     homeless[0].reach = None;
     assert_eq!(bootstrap_by_reach(&homeless, 2000, 7), None);
-}
-
-/// Pins the order and recipe of the cells, and equal results with one and with three threads.
-#[test]
-fn the_table_has_twelve_cells_in_print_order_whatever_the_threads() {
-    let (components, taxels) = (trials(8, 8), trials(10, 12));
-    let run = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| table_one(&components, &taxels, &Recipe::authors(), Folds::paper()).unwrap())
-    };
-    let table = run(3);
-    assert_eq!(table, run(1));
-    let keys: Vec<_> = table
-        .iter()
-        .map(|c| (c.unit, c.features, c.states, c.paper_accuracy_percent))
-        .collect();
-    assert_eq!(keys, TABLE_ONE_PAPER);
-    for cell in &table {
-        let expected = if cell.unit == TableOneUnit::Component { 16 } else { 22 };
-        assert_eq!(cell.evaluation.predictions.len(), expected);
-        let recipe = Recipe {
-            states: cell.states,
-            features: cell.features,
-            ..Recipe::authors()
-        };
-        let trials = if cell.unit == TableOneUnit::Component {
-            &components
-        } else {
-            &taxels
-        };
-        assert_eq!(
-            cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax()).unwrap(),
-            cell.evaluation
-        );
-    }
-    assert!(keys.iter().any(|key| key.1 == FeatureSet::FORCE_AND_MOTION));
 }

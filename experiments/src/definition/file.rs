@@ -1,13 +1,16 @@
 //! The keys of an experiment file.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
-use underbrush_classifier::evaluate::TableOneUnit;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use underbrush_classifier::estimator::ClassifierKind;
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::RobotSection;
 
 /// An experiment: which scenes to train and test on, which classifiers, and what to compare the results with.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentFile {
     /// Title of the report.
@@ -18,10 +21,10 @@ pub struct ExperimentFile {
     /// Seed, unless `--seed` gives another.
     #[serde(default)]
     pub seed: u64,
-    /// Arm file for all scenes, relative to this file; each scene's own arm if not given.
+    /// Arm file for all scenes, relative to this file. By default each scene uses its own.
     #[serde(default)]
     pub arm: Option<String>,
-    /// Controller for all scenes; each scene's own if not given.
+    /// Controller for all scenes. By default each scene uses its own.
     #[serde(default)]
     pub controller: Option<ControllerKind>,
     /// How contact trials are cut from the reaches.
@@ -166,47 +169,42 @@ pub enum RecipeName {
 }
 
 /// A classifier to compare.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClassifierEntry {
     /// Name in tables and charts.
     pub name: String,
-    /// The method.
-    pub method: Method,
-    /// What it sees, for methods that leave a choice (`hmm`, `logistic_regression`).
-    #[serde(default)]
-    pub features: Vec<Feature>,
+    /// The classifier, as after `train --classifier`.
+    #[serde(deserialize_with = "classifier")]
+    #[schemars(with = "String", extend("enum" = CLASSIFIERS.map(|kind| kind.name)))]
+    pub method: &'static ClassifierKind,
+    /// Features of each sample, as after `train --features`; the classifier's own if not given.
+    #[serde(default, deserialize_with = "some_features")]
+    #[schemars(with = "Option<Vec<String>>")]
+    pub features: Option<FeatureSet>,
     /// Number of hidden states, for `hmm`; 10 if not given.
     #[serde(default)]
     pub states: Option<usize>,
 }
 
-/// A method of classification.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// Hidden Markov models, one a category.
-    Hmm,
-    /// Nearest neighbours on principal components of a fixed window.
-    NearestNeighbours,
-    /// Naive Bayes, updated online.
-    NaiveBayes,
-    /// An echo-state network.
-    EchoStateNetwork,
-    /// Logistic regression on features of the contact so far.
-    LogisticRegression,
+/// Reads the name of a classifier.
+fn classifier<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static ClassifierKind, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    registry::find(&name).ok_or_else(|| {
+        let names = CLASSIFIERS.map(|kind| kind.name).join(", ");
+        D::Error::custom(format!("unknown classifier `{name}`, expected one of {names}"))
+    })
 }
 
-/// What a classifier sees of a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Feature {
-    /// Sensed force.
-    Force,
-    /// Length of the contact's path.
-    Motion,
-    /// The contact region around the taxel.
-    Region,
+/// Reads a list of features.
+fn features<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FeatureSet, D::Error> {
+    let names = Vec::<String>::deserialize(deserializer)?;
+    FeatureSet::from_names(&names).map_err(D::Error::custom)
+}
+
+/// Reads a list of features that may be left out.
+fn some_features<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<FeatureSet>, D::Error> {
+    features(deserializer).map(Some)
 }
 
 /// Decision thresholds.
@@ -292,12 +290,21 @@ pub struct Published {
     pub sections: std::collections::BTreeMap<String, PublishedSection>,
 }
 
+/// What a trial is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TableOneUnit {
+    /// A connected component (section IV-C of the paper).
+    Component,
+    /// A taxel (section IV-D).
+    Taxel,
+}
+
 /// Published number of trials.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedTrials {
-    /// `component` or `taxel`.
-    #[schemars(with = "String")]
+    /// What a trial is made of.
     pub by: TableOneUnit,
     /// Label of the training scene.
     pub label: String,
@@ -311,11 +318,12 @@ pub struct PublishedTrials {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedAccuracy {
-    /// `component` or `taxel`.
-    #[schemars(with = "String")]
+    /// What a trial is made of.
     pub by: TableOneUnit,
-    /// The features: `["force"]` or `["force", "motion"]`.
-    pub features: Vec<Feature>,
+    /// The features, such as `["force", "motion"]`.
+    #[serde(deserialize_with = "features")]
+    #[schemars(with = "Vec<String>")]
+    pub features: FeatureSet,
     /// Number of hidden states.
     pub states: usize,
     /// Accuracy, per cent.

@@ -1,4 +1,5 @@
-//! Experiments as files: what to train and test on, and what to compare with. `file` has the keys.
+//! Experiments as files: what to train and test on, and what to compare with. `file` has the keys, `check` what their
+//! types leave open.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -9,13 +10,20 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::Scene;
 
+mod check;
 mod file;
+mod numbers;
+mod source;
 
 pub use file::{
-    AblationName, ChosenOn, ClassifierEntry, EngineeredScene, ExperimentFile, Feature, Method, OrderingName, Published,
-    PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TestScene, ThresholdSection,
-    TrainingScene, TrialSection,
+    AblationName, ChosenOn, ClassifierEntry, EngineeredScene, ExperimentFile, OrderingName, Published,
+    PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TableOneUnit, TestScene,
+    ThresholdSection, TrainingScene, TrialSection,
 };
+
+pub use check::is_hmm;
+use check::{category, check, check_labels};
+use source::{Field, Source};
 
 /// An experiment whose file was checked and whose scenes were read.
 #[derive(Clone, Debug)]
@@ -222,95 +230,6 @@ impl Experiment {
     }
 }
 
-impl TrainingScene {
-    /// Number of reaches of a full run or a quick one.
-    pub fn reaches(&self, quick: bool) -> u64 {
-        match quick {
-            true => self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)),
-            false => self.reaches,
-        }
-    }
-
-    /// Number of reaches at each setting, at least two and at most as many as in the run itself.
-    pub fn setting_reaches(&self, quick: bool) -> u64 {
-        let given = if quick {
-            self.quick_setting_reaches
-        } else {
-            self.setting_reaches
-        };
-        let all = self.reaches(quick);
-        given.unwrap_or(all.div_ceil(2).max(2)).min(all)
-    }
-}
-
-impl TestScene {
-    /// Number of reaches of a full run or a quick one.
-    pub fn reaches(&self, quick: bool) -> usize {
-        match quick {
-            true => self.quick_reaches.unwrap_or(1),
-            false => self.reaches,
-        }
-    }
-}
-
-impl Published {
-    /// The published number of trials per reach.
-    pub fn trials_per_reach(&self, by: underbrush_classifier::evaluate::TableOneUnit, label: &str) -> Option<f64> {
-        let own = self.trials.iter().find(|own| own.by == by && own.label == label);
-        own.map(|own| own.trials / own.reaches)
-    }
-
-    /// The published accuracy of a cell, per cent.
-    pub fn accuracy_percent(
-        &self,
-        by: underbrush_classifier::evaluate::TableOneUnit,
-        features: &[Feature],
-        states: usize,
-    ) -> Option<f64> {
-        let own = |own: &&PublishedAccuracy| own.by == by && own.features == features && own.states == states;
-        self.accuracy.iter().find(own).map(|own| own.percent)
-    }
-}
-
-/// The text of an experiment file, for errors.
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
-}
-
-/// A key of the file with the line on which it stands.
-struct Field {
-    path: PathBuf,
-    name: String,
-    line: Option<usize>,
-}
-
-impl Source<'_> {
-    /// A field whose value is `value`, found by its text.
-    fn field(&self, name: &str, value: &str) -> Field {
-        let key = name.rsplit('.').next().unwrap_or(name);
-        let holds = |line: &&str| {
-            let line = line.trim_start();
-            (line.starts_with(key) || line.contains(&format!(" {key} ="))) && line.contains(value)
-        };
-        Field {
-            path: self.path.into(),
-            name: name.into(),
-            line: self.text.lines().position(|line| holds(&line)).map(|index| index + 1),
-        }
-    }
-}
-
-impl Field {
-    fn fault(&self, found: impl Into<String>, allowed: &str) -> InputError {
-        let error = InputError::new(&self.path, &self.name, found.into(), allowed, "correct the file");
-        match self.line {
-            Some(line) => error.at_line(line),
-            None => error,
-        }
-    }
-}
-
 /// Scenes that the file names, each with its field.
 fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
     let training = file.training.iter().map(|own| (own.scene.as_str(), "training.scene"));
@@ -323,132 +242,10 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
     training.chain(engineered).chain(general).chain(outlier).collect()
 }
 
-/// Checks what the types of the keys leave open.
-fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    let fault = |name: &str, value: &str, allowed: &str| Err(source.field(name, value).fault(value, allowed));
-    let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
-    if labels.len() < 2 {
-        let found = labels.first().copied().unwrap_or("no training scenes");
-        return fault(
-            "training.label",
-            found,
-            "training scenes with at least two different labels",
-        );
-    }
-    for training in &file.training {
-        if training.label.is_empty() || ["uncertain", "outlier"].contains(&training.label.as_str()) {
-            return fault(
-                "training.label",
-                &training.label,
-                "any text but `uncertain` and `outlier`, which are verdicts",
-            );
-        }
-        for (name, count) in [
-            ("training.reaches", Some(training.reaches)),
-            ("training.quick_reaches", training.quick_reaches),
-            ("training.setting_reaches", training.setting_reaches),
-            ("training.quick_setting_reaches", training.quick_setting_reaches),
-        ] {
-            if count.is_some_and(|count| !(2..=1_000_000).contains(&count)) {
-                let found = count.unwrap_or_default().to_string();
-                return fault(
-                    name,
-                    &found,
-                    "2 to 1000000: cross-validation needs a reach in each of two folds",
-                );
-            }
-        }
-    }
-    let counts = [("states", &file.states), ("truncations", &file.truncations)];
-    for (name, values) in counts {
-        if let Some(zero) = values.iter().find(|value| **value == 0) {
-            return fault(name, &zero.to_string(), "numbers from 1");
-        }
-    }
-    if file.states.is_empty() {
-        return fault("states", "[]", "at least one number of hidden states");
-    }
-    if file.recipes.is_empty() {
-        return fault("recipes", "[]", "at least one of `authors`, `modern`");
-    }
-    let trials = &file.trials;
-    if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
-        return fault(
-            "trials.threshold_n",
-            &trials.threshold_n.to_string(),
-            "a force over 0 and under 100 N",
-        );
-    }
-    let most_states = file.states.iter().copied().max().unwrap_or(1);
-    if trials.min_samples < most_states {
-        let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
-        return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
-    }
-    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
-        check_classifier(entry, source)?;
-    }
-    let tested = file.engineered.iter().map(|own| own.label.as_str());
-    for label in tested {
-        if !labels.contains(label) {
-            return fault("engineered.label", label, "a label of the training scenes");
-        }
-    }
-    Ok(())
-}
-
-/// Checks that labels are categories of objects where verdicts are held against objects.
-fn check_labels(file: &ExperimentFile, scenes: &BTreeMap<String, Scene>, source: &Source) -> Result<(), InputError> {
-    let online = !file.engineered.is_empty() || file.general.is_some() || file.outlier.is_some();
-    let labels = file.training.iter().map(|own| &own.label);
-    let unknown = |label: &&String| online && category(scenes, label).is_none();
-    match labels.into_iter().find(unknown) {
-        None => Ok(()),
-        Some(label) => {
-            let allowed = "the category of an object: in the scenes `engineered`, `general` and `outlier` verdicts are held \
-                           against what presses on each taxel";
-            Err(source.field("training.label", label).fault(label, allowed))
-        }
-    }
-}
-
-/// The category of a name: a built-in one, or that of an object in the scenes.
-fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category> {
-    let groups = scenes.values().flat_map(|scene| scene.file.objects.groups());
-    let mut own = groups.map(|(_, _, group)| group.category());
-    Category::from_name(name).or_else(|| own.find(|category| category.name() == name))
-}
-
 /// The arms that scenes name by a file, each once.
 fn arms_of(scenes: &BTreeMap<String, Scene>) -> Result<Vec<Arm>, InputError> {
     let named = scenes.values().filter(|scene| scene.file.arm != "cody");
     let paths = named.map(|scene| scene.path.parent().unwrap_or(Path::new("")).join(&scene.file.arm));
     let paths: BTreeSet<PathBuf> = paths.collect();
     paths.into_iter().map(Arm::load).collect()
-}
-
-fn check_classifier(entry: &ClassifierEntry, source: &Source) -> Result<(), InputError> {
-    use Feature::{Force, Motion, Region};
-    let features = entry.features.as_slice();
-    let allowed = match entry.method {
-        Method::Hmm => (
-            features == [Force] || features == [Force, Motion],
-            "[\"force\"] or [\"force\", \"motion\"] for hmm",
-        ),
-        Method::LogisticRegression => (
-            features == [Force, Motion] || features == [Force, Motion, Region],
-            "[\"force\", \"motion\"] or [\"force\", \"motion\", \"region\"] for logistic_regression",
-        ),
-        _ => (features.is_empty(), "no features: this method has its own"),
-    };
-    if !allowed.0 {
-        let field = format!("classifiers.features of {:?}", entry.name);
-        return Err(source.field(&field, "").fault(format!("{features:?}"), allowed.1));
-    }
-    if entry.states.is_some() && (entry.method != Method::Hmm || entry.states == Some(0)) {
-        let found = entry.states.unwrap_or_default().to_string();
-        return Err(source
-            .field("classifiers.states", &found)
-            .fault(found.clone(), "a number from 1, for hmm alone"));
-    }
-    Ok(())
 }

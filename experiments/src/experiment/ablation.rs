@@ -1,7 +1,7 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
+use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_sim::scene::SceneFile;
 

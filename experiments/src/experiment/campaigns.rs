@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::TableOneUnit;
 
 use super::classifiers::{self, Compared};
 use super::table_one;

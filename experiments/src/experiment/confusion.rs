@@ -1,7 +1,8 @@
 //! Confusion of taxels by the models with most states, for force alone and for force and motion (Figs. 6 and 7).
 
+use crate::definition::TableOneUnit;
 use serde::Serialize;
-use underbrush_classifier::evaluate::{ConfusionMatrix, TableOneUnit};
+use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::feature::FeatureSet;
 
 use super::table_one;

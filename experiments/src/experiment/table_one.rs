@@ -3,10 +3,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::definition::TableOneUnit;
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::evaluate::{Evaluation, Folds, TableOneUnit, cross_validate};
+use underbrush_classifier::evaluate::{Evaluation, Folds, cross_validate};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::Trial;
@@ -79,7 +80,7 @@ pub fn evaluate(
         let published = experiment.published();
         let cell = Cell {
             accuracy: Accuracy::of(&evaluation),
-            paper: published.and_then(|own| own.accuracy_percent(by, estimators::feature_names(features), states)),
+            paper: published.and_then(|own| own.accuracy_percent(by, features, states)),
             key: CellKey {
                 by,
                 features,

@@ -1,7 +1,7 @@
 //! The training reaches and the contact trials cut from them.
 
+use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_recording::{FRAME_PERIOD_S, Trial};
 
 use crate::audit::{self, Worst};

@@ -1,4 +1,5 @@
-use underbrush_classifier::evaluate::{TABLE_ONE_PAPER, TableOneUnit};
+use super::table_one_paper::TABLE_ONE_PAPER;
+use crate::definition::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::{Accuracy, Part};

@@ -6,4 +6,5 @@ mod kept_results;
 mod resumed;
 mod settings;
 mod sources;
+mod table_one_paper;
 mod trials;

@@ -1,6 +1,6 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
-use underbrush_classifier::evaluate::TableOneUnit;
+use underbrush_experiments::definition::TableOneUnit;
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, Outcome, described};
 
 use crate::drawing::{Cell, Table};

@@ -1,7 +1,7 @@
 //! Other classifiers, and how fast they decide.
 
 use underbrush_classifier::evaluate::AccuracyBySamples;
-use underbrush_experiments::definition::{ClassifierEntry, Feature};
+use underbrush_experiments::definition::ClassifierEntry;
 use underbrush_experiments::experiment::classifiers::{Compared, Outcome, Speed};
 
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Point, Shape, Style, Table};
@@ -93,20 +93,23 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
             let (Some(first), Some(second)) = (accuracy(entry), accuracy(other)) else {
                 continue;
             };
-            if entry.method == other.method && other.features.starts_with(&entry.features) && !entry.features.is_empty()
-            {
-                let added: Vec<&str> = other.features[entry.features.len()..]
-                    .iter()
-                    .map(feature_name)
-                    .collect();
+            let (Some(seen), Some(other_seen)) = (entry.features, other.features) else {
+                continue;
+            };
+            let (same, all) = (seen.names(), other_seen.names());
+            let same_method = entry.method.name == other.method.name;
+            if let Some(added) = all.strip_prefix(same.as_slice()).filter(|_| same_method) {
+                let of_region: Vec<&str> = other_seen.of_region().map(|feature| feature.name).collect();
+                let added = match added == of_region {
+                    true => "the contact region".to_owned(),
+                    false => added.join(" and "),
+                };
                 sentences.push(format!(
-                    "Adding {} changes the accuracy of {} by {:+.1} points, to {second:.1} %.",
-                    added.join(" and "),
+                    "Adding {added} changes the accuracy of {} by {:+.1} points, to {second:.1} %.",
                     entry.name,
                     second - first
                 ));
-            } else if entry.method != other.method && !entry.features.is_empty() && entry.features == other.features {
-                let same: Vec<&str> = entry.features.iter().map(feature_name).collect();
+            } else if !same_method && seen == other_seen {
                 sentences.push(format!(
                     "With the same features ({}), {} has {first:.1} % and {} {second:.1} % ({:+.1} points).",
                     same.join(", "),
@@ -118,14 +121,6 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
         }
     }
     (!sentences.is_empty()).then(|| sentences.join(" "))
-}
-
-fn feature_name(feature: &Feature) -> &'static str {
-    match feature {
-        Feature::Force => "force",
-        Feature::Motion => "motion",
-        Feature::Region => "the contact region",
-    }
 }
 
 /// How much accuracy after a few samples depends on knowing that a contact goes on.

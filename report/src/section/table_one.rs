@@ -1,7 +1,7 @@
 //! The cross-validation table (the paper's Table I).
 
-use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_experiments::cell::{Cell, CellKey, unit_name};
+use underbrush_experiments::definition::TableOneUnit;
 use underbrush_experiments::experiment::table_one::Outcome;
 
 use crate::agreement::{self, Compared};

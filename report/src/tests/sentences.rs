@@ -1,6 +1,6 @@
-use underbrush_classifier::evaluate::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::cell::CellKey;
+use underbrush_experiments::definition::TableOneUnit;
 use underbrush_experiments::experiment::example_trials::Typical;
 use underbrush_experiments::experiment::outliers::Detection;
 use underbrush_experiments::experiment::training_data::TrialsPerReach;

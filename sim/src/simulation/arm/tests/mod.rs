@@ -51,14 +51,8 @@ fn engine_has_the_same_poses_and_jacobians() {
             assert!((engine.fixed_rows::<3>(0) - position).amax() < 1e-12);
             assert!((engine.fixed_rows::<3>(3) - angular).amax() < 1e-12);
         }
-        for (read, set) in joints(&bodies, &engine)
-            .iter()
-            .map(|joint| joint.angle_rad)
-            .collect::<Vec<f64>>()
-            .iter()
-            .zip(&posture)
-        {
-            assert!((read - set).abs() < 1e-12);
+        for (joint, set) in joints(&bodies, &engine).iter().zip(&posture) {
+            assert!((joint.angle_rad - set).abs() < 1e-12);
         }
     }
 }
@@ -92,14 +86,8 @@ fn arm_stays_where_it_is_put() {
     for _ in 0..200 {
         engine.step();
     }
-    for (read, set) in joints(&bodies, &engine)
-        .iter()
-        .map(|joint| joint.angle_rad)
-        .collect::<Vec<f64>>()
-        .iter()
-        .zip(&posture)
-    {
-        assert!((read - set).abs() < 1e-12);
+    for (joint, set) in joints(&bodies, &engine).iter().zip(&posture) {
+        assert!((joint.angle_rad - set).abs() < 1e-12);
     }
     let (multibody, _) = engine.joints.get(bodies.joints[0]).unwrap();
     assert_eq!(multibody.damping().len(), 7);

@@ -1,0 +1,124 @@
+//! What the types of an experiment file's keys leave open.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use underbrush_recording::{Category, InputError};
+use underbrush_sim::scene::Scene;
+
+use super::file::{ClassifierEntry, ExperimentFile};
+use super::source::Source;
+
+/// Checks what the types of the keys leave open.
+pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
+    let fault = |name: &str, value: &str, allowed: &str| Err(source.field(name, value).fault(value, allowed));
+    let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
+    if labels.len() < 2 {
+        let found = labels.first().copied().unwrap_or("no training scenes");
+        return fault(
+            "training.label",
+            found,
+            "training scenes with at least two different labels",
+        );
+    }
+    for training in &file.training {
+        if training.label.is_empty() || ["uncertain", "outlier"].contains(&training.label.as_str()) {
+            return fault(
+                "training.label",
+                &training.label,
+                "any text but `uncertain` and `outlier`, which are verdicts",
+            );
+        }
+        for (name, count) in [
+            ("training.reaches", Some(training.reaches)),
+            ("training.quick_reaches", training.quick_reaches),
+            ("training.setting_reaches", training.setting_reaches),
+            ("training.quick_setting_reaches", training.quick_setting_reaches),
+        ] {
+            if count.is_some_and(|count| !(2..=1_000_000).contains(&count)) {
+                let found = count.unwrap_or_default().to_string();
+                return fault(
+                    name,
+                    &found,
+                    "2 to 1000000: cross-validation needs a reach in each of two folds",
+                );
+            }
+        }
+    }
+    let counts = [("states", &file.states), ("truncations", &file.truncations)];
+    for (name, values) in counts {
+        if let Some(zero) = values.iter().find(|value| **value == 0) {
+            return fault(name, &zero.to_string(), "numbers from 1");
+        }
+    }
+    if file.states.is_empty() {
+        return fault("states", "[]", "at least one number of hidden states");
+    }
+    if file.recipes.is_empty() {
+        return fault("recipes", "[]", "at least one of `authors`, `modern`");
+    }
+    let trials = &file.trials;
+    if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
+        return fault(
+            "trials.threshold_n",
+            &trials.threshold_n.to_string(),
+            "a force over 0 and under 100 N",
+        );
+    }
+    let most_states = file.states.iter().copied().max().unwrap_or(1);
+    if trials.min_samples < most_states {
+        let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
+        return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
+    }
+    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
+        check_classifier(entry, source)?;
+    }
+    let tested = file.engineered.iter().map(|own| own.label.as_str());
+    for label in tested {
+        if !labels.contains(label) {
+            return fault("engineered.label", label, "a label of the training scenes");
+        }
+    }
+    Ok(())
+}
+
+/// Checks that labels are categories of objects where verdicts are held against objects.
+pub fn check_labels(
+    file: &ExperimentFile,
+    scenes: &BTreeMap<String, Scene>,
+    source: &Source,
+) -> Result<(), InputError> {
+    let online = !file.engineered.is_empty() || file.general.is_some() || file.outlier.is_some();
+    let labels = file.training.iter().map(|own| &own.label);
+    let unknown = |label: &&String| online && category(scenes, label).is_none();
+    match labels.into_iter().find(unknown) {
+        None => Ok(()),
+        Some(label) => {
+            let allowed = "the category of an object: in the scenes `engineered`, `general` and `outlier` verdicts are held \
+                           against what presses on each taxel";
+            Err(source.field("training.label", label).fault(label, allowed))
+        }
+    }
+}
+
+/// The category of a name: a built-in one, or that of an object in the scenes.
+pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category> {
+    let groups = scenes.values().flat_map(|scene| scene.file.objects.groups());
+    let mut own = groups.map(|(_, _, group)| group.category());
+    Category::from_name(name).or_else(|| own.find(|category| category.name() == name))
+}
+
+/// Whether an entry is one of hidden Markov models, which follow the experiment's recipe.
+pub fn is_hmm(entry: &ClassifierEntry) -> bool {
+    entry.method.name == "hmm"
+}
+
+fn check_classifier(entry: &ClassifierEntry, source: &Source) -> Result<(), InputError> {
+    match entry.states {
+        Some(states) if states == 0 || !is_hmm(entry) => {
+            let found = states.to_string();
+            let field = source.field("classifiers.states", &found);
+            Err(field.fault(found, "a number from 1, for hmm alone"))
+        }
+        _ => Ok(()),
+    }
+}

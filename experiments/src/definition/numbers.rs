@@ -1,0 +1,50 @@
+//! Numbers that an experiment file gives, with their defaults.
+
+use underbrush_classifier::feature::FeatureSet;
+
+use super::file::{Published, PublishedAccuracy, TableOneUnit, TestScene, TrainingScene};
+
+impl TrainingScene {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> u64 {
+        match quick {
+            true => self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)),
+            false => self.reaches,
+        }
+    }
+
+    /// Number of reaches at each setting, at least two and at most as many as in the run itself.
+    pub fn setting_reaches(&self, quick: bool) -> u64 {
+        let given = if quick {
+            self.quick_setting_reaches
+        } else {
+            self.setting_reaches
+        };
+        let all = self.reaches(quick);
+        given.unwrap_or(all.div_ceil(2).max(2)).min(all)
+    }
+}
+
+impl TestScene {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> usize {
+        match quick {
+            true => self.quick_reaches.unwrap_or(1),
+            false => self.reaches,
+        }
+    }
+}
+
+impl Published {
+    /// The published number of trials per reach.
+    pub fn trials_per_reach(&self, by: TableOneUnit, label: &str) -> Option<f64> {
+        let own = self.trials.iter().find(|own| own.by == by && own.label == label);
+        own.map(|own| own.trials / own.reaches)
+    }
+
+    /// The published accuracy of a cell, per cent.
+    pub fn accuracy_percent(&self, by: TableOneUnit, features: FeatureSet, states: usize) -> Option<f64> {
+        let own = |own: &&PublishedAccuracy| own.by == by && own.features == features && own.states == states;
+        self.accuracy.iter().find(own).map(|own| own.percent)
+    }
+}
