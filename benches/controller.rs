@@ -1,4 +1,4 @@
-//! One step of the model-predictive controller with ten taxels in touch, and its quadratic program beside Clarabel's
+//! One step of the model-predictive controller with ten taxels in contact, and its quadratic program beside Clarabel's
 //! interior point on the same program. The paper's robot ran at 25 Hz: a step may take 40 ms.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
@@ -14,7 +14,7 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::quadratic_program::{Outcome, QuadraticProgram};
 use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ModelPredictive, Preset, TaxelContact};
 
-/// Cody in its start posture, ten taxels of the forearm in touch, on its way forward.
+/// Cody in its start posture, ten taxels of the forearm in contact, moving forward.
 struct Situation {
     arm: Arm,
     angle_rad: Vec<f64>,
@@ -132,7 +132,7 @@ fn step(criterion: &mut Criterion) {
         let Outcome::Optimal(solution) = program.solve() else {
             panic!("the program has a minimum")
         };
-        // Both must be at work on the same thing: equal to the interior point's tolerance, in rad.
+        // Both must solve the same problem: the solutions agree to the interior point's tolerance, in rad.
         for (ours, theirs) in solution.minimizer.iter().zip(peer.solve()) {
             assert!((ours - theirs).abs() < 1e-5, "{ours} rad here, {theirs} rad there");
         }

@@ -1,5 +1,5 @@
-//! A fixed sweep of the arm through leaves on a grid, of which the near ones are the same in all sizes: what leaves
-//! cost, in touch or merely present.
+//! The cost of leaves, in contact or merely present: a fixed sweep of the arm through leaves on a grid. The leaves near
+//! the arm are the same for every grid size.
 //!
 //! One element is one frame of 10 ms, so 100 elements a second are real time on one core.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]

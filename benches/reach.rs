@@ -1,5 +1,5 @@
 //! Whole reaches, from the draw of the clutter to the recording on disk: how much faster than real time they run, one
-//! alone and many on all cores.
+//! reach alone and many on all cores.
 //!
 //! One element is one frame of 10 ms, so 100 elements a second are real time.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
@@ -48,7 +48,7 @@ fn reach(criterion: &mut Criterion) {
     for (name, text) in [("leaf", LEAF), ("trunk", TRUNK)] {
         let plan = plan(name, text);
         let run = |index| plan.run(index, &mut |_, _| {}).expect("there is room for the clutter");
-        // The first reach that touches something: an empty one would say nothing, and which one it is may change.
+        // The first reach that touches something, because one without contact would measure nothing.
         let (index, recording) = (0..20)
             .map(|index| (index, run(index)))
             .find(|(_, recording)| !recording.contacts.is_empty())

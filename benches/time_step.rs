@@ -2,7 +2,7 @@
 //! against a reference at 0.1 ms, and with nothing left out of the solver. Prints the table from which the default step
 //! is chosen; see `benches/README.md`.
 //!
-//! Replayed open loop: with the controller in the loop, two runs would part ways and differ by their motions.
+//! The replay is open loop, because with the controller in the loop two runs would diverge and differ in their motions.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -76,7 +76,7 @@ fn replay(
 /// Median, root mean square and largest difference of two traces, and the root mean square of the first, over the frames
 /// in which either has contact.
 ///
-/// The median tells of the step; a leaf that slips off a moment earlier makes the other two large in one frame.
+/// The median reflects the step. A leaf that slips off a moment earlier makes the other two large in one frame.
 fn compare(reference: &Trace, trace: &Trace) -> [f64; 4] {
     let pairs = reference.iter().flatten().zip(trace.iter().flatten());
     let touching = pairs.filter(|(a, b)| **a != DVec3::ZERO || **b != DVec3::ZERO);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::drawing::{Axis, Chart, Dash, Layer, Shape, Style, escape};
+use crate::drawing::{Axis, Chart, Dash, Layer, Shape, Style, escape, svg_document};
 use underbrush_validation::Portrait;
 
 const CELL_PX: f64 = 24.0;
@@ -63,13 +63,7 @@ pub fn skin(portraits: &[Portrait]) -> String {
         cells(&mut body, portrait, y, largest_n);
         y += portrait.grid.rows as f64 * CELL_PX + LINE;
     }
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {y:.0}\" width=\"{width:.0}\" \
-         height=\"{y:.0}\" style=\"max-width:100%;height:auto\" role=\"img\" font-family=\"sans-serif\" \
-         font-size=\"{FONT}\" fill=\"#222222\">\n<title>{}</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
-        escape(title)
-    )
+    svg_document(width, y, FONT, title, &body)
 }
 
 /// The legend of the shades.

@@ -231,10 +231,7 @@ fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
         categories,
         options,
         parameters,
-    } = file::Fitted::<EchoStateNetwork, Parameters>::read(document)?;
-    options
-        .check()
-        .map_err(|fault| document.fault(fault.within("options")))?;
+    } = file::Fitted::<EchoStateNetwork, Parameters>::read(document, EchoStateNetwork::check)?;
     let Parameters {
         recurrent,
         inputs,

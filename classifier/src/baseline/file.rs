@@ -24,8 +24,11 @@ pub(super) struct Fitted<O, P> {
 }
 
 impl<O: DeserializeOwned, P: DeserializeOwned> Fitted<O, P> {
-    /// Reads the keys. The caller checks options and parameters.
-    pub(super) fn read(document: &Document) -> Result<Self, InputError> {
+    /// Reads the keys and checks the options. The caller checks the parameters.
+    pub(super) fn read(
+        document: &Document,
+        check_options: impl Fn(&O) -> Result<(), Fault>,
+    ) -> Result<Self, InputError> {
         let fitted: Self = document.read()?;
         if fitted.categories.is_empty() || !fitted.categories.is_sorted_by(|a, b| a < b) {
             let found = fitted.categories.join(", ");
@@ -35,6 +38,7 @@ impl<O: DeserializeOwned, P: DeserializeOwned> Fitted<O, P> {
                 "one or more names in alphabetical order, none twice",
             ));
         }
+        check_options(&fitted.options).map_err(|fault| document.fault(fault.within("options")))?;
         Ok(fitted)
     }
 }

@@ -145,12 +145,9 @@ fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
         categories,
         options,
         parameters,
-    } = file::Fitted::<Logistic, Parameters>::read(document)?;
+    } = file::Fitted::<Logistic, Parameters>::read(document, Logistic::check)?;
     let selection = Selection::of(options.features);
     let (rows, columns) = (categories.len(), selection.dimension() + 1);
-    options
-        .check()
-        .map_err(|fault| document.fault(fault.within("options")))?;
     let standardization = parameters.standardization;
     standardization
         .check(selection.dimension())

@@ -134,7 +134,7 @@ fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
         categories,
         options,
         parameters,
-    } = file::Fitted::<NaiveBayes, Parameters>::read(document)?;
+    } = file::Fitted::<NaiveBayes, Parameters>::read(document, |_| Ok(()))?;
     let selection = Selection::of(options.features);
     let shape = (categories.len(), selection.dimension());
     let Parameters {

@@ -223,10 +223,7 @@ fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
         categories,
         options,
         parameters,
-    } = file::Fitted::<NearestNeighbours, Parameters>::read(document)?;
-    options
-        .check()
-        .map_err(|fault| document.fault(fault.within("options")))?;
+    } = file::Fitted::<NearestNeighbours, Parameters>::read(document, NearestNeighbours::check)?;
     check(&options, categories.len(), &parameters).map_err(|fault| document.fault(fault.within("parameters")))?;
     let category_of = parameters.category;
     let of = |category: usize| category_of.iter().filter(|own| **own == category).count();

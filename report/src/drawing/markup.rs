@@ -24,3 +24,14 @@ pub fn slug(text: &str) -> String {
     let words = lower.split(|character: char| !character.is_ascii_alphanumeric());
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
 }
+
+/// A picture that stands alone: an SVG document on white, as wide as its place but no wider than `width` pixels.
+pub fn svg_document(width: f64, height: f64, font_px: f64, title: &str, body: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
+         height=\"{height:.0}\" style=\"max-width:100%;height:auto\" role=\"img\" font-family=\"sans-serif\" \
+         font-size=\"{font_px}\" fill=\"#222222\">\n<title>{}</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
+        escape(title)
+    )
+}

@@ -15,7 +15,7 @@ mod table;
 pub use axis::{Axis, Scale};
 pub use chart::Chart;
 pub use layer::{Dash, Layer, Mark, Point, Shape, Style};
-pub use markup::{escape, slug};
+pub use markup::{escape, slug, svg_document};
 pub use page::Page;
 pub use table::{Cell, Table};
 

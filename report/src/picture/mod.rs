@@ -7,7 +7,7 @@ mod panel;
 
 use std::fmt::Write;
 
-use crate::drawing::escape;
+use crate::drawing::svg_document;
 use glam::{DVec2, DVec3};
 use underbrush_recording::{Category, SkinLayout};
 use underbrush_sim::scene::Workspace;
@@ -59,13 +59,7 @@ pub fn draw(
         y += size.y + 3.0 * LINE;
     }
     let height = y - LINE;
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" width=\"{WIDTH:.0}\" \
-         height=\"{height:.0}\" style=\"max-width:100%;height:auto\" role=\"img\" font-family=\"sans-serif\" \
-         font-size=\"{FONT}\" fill=\"#222222\">\n<title>{}</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
-        escape(caption)
-    )
+    svg_document(WIDTH, height, FONT, caption, &body)
 }
 
 /// The view of each panel: arm, objects, goal and workspace, rounded out to 10 cm. Both panels have the same scale and the

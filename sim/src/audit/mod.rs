@@ -98,7 +98,7 @@ impl Jump {
         }
     }
 
-    /// The largest change of a link's force since the previous time.
+    /// The largest change of a link's force since the last call.
     fn observe(&mut self, contacts: &[Contact], scale: f64) -> f64 {
         std::mem::swap(&mut self.last, &mut self.now);
         self.now.fill(DVec3::ZERO);

@@ -1,10 +1,10 @@
 //! A dense, strictly convex quadratic program by the dual active-set method of D. Goldfarb and A. Idnani, "A
 //! numerically stable dual method for solving strictly convex quadratic programs", Mathematical Programming 27, 1983.
 //!
-//! The method starts at the unconstrained minimum and takes in violated constraints one at a time, keeping the
-//! multipliers non-negative; each iterate is the exact minimum under its active set. The active normals are kept as
-//! an orthonormal basis and a triangle, which a new constraint extends by a column; dropping one makes them anew,
-//! which for the dozen variables of an arm costs little and gathers no error.
+//! The method starts at the unconstrained minimum and adds violated constraints one at a time, while the multipliers stay
+//! non-negative. Each iterate is the exact minimum for its active set. The active normals are stored as a QR
+//! factorization, to which a new constraint adds a column. When a constraint is dropped, the factorization is computed
+//! again: with the dozen variables of an arm this is cheap and accumulates no error.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,7 +15,7 @@ pub struct QuadraticProgram {
     pub hessian: DMatrix<f64>,
     /// a, n.
     pub gradient: DVector<f64>,
-    /// C, m × n: one constraint a row.
+    /// C, m × n: one constraint per row.
     pub constraints: DMatrix<f64>,
     /// b, m.
     pub bounds: DVector<f64>,
@@ -32,7 +32,7 @@ pub enum Outcome {
     NotPositiveDefinite,
     /// An entry is not finite, or sizes do not match.
     Malformed,
-    /// The bound on the number of iterations was met, by accumulated rounding.
+    /// The maximum number of iterations was reached because of accumulated rounding errors.
     IterationLimit,
 }
 
@@ -41,17 +41,17 @@ pub enum Outcome {
 pub struct Solution {
     /// x, n.
     pub minimizer: DVector<f64>,
-    /// The active constraints, in the order in which they were taken in.
+    /// The active constraints, in the order in which they were added.
     pub active: Vec<usize>,
     /// Their multipliers u ≥ 0, with G x + a = Cᵀ u.
     pub multipliers: Vec<f64>,
-    /// Constraints taken in or dropped on the way.
+    /// Number of times a constraint was added or dropped.
     pub iterations: usize,
 }
 
-/// A constraint counts as violated beyond this, relative to the size of its terms.
+/// A constraint is violated if it is off by more than this, relative to the size of its terms.
 const VIOLATION: f64 = 1e-11;
-/// A constraint whose normal keeps less than this share of its length outside the active normals depends on them.
+/// A constraint is linearly dependent on the active ones if a smaller share of its normal than this is orthogonal to theirs.
 const DEPENDENCE: f64 = 1e-9;
 
 impl QuadraticProgram {
@@ -89,7 +89,7 @@ impl QuadraticProgram {
             multipliers: Vec::new(),
             basis: Basis::new(variables),
         };
-        // Without rounding no active set comes twice; in practice a constraint is taken in and dropped a few times.
+        // In exact arithmetic no active set occurs twice. In practice a constraint is added and dropped a few times.
         let most = 50 * (variables + count + 1);
         let mut iterations = 0;
         while let Some(violated) = search.most_violated() {
@@ -120,7 +120,7 @@ impl QuadraticProgram {
 
 /// State of the search in the coordinates y = Lᵀ x.
 struct Search<'a> {
-    /// Normals of all constraints, one a column.
+    /// Normals of all constraints, one per column.
     normals: DMatrix<f64>,
     bounds: &'a DVector<f64>,
     start_norm: f64,
@@ -134,14 +134,14 @@ struct Search<'a> {
 enum Step {
     /// The violated constraint is active now.
     TakenIn,
-    /// An active constraint had to be dropped; the violated one still is violated.
+    /// An active constraint had to be dropped; the violated one is still violated.
     Dropped,
     /// Neither is possible.
     Blocked,
 }
 
 impl Search<'_> {
-    /// The inactive constraint that the point violates most, as a distance.
+    /// The inactive constraint that the point violates most, measured as a distance.
     fn most_violated(&self) -> Option<usize> {
         let mut worst = None;
         let mut deepest = 0.0;
@@ -151,7 +151,7 @@ impl Search<'_> {
             }
             let length = normal.norm();
             let value = normal.dot(&self.point) - self.bounds[index];
-            // Where constraints meet near the origin the point is small, but its rounding is that of the start.
+            // Near the origin the point is small, but its rounding error is that of the starting point.
             let scale = length * self.point.norm().max(self.start_norm) + self.bounds[index].abs();
             // A constraint without a normal, 0 ≥ b, is its own measure.
             let depth = if length > 0.0 { -value / length } else { f64::INFINITY };
@@ -166,7 +166,7 @@ impl Search<'_> {
     /// (Goldfarb and Idnani, section 3, step 2).
     fn advance(&mut self, violated: usize, multiplier: &mut f64) -> Step {
         let normal = self.normals.column(violated).into_owned();
-        // z, the part of the normal outside the active normals, and r, the rest as their combination.
+        // z is the part of the normal orthogonal to the active normals; r expresses the rest as their combination.
         let (direction, along) = self.basis.split(&normal);
         let Some(combination) = self.basis.combination(&along) else {
             return Step::Blocked;
@@ -236,12 +236,12 @@ impl Basis {
         }
     }
 
-    /// The part of `vector` outside the set, and the coordinates of the rest in Q.
+    /// The part of `vector` orthogonal to the set, and the coordinates of the rest in Q.
     fn split(&self, vector: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
         let vectors = self.vectors.columns(0, self.size);
         let mut outside = vector.clone();
         let mut along = DVector::zeros(self.size);
-        // The second pass takes out what rounding left of the first.
+        // A second pass removes the rounding error of the first.
         for _ in 0..2 {
             let part = vectors.tr_mul(&outside);
             outside -= vectors * &part;
@@ -250,14 +250,14 @@ impl Basis {
         (outside, along)
     }
 
-    /// R⁻¹ `along`: the coordinates in N of what has the coordinates `along` in Q.
+    /// R⁻¹ `along`: the coordinates in N of the vector whose coordinates in Q are `along`.
     fn combination(&self, along: &DVector<f64>) -> Option<DVector<f64>> {
         self.triangle
             .view((0, 0), (self.size, self.size))
             .solve_upper_triangular(along)
     }
 
-    /// Takes in a vector that was split into `outside`, not zero, and `along`.
+    /// Adds a vector that was split into `outside`, which is not zero, and `along`.
     fn push(&mut self, outside: &DVector<f64>, along: &DVector<f64>) {
         let length = outside.norm();
         self.vectors.set_column(self.size, &(outside / length));

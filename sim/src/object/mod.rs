@@ -99,7 +99,7 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn category(&self) -> Category;
     /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
     fn is_obstacle(&self) -> bool;
-    /// Whether its ground area may overlap that of foam, because it stands in the foam or goes through it to the table.
+    /// Whether it may share ground with a foam block: it stands in the foam, or passes through it to the table.
     fn may_stand_in_foam(&self) -> bool;
     /// Its ground area at rest.
     fn footprint(&self) -> Footprint;
