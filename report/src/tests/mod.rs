@@ -40,9 +40,9 @@ settings = [{ name = "twice as stiff", robot = { stiffness_scale = 2.0, hand_spe
 classifiers = [
     { name = "models, force", method = "hmm", features = ["force"], states = 5 },
     { name = "models, force and motion", method = "hmm", features = ["force", "motion"], states = 5 },
-    { name = "regression", method = "logistic_regression", features = ["force", "motion"] },
+    { name = "regression", method = "logistic", features = ["force", "motion"] },
 ]
-setting_classifiers = [{ name = "regression", method = "logistic_regression", features = ["force", "motion"] }]
+setting_classifiers = [{ name = "regression", method = "logistic", features = ["force", "motion"] }]
 
 [published]
 best_accuracy_percent = 81.4
