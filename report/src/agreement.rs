@@ -148,6 +148,7 @@ pub fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Tab
 
 /// Accuracy over the number of states: a chart for each unit and feature set; `suffix` follows each title.
 pub fn charts(table: &str, suffix: &str, cells: &[Compared]) -> Vec<String> {
+    let lowest = lowest(cells);
     let mut charts = Vec::new();
     for by in [TableOneUnit::Taxel, TableOneUnit::Component] {
         for features in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION] {
@@ -156,14 +157,14 @@ pub fn charts(table: &str, suffix: &str, cells: &[Compared]) -> Vec<String> {
                 .filter(|cell| (cell.key.by, cell.key.features) == (by, features));
             let own: Vec<&Compared> = own.collect();
             if !own.is_empty() {
-                charts.push(chart(table, format!("{}, {features}{suffix}", unit_name(by)), &own));
+                charts.push(chart(table, format!("{}, {features}{suffix}", unit_name(by)), &own, lowest));
             }
         }
     }
     charts
 }
 
-fn chart(table: &str, title: String, cells: &[&Compared]) -> String {
+fn chart(table: &str, title: String, cells: &[&Compared], lowest: f64) -> String {
     let mut states: Vec<usize> = cells.iter().map(|cell| cell.key.states).collect();
     states.sort_unstable();
     states.dedup();
@@ -224,14 +225,14 @@ fn chart(table: &str, title: String, cells: &[&Compared]) -> String {
         title,
         description,
         x: Axis::names("hidden states", states.iter().map(usize::to_string)),
-        y: Axis::spanning("accuracy / %", lowest(cells), 100.0),
+        y: Axis::spanning("accuracy / %", lowest, 100.0),
         layers,
     };
     chart.svg()
 }
 
-/// Where the axis of accuracy begins, per cent: at 40, or lower where there are more than two categories.
-fn lowest(cells: &[&Compared]) -> f64 {
+/// Where the axes of accuracy begin, per cent: at 40, or lower where an interval does.
+fn lowest(cells: &[Compared]) -> f64 {
     let values = cells
         .iter()
         .flat_map(|cell| [cell.accuracy, cell.interval.map_or(cell.accuracy, |(low, _)| low)]);

@@ -40,8 +40,8 @@ impl<'a> Report<'a> {
     pub fn section(&mut self, name: &str, heading: &str) {
         let own: Option<&PublishedSection> = self.published().and_then(|published| published.sections.get(name));
         let figure = own.and_then(|own| own.figure.as_ref());
-        self.page
-            .section(&figure.map_or(heading.to_owned(), |figure| format!("{figure}: {heading}")));
+        let heading = figure.map_or_else(|| capitalized(heading), |figure| format!("{figure}: {heading}"));
+        self.page.section(&heading);
         if let Some(own) = own {
             self.page.published(&own.statement);
         }
@@ -76,6 +76,13 @@ impl<'a> Report<'a> {
             .collect();
         self.terminal += &format!("{}\n{}\n", table.caption, text::table(&header, &rows));
     }
+}
+
+/// A heading that no figure's number precedes.
+fn capitalized(heading: &str) -> String {
+    let mut letters = heading.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters.clone()).collect()
 }
 
 /// The authors' recipe, the modern recipe.
