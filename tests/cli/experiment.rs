@@ -70,7 +70,9 @@ fn a_mistake_in_an_experiment_file_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let file = tiny(folder.path());
     let text = std::fs::read_to_string(&file).unwrap();
-    std::fs::write(&file, text.replace("method = \"naive_bayes\"", "method = \"naive\"")).unwrap();
+    let wrong = text.replace("method = \"naive-bayes\"", "method = \"naive\"");
+    assert_ne!(wrong, text);
+    std::fs::write(&file, wrong).unwrap();
     let out = folder.path().join("out");
     underbrush!["reproduce", "--experiment", &file, "--out", &out].refused(&["method", "naive", "schema experiment"]);
     assert!(!out.exists());
