@@ -157,7 +157,12 @@ pub fn charts(table: &str, suffix: &str, cells: &[Compared]) -> Vec<String> {
                 .filter(|cell| (cell.key.by, cell.key.features) == (by, features));
             let own: Vec<&Compared> = own.collect();
             if !own.is_empty() {
-                charts.push(chart(table, format!("{}, {features}{suffix}", unit_name(by)), &own, lowest));
+                charts.push(chart(
+                    table,
+                    format!("{}, {features}{suffix}", unit_name(by)),
+                    &own,
+                    lowest,
+                ));
             }
         }
     }
