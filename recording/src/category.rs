@@ -160,9 +160,9 @@ impl<'de> Deserialize<'de> for Category {
                 de::Error::custom(format!("category \"{name}\" without a code, and not one of {names}"))
             }),
             Written::Further { name, code } => Category::from_file(&name, code).ok_or_else(|| {
-                let most = Category::MAX_NAME_BYTES;
+                let max_bytes = Category::MAX_NAME_BYTES;
                 de::Error::custom(format!(
-                    "category \"{name}\" with code {code}; allowed are up to {most} lower-case letters, digits and \
+                    "category \"{name}\" with code {code}; allowed are up to {max_bytes} lower-case letters, digits and \
                      underscores that begin with a letter and are no built-in name, with a code from 4 to 127"
                 ))
             }),

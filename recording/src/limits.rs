@@ -9,9 +9,9 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// The smallest value.
-    pub least: f64,
+    pub min: f64,
     /// The largest value.
-    pub most: f64,
+    pub max: f64,
     /// A further allowed value outside the range, which switches the effect off.
     pub off: Option<f64>,
     /// The unit; empty for a plain number.
@@ -19,11 +19,11 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The range from `least` to `most`.
-    pub const fn new(least: f64, most: f64, unit: &'static str) -> Self {
+    /// The range from `min` to `max`.
+    pub const fn new(min: f64, max: f64, unit: &'static str) -> Self {
         Limits {
-            least,
-            most,
+            min,
+            max,
             off: None,
             unit,
         }
@@ -37,7 +37,7 @@ impl Limits {
 
     /// Whether a number is allowed. NaN never is.
     pub fn hold(&self, value: f64) -> bool {
-        (self.least..=self.most).contains(&value) || self.off == Some(value)
+        (self.min..=self.max).contains(&value) || self.off == Some(value)
     }
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for Limits {
         if let Some(off) = self.off {
             write!(f, "{} (off), or ", short(off))?;
         }
-        write!(f, "{} to {}", short(self.least), short(self.most))?;
+        write!(f, "{} to {}", short(self.min), short(self.max))?;
         if !self.unit.is_empty() {
             write!(f, " {}", self.unit)?;
         }
@@ -75,19 +75,19 @@ pub const FORCE_N: Limits = Limits::new(-1.0, 1e4, "N");
 pub const MOTION_M: Limits = Limits::new(-0.01, 1e3, "m");
 
 /// Number of taxels in a contact region: at least one, at most all of the skin.
-pub const REGION_TAXELS: Limits = Limits::new(1.0, MOST_TAXELS as f64, "taxels");
+pub const REGION_TAXELS: Limits = Limits::new(1.0, MAX_TAXELS as f64, "taxels");
 
 /// Largest force in a contact region. Its taxels are pressed, so it is not negative.
-pub const REGION_LARGEST_FORCE_N: Limits = Limits::new(0.0, FORCE_N.most, "N");
+pub const REGION_LARGEST_FORCE_N: Limits = Limits::new(0.0, FORCE_N.max, "N");
 
 /// Sum of the forces in a contact region: a hundred taxels at the largest force.
-pub const REGION_FORCE_SUM_N: Limits = Limits::new(0.0, 100.0 * FORCE_N.most, "N");
+pub const REGION_FORCE_SUM_N: Limits = Limits::new(0.0, 100.0 * FORCE_N.max, "N");
 
 /// Number of taxels of a skin. Frames hold their indices in 16 bits; the largest robot skins have a few thousand.
-pub const MOST_TAXELS: usize = 65_536;
+pub const MAX_TAXELS: usize = 65_536;
 
 /// Number of patches of a skin. Each has its own columns in a data set.
-pub const MOST_PATCHES: usize = 1000;
+pub const MAX_PATCHES: usize = 1000;
 
 #[cfg(test)]
 mod tests {

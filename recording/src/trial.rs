@@ -74,13 +74,13 @@ impl Region {
                 return Some((column, limits.to_string()));
             }
         }
-        let most = largest * taxels;
-        let holds = sum >= largest * (1.0 - ROUNDING) && sum <= most * (1.0 + ROUNDING);
+        let max_sum = largest * taxels;
+        let holds = sum >= largest * (1.0 - ROUNDING) && sum <= max_sum * (1.0 + ROUNDING);
         (!holds).then(|| {
             let allowed = format!(
                 "{} to {} N: between the largest force and {} times that, one for each taxel",
                 short(largest),
-                short(most),
+                short(max_sum),
                 self.taxels
             );
             ("region_force_sum_n", allowed)

@@ -212,7 +212,7 @@ mod tests {
 
     /// Distance between two segments as the least of five: from each end to the other segment, and, where the common
     /// perpendicular of the two lines meets both segments within them, its length.
-    fn least_of_five(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
+    fn min_of_five(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
         let ends = [
             point_distance(a, c, d),
             point_distance(b, c, d),
@@ -221,16 +221,16 @@ mod tests {
         ];
         let (u, v) = (b - a, d - c);
         let across = u.cross(v);
-        let mut least = ends.into_iter().fold(f64::INFINITY, f64::min);
+        let mut min = ends.into_iter().fold(f64::INFINITY, f64::min);
         if across.length() > 1e-9 {
             // a + s u + r (u × v) = c + t v, by Cramer's rule.
             let s = (c - a).cross(v).dot(across) / across.length_squared();
             let t = (c - a).cross(u).dot(across) / across.length_squared();
             if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-                least = least.min((c - a).dot(across).abs() / across.length());
+                min = min.min((c - a).dot(across).abs() / across.length());
             }
         }
-        least
+        min
     }
 
     /// A second segment for a first one: any; a point; on the same line, apart or overlapping; parallel; or sharing an end.
@@ -249,7 +249,7 @@ mod tests {
         /// Pins the distance between segments, also where either is a point and where they are parallel or overlap, against
         /// the least of five elementary distances, in either order.
         #[test]
-        fn segment_distance_is_the_least(
+        fn segment_distance_is_the_minimum(
             (a, b) in (point(), point()),
             first_is_a_point in any::<bool>(),
             kind in 0..6u8,
@@ -258,7 +258,7 @@ mod tests {
         ) {
             let b = if first_is_a_point { a } else { b };
             let (c, d) = second(a, b, kind, c, d, s);
-            let expected = least_of_five(a, b, c, d);
+            let expected = min_of_five(a, b, c, d);
             // Parry takes segments whose squared lengths' product is within 2e-16 of parallel as such: for lengths around
             // 1 m that is an angle of 1.5e-8 rad, and an error of as many metres.
             prop_assert!((segment_distance(a, b, c, d) - expected).abs() < 1e-6, "{expected}");

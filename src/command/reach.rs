@@ -100,8 +100,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
     let recording = plan.run(options.index, &mut |simulation, frame| {
-        let most = best.as_ref().map_or(0, |snapshot| snapshot.frame.taxels.len());
-        if options.picture.is_some() && (best.is_none() || frame.taxels.len() > most) {
+        let max_taxels = best.as_ref().map_or(0, |snapshot| snapshot.frame.taxels.len());
+        if options.picture.is_some() && (best.is_none() || frame.taxels.len() > max_taxels) {
             best = Some(Snapshot::take(simulation, frame));
         }
     })?;

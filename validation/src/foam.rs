@@ -193,12 +193,12 @@ fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 fn wandering_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let least = least_work(&slice(simulated)?.drive(wander, 20.0)) / (solid().stiffness * DEPTH_M * DEPTH_M);
+    let min = min_work(&slice(simulated)?.drive(wander, 20.0)) / (solid().stiffness * DEPTH_M * DEPTH_M);
     Ok(vec![Comparison::at_most(
         "roll's slice, largest net work returned along an irregular path, over k x²",
         "",
         0.0,
-        -least,
+        -min,
         1e-6,
         "1e-6: a passive material returns no net work; the drive itself deflects slightly",
     )])
@@ -235,7 +235,7 @@ fn work(way: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
 }
 
 /// The least of the work put in up to any moment.
-fn least_work(way: &[crate::driven::Point]) -> f64 {
+fn min_work(way: &[crate::driven::Point]) -> f64 {
     let mut sum = 0.0;
     let sums = way.windows(2).map(|pair| {
         sum += 0.5 * (pair[0].force + pair[1].force) * (pair[1].place - pair[0].place);

@@ -173,14 +173,14 @@ impl Network {
     /// The weights depend on the options only.
     fn new(options: &EchoStateNetwork) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
-        let mut draw = |rows: usize, columns: usize, most: f64| {
-            DMatrix::from_fn(rows, columns, |_, _| most * (2.0 * rng.random::<f64>() - 1.0))
+        let mut draw = |rows: usize, columns: usize, max: f64| {
+            DMatrix::from_fn(rows, columns, |_, _| max * (2.0 * rng.random::<f64>() - 1.0))
         };
         // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform ones have σ = most / √3.
-        let most = RADIUS * (3.0 / options.units as f64).sqrt();
+        let max = RADIUS * (3.0 / options.units as f64).sqrt();
         Network {
             options: *options,
-            recurrent: draw(options.units, options.units, most),
+            recurrent: draw(options.units, options.units, max),
             inputs: draw(options.units, options.inputs(), 1.0),
         }
     }

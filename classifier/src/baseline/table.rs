@@ -64,7 +64,7 @@ pub(super) struct Standardization {
 }
 
 /// Standardized features are clamped to this range, so that a single outlying sample does not dominate.
-const MOST_DEVIATIONS: f64 = 5.0;
+const MAX_DEVIATIONS: f64 = 5.0;
 
 impl Standardization {
     /// Standardizes the rows of the table, and returns how.
@@ -92,7 +92,7 @@ impl Standardization {
     pub(super) fn apply(&self, features: &mut [f64]) {
         for ((feature, mean), deviation) in features.iter_mut().zip(&self.mean).zip(&self.standard_deviation) {
             *feature = deviation.map_or(0.0, |deviation| {
-                ((*feature - mean) / deviation).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS)
+                ((*feature - mean) / deviation).clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS)
             });
         }
     }

@@ -23,7 +23,7 @@ const MIN_DEVIATION: f64 = 1e-15;
 const LOG_LIKELIHOOD: Limits = Limits::new(-1e55, 1e55, "nats");
 
 /// Amount by which a log-likelihood fell.
-const FALL: Limits = Limits::new(0.0, LOG_LIKELIHOOD.most, "nats");
+const FALL: Limits = Limits::new(0.0, LOG_LIKELIHOOD.max, "nats");
 
 /// Checks the numbers of models that were read from a file, and that its parts agree.
 pub(super) fn check(classifier: &HmmClassifier) -> Result<(), Fault> {
@@ -76,9 +76,9 @@ fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), Fault>
         }
         for (feature, value) in features.iter().zip(values) {
             // A mean lies within the range of its feature, and a deviation is not larger than that range.
-            let most = feature.limits.most;
-            let least = if key == "mean" { -most } else { MIN_DEVIATION };
-            check_limits(&field, *value, Limits::new(least, most, feature.limits.unit))?;
+            let max = feature.limits.max;
+            let min = if key == "mean" { -max } else { MIN_DEVIATION };
+            check_limits(&field, *value, Limits::new(min, max, feature.limits.unit))?;
         }
     }
     Ok(())

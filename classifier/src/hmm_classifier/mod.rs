@@ -199,8 +199,8 @@ impl HmmClassifier {
 
     /// The features of a trial as the models see them, or of its first `count` samples.
     fn sequence(&self, trial: &Trial, count: Option<usize>) -> Result<Observations, FeatureError> {
-        let most = [self.max_samples(), count].into_iter().flatten().min();
-        let mut sequence = self.features.observations(trial, most)?;
+        let max_samples = [self.max_samples(), count].into_iter().flatten().min();
+        let mut sequence = self.features.observations(trial, max_samples)?;
         if let Some(scaling) = &self.scaling {
             scaling.apply_all(&mut sequence);
         }

@@ -64,8 +64,8 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
             "a force over 0 and under 100 N",
         );
     }
-    let most_states = file.states.iter().copied().max().unwrap_or(1);
-    if trials.min_samples < most_states {
+    let max_states = file.states.iter().copied().max().unwrap_or(1);
+    if trials.min_samples < max_states {
         let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
         return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
     }

@@ -69,13 +69,13 @@ fn take(
     rule: Rule,
 ) -> Result<Option<Moment>, ExperimentError> {
     let Some(shown) = shown else { return Ok(None) };
-    let most = shown
+    let best = shown
         .stream
         .frames
         .iter()
         .enumerate()
         .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
-    let Some((chosen, _)) = most else { return Ok(None) };
+    let Some((chosen, _)) = best else { return Ok(None) };
     let plan = reaches::plan(session.experiment, &shown.source, session.seed)?;
     let options = online::options(session.experiment, rule);
     let layout = plan.arm.skin.layout.clone();

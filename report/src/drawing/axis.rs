@@ -79,7 +79,7 @@ pub(super) struct Fitted {
     low: f64,
     high: f64,
     /// The end that the data need.
-    most: f64,
+    max: f64,
     logarithmic: bool,
     /// Values with their labels.
     pub(super) ticks: Vec<(f64, String)>,
@@ -90,15 +90,15 @@ impl Fitted {
     pub(super) fn new(scale: &Scale, values: impl Iterator<Item = f64>, steps: f64) -> Self {
         let logarithmic = *scale == Scale::Logarithmic;
         let usable = values.filter(|value| value.is_finite() && (!logarithmic || *value > 0.0));
-        let (least, most) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
-            (least.min(value), most.max(value))
+        let (min, max) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
+            (min.min(value), max.max(value))
         });
-        let (least, most) = if least > most { (1.0, 1.0) } else { (least, most) };
+        let (min, max) = if min > max { (1.0, 1.0) } else { (min, max) };
         match scale {
             Scale::Names(names) => Fitted {
                 low: -0.5,
                 high: (names.len().max(1) as f64) - 0.5,
-                most: f64::INFINITY,
+                max: f64::INFINITY,
                 logarithmic,
                 ticks: names
                     .iter()
@@ -107,14 +107,14 @@ impl Fitted {
                     .collect(),
             },
             Scale::Logarithmic => {
-                let (low, high) = (least.log10().floor(), most.log10().ceil());
+                let (low, high) = (min.log10().floor(), max.log10().ceil());
                 let high = if high > low { high } else { low + 1.0 };
                 let every = ((high - low) / steps).ceil().max(1.0) as usize;
                 let exponents = (low as i32..=high as i32).step_by(every);
                 Fitted {
                     low,
                     high,
-                    most: f64::INFINITY,
+                    max: f64::INFINITY,
                     logarithmic,
                     ticks: exponents
                         .map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent)))
@@ -122,8 +122,8 @@ impl Fitted {
                 }
             }
             Scale::Linear { low, high } => {
-                let low = low.map_or(least, |low| low.min(least));
-                let high = high.map_or(most, |high| high.max(most));
+                let low = low.map_or(min, |low| low.min(min));
+                let high = high.map_or(max, |high| high.max(max));
                 let width = if high > low { high - low } else { low.abs().max(1.0) };
                 let step = round_step(width / steps);
                 let (first, last) = ((low / step).floor(), ((low + width) / step - 1e-9).ceil());
@@ -132,7 +132,7 @@ impl Fitted {
                 Fitted {
                     low: first * step,
                     high: last * step,
-                    most: low + width,
+                    max: low + width,
                     logarithmic,
                     ticks: (0..=count)
                         .map(|index| (first + index as f64) * step)
@@ -145,9 +145,9 @@ impl Fitted {
 
     /// The same, ending where the data do and not at the next tick.
     pub(super) fn tight(mut self) -> Self {
-        if self.most < self.high {
-            self.high = self.most;
-            self.ticks.retain(|(value, _)| *value <= self.most);
+        if self.max < self.high {
+            self.high = self.max;
+            self.ticks.retain(|(value, _)| *value <= self.max);
         }
         self
     }

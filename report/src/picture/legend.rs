@@ -95,11 +95,11 @@ pub fn legend(svg: &mut String, snapshot: &Snapshot, layout: &SkinLayout, (left,
 
 /// Writes a text in as many lines as it needs, and returns its height, px.
 pub fn paragraph(svg: &mut String, text: &str, (left, width): (f64, f64), top: f64) -> f64 {
-    let most = (width / (LETTER * FONT)) as usize;
+    let max_letters = (width / (LETTER * FONT)) as usize;
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.len() - 1;
-        if !lines[last].is_empty() && lines[last].chars().count() + 1 + word.chars().count() > most {
+        if !lines[last].is_empty() && lines[last].chars().count() + 1 + word.chars().count() > max_letters {
             lines.push(word.to_owned());
         } else {
             let space = if lines[last].is_empty() { "" } else { " " };

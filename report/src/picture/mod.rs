@@ -26,7 +26,7 @@ const WIDTH: f64 = 640.0;
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
 /// Largest height of a panel, px, so that a tall arm does not make the picture a narrow strip.
-const MOST_HEIGHT: f64 = 900.0;
+const MAX_HEIGHT: f64 = 900.0;
 /// Empty space around arm and objects, m.
 const SPACE_M: f64 = 0.05;
 
@@ -91,7 +91,7 @@ fn views(snapshot: &Snapshot, workspace: &Workspace, width_px: f64) -> Vec<View>
     let bounds: Vec<(DVec2, DVec2)> = PANELS.iter().map(bounds).collect();
     let tallest = bounds.iter().map(|(_, size_m)| size_m.y).fold(0.0, f64::max);
     let widest = bounds.iter().map(|(_, size_m)| size_m.x).fold(0.0, f64::max);
-    let scale = (width_px / widest).min(MOST_HEIGHT / tallest);
+    let scale = (width_px / widest).min(MAX_HEIGHT / tallest);
     let view = |(corner, size_m)| View { corner, size_m, scale };
     bounds.into_iter().map(view).collect()
 }

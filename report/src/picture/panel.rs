@@ -168,9 +168,12 @@ impl Panel {
                 let block = *category == Category::BLOCK;
                 // Foam lies under everything.
                 let depth = if block { f64::NEG_INFINITY } else { depth(capsule) };
-                let least = if *category == Category::LEAF { 2.5 } else { 0.0 };
+                let min_thickness = if *category == Category::LEAF { 2.5 } else { 0.0 };
                 let opacity = if block { 0.45 } else { 0.9 };
-                shapes.push((depth, self.line(view, capsule, colour(*category).0, least, opacity)));
+                shapes.push((
+                    depth,
+                    self.line(view, capsule, colour(*category).0, min_thickness, opacity),
+                ));
             }
         }
         for capsule in &snapshot.arm {
@@ -195,9 +198,9 @@ impl Panel {
         svg.push('\n');
     }
 
-    fn line(&self, view: &View, capsule: &Capsule, colour: &str, least: f64, opacity: f64) -> String {
+    fn line(&self, view: &View, capsule: &Capsule, colour: &str, min_thickness: f64, opacity: f64) -> String {
         let (a, b) = (self.to_pixels(view, capsule.start), self.to_pixels(view, capsule.end));
-        let thickness = (2.0 * capsule.radius_m * view.scale).max(least);
+        let thickness = (2.0 * capsule.radius_m * view.scale).max(min_thickness);
         if a.distance(b) < 1.0 {
             let radius = thickness / 2.0;
             return format!(

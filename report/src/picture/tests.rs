@@ -97,7 +97,7 @@ fn the_frame_holds_arm_and_scene() {
         let views = views(&snapshot, &workspace, 500.0);
         for (panel, view) in PANELS.iter().zip(&views) {
             let size = view.size_px();
-            assert!(size.x <= 500.01 && size.y <= MOST_HEIGHT + 0.01, "{view:?}");
+            assert!(size.x <= 500.01 && size.y <= MAX_HEIGHT + 0.01, "{view:?}");
             let corners =
                 [(0, 0), (1, 1)].map(|(x, y)| DVec3::new(workspace.x_m[x], workspace.y_m[y], workspace.table_height_m));
             let ends = snapshot

@@ -33,7 +33,7 @@ pub(super) const MASS_KG: Limits = Limits::new(1e-4, 1e4, "kg").or_off_at(0.0);
 pub(super) const INERTIA_KG_M2: Limits = Limits::new(1e-10, 1e6, "kg m²");
 
 /// An entry of an inertia matrix, whose principal moments must be within [`INERTIA_KG_M2`].
-pub(super) const INERTIA_ENTRY_KG_M2: Limits = Limits::new(-INERTIA_KG_M2.most, INERTIA_KG_M2.most, "kg m²");
+pub(super) const INERTIA_ENTRY_KG_M2: Limits = Limits::new(-INERTIA_KG_M2.max, INERTIA_KG_M2.max, "kg m²");
 
 /// Coordinates on an arm: the longest arms reach 3 to 4 m.
 pub(super) const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
@@ -48,7 +48,7 @@ pub(super) const HULL_VOLUME_M3: Limits = Limits::new(1e-9, 1000.0, "m³");
 pub(super) const DIRECTION: Limits = Limits::new(1e-3, 1e3, "");
 
 /// A component of a vector whose length lies within [`DIRECTION`].
-pub(super) const DIRECTION_ENTRY: Limits = Limits::new(-DIRECTION.most, DIRECTION.most, "");
+pub(super) const DIRECTION_ENTRY: Limits = Limits::new(-DIRECTION.max, DIRECTION.max, "");
 
 /// Stiffness of the skin per volume, modulus over thickness: from 5 cm of the softest foam (5 kPa) to 0.1 mm of steel
 /// (200 GPa).

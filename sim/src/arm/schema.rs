@@ -16,8 +16,8 @@ impl Transform for Within {
         {
             return self.transform(items);
         }
-        schema.insert("minimum".into(), self.0.least.into());
-        schema.insert("maximum".into(), self.0.most.into());
+        schema.insert("minimum".into(), self.0.min.into());
+        schema.insert("maximum".into(), self.0.max.into());
         if !self.0.unit.is_empty() {
             schema.insert("unit".into(), self.0.unit.into());
         }

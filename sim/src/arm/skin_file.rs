@@ -4,7 +4,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
-use underbrush_recording::limits::{MOST_PATCHES, MOST_TAXELS, short};
+use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
 use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel};
 
 use super::schema::Within;
@@ -64,7 +64,7 @@ struct CylinderTable {
     #[schemars(transform = Within(limits::RADIUS_M))]
     radius_m: f64,
     /// Number of rows. All patches of an arm together have at most 65536 taxels.
-    #[schemars(range(min = 1, max = MOST_TAXELS))]
+    #[schemars(range(min = 1, max = MAX_TAXELS))]
     rows: usize,
     /// Distance from one row to the next.
     #[schemars(transform = Within(limits::TAXEL_SIZE_M))]
@@ -126,9 +126,9 @@ pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
 fn read_file(source: &Source) -> Result<SkinFile, InputError> {
     let file: SkinFile = source.toml("compare with the skin file of `cody`, which ships with underbrush")?;
     source.check(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
-    if file.patch.len() > MOST_PATCHES {
+    if file.patch.len() > MAX_PATCHES {
         let found = format!("{} patches", file.patch.len());
-        return Err(source.fault_after(0, "patch", found, format!("at most {MOST_PATCHES} patches")));
+        return Err(source.fault_after(0, "patch", found, format!("at most {MAX_PATCHES} patches")));
     }
     Ok(file)
 }
@@ -172,8 +172,8 @@ fn patch_taxels(
         }
     };
     let count = earlier.taxel_count() + taxels.len();
-    if !(1..=MOST_TAXELS).contains(&count) {
-        let allowed = format!("1 to {MOST_TAXELS} taxels on all patches together");
+    if !(1..=MAX_TAXELS).contains(&count) {
+        let allowed = format!("1 to {MAX_TAXELS} taxels on all patches together");
         return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
     }
     Ok(PatchTaxels {
@@ -256,8 +256,8 @@ fn cylinder_taxels(
         source.check(start, &format!("patch.cylinder.{key}"), value, limits)?;
     }
     let columns = table.column_angles_deg.len();
-    if !(1..=MOST_TAXELS / columns.max(1)).contains(&table.rows) {
-        let allowed = format!("at least 1, and at most {MOST_TAXELS} taxels on all patches together");
+    if !(1..=MAX_TAXELS / columns.max(1)).contains(&table.rows) {
+        let allowed = format!("at least 1, and at most {MAX_TAXELS} taxels on all patches together");
         return fault("rows", format!("{} rows of {columns} taxels", table.rows), &allowed);
     }
     source.check_each(
@@ -274,10 +274,10 @@ fn cylinder_taxels(
         .windows(2)
         .map(|pair| pair[1] - pair[0])
         .chain([first + 360.0 - last]);
-    let least_step_deg = (table.taxel_size_m / table.radius_m).to_degrees();
-    if table.taxel_size_m > table.row_pitch_m || !steps.all(|step| step >= least_step_deg) {
+    let min_step_deg = (table.taxel_size_m / table.radius_m).to_degrees();
+    if table.taxel_size_m > table.row_pitch_m || !steps.all(|step| step >= min_step_deg) {
         let allowed = format!(
-            "taxels that do not overlap: at most the row pitch, and rising column angles at least {least_step_deg:.2} deg apart"
+            "taxels that do not overlap: at most the row pitch, and rising column angles at least {min_step_deg:.2} deg apart"
         );
         return fault("taxel_size_m", short(table.taxel_size_m), &allowed);
     }
@@ -315,16 +315,16 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
     let start = table.span().start;
     let table = table.get_ref();
     let derived = table.derived_area_limits_m2;
-    if let Some([least, most]) = derived {
-        source.check_each(start, "derived_area_limits_m2", &[least, most], limits::TAXEL_AREA_M2)?;
-        if least > most {
-            let found = listed(&[least, most]);
+    if let Some([min, max]) = derived {
+        source.check_each(start, "derived_area_limits_m2", &[min, max], limits::TAXEL_AREA_M2)?;
+        if min > max {
+            let found = listed(&[min, max]);
             return Err(source.fault_after(start, "derived_area_limits_m2", found, "two areas, the smaller first"));
         }
     }
-    if table.taxels.len() > MOST_TAXELS {
+    if table.taxels.len() > MAX_TAXELS {
         let found = format!("{} taxels", table.taxels.len());
-        let allowed = format!("at most {MOST_TAXELS} taxels on all patches together");
+        let allowed = format!("at most {MAX_TAXELS} taxels on all patches together");
         return Err(source.fault_after(start, "patch.points.taxels", found, allowed));
     }
     let mut taxels = Vec::with_capacity(table.taxels.len());
@@ -340,7 +340,7 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
                 source.check(at, &place("area_m2"), area, limits::TAXEL_AREA_M2)?;
                 area
             }
-            (None, Some([least, most])) => derived_area(&table.taxels, number, normal_link).clamp(least, most),
+            (None, Some([min, max])) => derived_area(&table.taxels, number, normal_link).clamp(min, max),
             (None, None) => {
                 let allowed = "an area, or derived_area_limits_m2 for the whole patch";
                 return Err(source.fault_after(at, &place("area_m2"), "none", allowed));

@@ -90,13 +90,13 @@ impl QuadraticProgram {
             basis: Basis::new(variables),
         };
         // In exact arithmetic no active set occurs twice. In practice a constraint is added and dropped a few times.
-        let most = 50 * (variables + count + 1);
+        let max_iterations = 50 * (variables + count + 1);
         let mut iterations = 0;
         while let Some(violated) = search.most_violated() {
             let mut multiplier = 0.0;
             loop {
                 iterations += 1;
-                if iterations > most {
+                if iterations > max_iterations {
                     return Outcome::IterationLimit;
                 }
                 match search.advance(violated, &mut multiplier) {

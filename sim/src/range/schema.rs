@@ -29,9 +29,9 @@ pub struct Within(pub (f64, f64));
 
 impl Transform for Within {
     fn transform(&mut self, schema: &mut Schema) {
-        let (least, most) = self.0;
-        let value = json_schema!({ "type": "number", "minimum": least, "maximum": most });
-        let deviation = json_schema!({ "type": "number", "minimum": 0.0, "maximum": most - least });
+        let (min, max) = self.0;
+        let value = json_schema!({ "type": "number", "minimum": min, "maximum": max });
+        let deviation = json_schema!({ "type": "number", "minimum": 0.0, "maximum": max - min });
         let mut forms = forms(&value, &deviation);
         if schema.remove("$ref").is_some() {
             if let Some(forms) = forms.remove("oneOf") {

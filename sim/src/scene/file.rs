@@ -57,11 +57,11 @@ fn default_controller() -> ControllerKind {
 pub struct RobotSection {
     /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root, which keeps
     /// the joints' damping ratio (a choice).
-    #[schemars(range(min = limits::STIFFNESS_SCALE.least, max = limits::STIFFNESS_SCALE.most))]
+    #[schemars(range(min = limits::STIFFNESS_SCALE.min, max = limits::STIFFNESS_SCALE.max))]
     pub stiffness_scale: f64,
     /// Scales how far the controller may move the hand and the equilibrium angles in one step. The joints' own slew limits
     /// stay as they are.
-    #[schemars(range(min = limits::HAND_SPEED_SCALE.least, max = limits::HAND_SPEED_SCALE.most))]
+    #[schemars(range(min = limits::HAND_SPEED_SCALE.min, max = limits::HAND_SPEED_SCALE.max))]
     pub hand_speed_scale: f64,
 }
 
@@ -84,7 +84,7 @@ pub struct Workspace {
     /// Smallest and largest y of an object's foot, m.
     pub y_m: [f64; 2],
     /// Height of the table top, m.
-    #[schemars(range(min = PLACE_M.least, max = PLACE_M.most))]
+    #[schemars(range(min = PLACE_M.min, max = PLACE_M.max))]
     pub table_height_m: f64,
 }
 
@@ -105,23 +105,23 @@ impl Default for Workspace {
 #[serde(deny_unknown_fields, default)]
 pub struct Goals {
     /// Number of goals per reach (the paper has "multiple goal positions", section IV-B).
-    #[schemars(range(min = limits::GOALS.least, max = limits::GOALS.most))]
+    #[schemars(range(min = limits::GOALS.min, max = limits::GOALS.max))]
     pub count: u32,
     /// How many times an arm that got stuck backs off and tries the same goal again (Jain et al. 2013).
-    #[schemars(range(min = limits::RETRIES.least, max = limits::RETRIES.most))]
+    #[schemars(range(min = limits::RETRIES.min, max = limits::RETRIES.max))]
     pub retries: u32,
     /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one by one
     /// (paper, section IV-B). If not given, the rule published with the controller decides when the arm is stuck.
-    #[schemars(range(min = limits::PATIENCE_S.least, max = limits::PATIENCE_S.most))]
+    #[schemars(range(min = limits::PATIENCE_S.min, max = limits::PATIENCE_S.max))]
     pub patience_s: Option<f64>,
     /// Coordinate x of a goal (forward), m, world frame.
-    #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
+    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
     pub x_m: Quantity,
     /// Coordinate y of a goal (left), m, world frame.
-    #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
+    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
     pub y_m: Quantity,
     /// Coordinate z of a goal (up), m, world frame.
-    #[schemars(transform = Within((PLACE_M.least, PLACE_M.most)))]
+    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
     pub z_m: Quantity,
 }
 
@@ -144,13 +144,13 @@ impl Default for Goals {
 #[serde(deny_unknown_fields, default)]
 pub struct PhysicsSection {
     /// Time step, s: 10 ms (the period of the skin) or a whole fraction of it, at least 0.1 ms.
-    #[schemars(range(min = limits::STEP_S.least, max = limits::STEP_S.most))]
+    #[schemars(range(min = limits::STEP_S.min, max = limits::STEP_S.max))]
     pub step_s: f64,
     /// Solver substeps per step.
-    #[schemars(range(min = limits::SUBSTEPS.least, max = limits::SUBSTEPS.most))]
+    #[schemars(range(min = limits::SUBSTEPS.min, max = limits::SUBSTEPS.max))]
     pub substeps: u32,
     /// Gravity, m/s².
-    #[schemars(range(min = limits::GRAVITY_M_PER_S2.least, max = limits::GRAVITY_M_PER_S2.most))]
+    #[schemars(range(min = limits::GRAVITY_M_PER_S2.min, max = limits::GRAVITY_M_PER_S2.max))]
     pub gravity_m_per_s2: f64,
     /// Whether objects at rest are left out of the simulation until something comes near them.
     pub dormancy: bool,

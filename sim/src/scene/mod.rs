@@ -96,7 +96,7 @@ impl Scene {
         self.check_numbers()?;
         self.check_steps()?;
         self.sensor_fault(file.sensor.fault())?;
-        let anywhere = (PLACE_M.least, PLACE_M.most);
+        let anywhere = (PLACE_M.min, PLACE_M.max);
         for (name, quantity) in [
             ("x_m", &file.goals.x_m),
             ("y_m", &file.goals.y_m),
@@ -130,7 +130,7 @@ impl Scene {
             ("goals.retries", f64::from(goals.retries), limits::RETRIES),
             (
                 "goals.patience_s",
-                goals.patience_s.unwrap_or(limits::PATIENCE_S.least),
+                goals.patience_s.unwrap_or(limits::PATIENCE_S.min),
                 limits::PATIENCE_S,
             ),
             ("physics.step_s", physics.step_s, limits::STEP_S),
@@ -156,9 +156,10 @@ impl Scene {
             return Err(self.fault("physics.step_s", short(physics.step_s), allowed));
         }
         // Ten substeps of a step of 0.1 ms must be allowed in spite of rounding.
-        let most = (physics.step_s / limits::SHORTEST_SUBSTEP_S * (1.0 + 1e-9)).floor();
-        if f64::from(physics.substeps) > most {
-            let allowed = format!("1 to {most} with this step_s, because a substep must be at least 10 µs long");
+        let max_substeps = (physics.step_s / limits::SHORTEST_SUBSTEP_S * (1.0 + 1e-9)).floor();
+        if f64::from(physics.substeps) > max_substeps {
+            let allowed =
+                format!("1 to {max_substeps} with this step_s, because a substep must be at least 10 µs long");
             return Err(self.fault("physics.substeps", physics.substeps, allowed));
         }
         Ok(())
@@ -180,7 +181,7 @@ impl Scene {
                 for (name, quantity, limits) in [
                     ("place.x_m", &placement.x_m, anywhere),
                     ("place.y_m", &placement.y_m, anywhere),
-                    ("place.yaw_deg", &placement.yaw_deg, (YAW_DEG.least, YAW_DEG.most)),
+                    ("place.yaw_deg", &placement.yaw_deg, (YAW_DEG.min, YAW_DEG.max)),
                 ] {
                     if let Some(quantity) = quantity {
                         self.check_quantity(&place, &Limited { name, quantity, limits })?;

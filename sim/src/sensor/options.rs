@@ -20,43 +20,43 @@ pub struct SensorOptions {
     /// The sensed force is the true force.
     pub perfect: bool,
     /// Standard deviation of a taxel's noise, N.
-    #[schemars(range(min = 0.0, max = limits::NOISE_N.most))]
+    #[schemars(range(min = 0.0, max = limits::NOISE_N.max))]
     pub noise_n: f64,
     /// Readings below this many standard deviations of the noise are 0 (the authors' driver: 6).
-    #[schemars(range(min = limits::GATE_SIGMAS.least, max = limits::GATE_SIGMAS.most))]
+    #[schemars(range(min = limits::GATE_SIGMAS.min, max = limits::GATE_SIGMAS.max))]
     pub gate_sigmas: f64,
     /// Quantization step of a reading, N (the authors' driver: counts / 1000).
-    #[schemars(range(min = 0.0, max = limits::QUANTUM_N.most))]
+    #[schemars(range(min = 0.0, max = limits::QUANTUM_N.max))]
     pub quantum_n: f64,
     /// Largest reading of a taxel, N (17 on the robot).
-    #[schemars(range(min = limits::SATURATION_N.least))]
+    #[schemars(range(min = limits::SATURATION_N.min))]
     pub saturation_n: f64,
     /// Readings below this are 0, N (the authors' optional floor: 1.0).
-    #[schemars(range(min = 0.0, max = limits::FLOOR_N.most))]
+    #[schemars(range(min = 0.0, max = limits::FLOOR_N.max))]
     pub floor_n: f64,
     /// Share of a taxel's force that the cover passes to its four neighbours in the patch's grid, in equal parts.
-    #[schemars(range(min = limits::SHARE.least, max = limits::SHARE.most))]
+    #[schemars(range(min = limits::SHARE.min, max = limits::SHARE.max))]
     pub crosstalk_share: f64,
     /// Creep: how much the reading of a held force grows in every decade of time from 0.1 to 100 s, as a share of the force.
     /// After release it recovers as slowly.
-    #[schemars(range(min = limits::CREEP_SHARE.least, max = limits::CREEP_SHARE.most))]
+    #[schemars(range(min = limits::CREEP_SHARE.min, max = limits::CREEP_SHARE.max))]
     pub creep_share_per_decade: f64,
     /// Long-run share of the taxels with a spurious reading: a force although nothing touches them.
     #[serde(alias = "stray_share")]
-    #[schemars(range(min = limits::SPURIOUS_SHARE.least, max = limits::SPURIOUS_SHARE.most))]
+    #[schemars(range(min = limits::SPURIOUS_SHARE.min, max = limits::SPURIOUS_SHARE.max))]
     pub spurious_share: f64,
     /// Mean duration of a spurious reading, s.
     #[serde(alias = "stray_time_s")]
-    #[schemars(range(min = limits::SPURIOUS_TIME_S.least, max = limits::SPURIOUS_TIME_S.most))]
+    #[schemars(range(min = limits::SPURIOUS_TIME_S.min, max = limits::SPURIOUS_TIME_S.max))]
     pub spurious_time_s: f64,
     /// Smallest and largest spurious reading, N; values between them are equally likely.
     #[serde(alias = "stray_force_n")]
     pub spurious_force_n: [f64; 2],
     /// Delay of the readings in frames of 10 ms.
-    #[schemars(range(min = limits::DELAY_FRAMES.least, max = limits::DELAY_FRAMES.most))]
+    #[schemars(range(min = limits::DELAY_FRAMES.min, max = limits::DELAY_FRAMES.max))]
     pub delay_frames: u32,
     /// Share of dead taxels, drawn for every reach; a dead taxel reads 0.
-    #[schemars(range(min = limits::SHARE.least, max = limits::SHARE.most))]
+    #[schemars(range(min = limits::SHARE.min, max = limits::SHARE.max))]
     pub dead_share: f64,
     /// Taxels that are dead in every reach: lists of taxel indices by the name of the patch.
     pub dead_taxels: BTreeMap<String, Vec<u16>>,
@@ -108,19 +108,19 @@ impl Default for SensorOptions {
 #[serde(deny_unknown_fields, default)]
 pub struct FabricOptions {
     /// Quantization steps per newton (about 30 on the robot).
-    #[schemars(range(min = 0.0, max = limits::COUNTS_PER_N.most))]
+    #[schemars(range(min = 0.0, max = limits::COUNTS_PER_N.max))]
     pub counts_per_n: f64,
     /// Full scale S, N: the reading of a force F is F S / (F + S).
-    #[schemars(range(min = limits::SATURATION_N.least))]
+    #[schemars(range(min = limits::SATURATION_N.min))]
     pub full_scale_n: f64,
     /// Hysteresis: by what share of its largest value the force must fall before the reading begins to fall.
-    #[schemars(range(min = limits::HYSTERESIS_SHARE.least, max = limits::HYSTERESIS_SHARE.most))]
+    #[schemars(range(min = limits::HYSTERESIS_SHARE.min, max = limits::HYSTERESIS_SHARE.max))]
     pub hysteresis_share: f64,
     /// Standard deviation of a taxel's noise, N.
-    #[schemars(range(min = 0.0, max = limits::NOISE_N.most))]
+    #[schemars(range(min = 0.0, max = limits::NOISE_N.max))]
     pub noise_n: f64,
     /// Readings below this many standard deviations of the noise are 0.
-    #[schemars(range(min = limits::GATE_SIGMAS.least, max = limits::GATE_SIGMAS.most))]
+    #[schemars(range(min = limits::GATE_SIGMAS.min, max = limits::GATE_SIGMAS.max))]
     pub gate_sigmas: f64,
 }
 

@@ -92,12 +92,12 @@ impl<'de> Deserialize<'de> for Unique {
 }
 
 /// Longest quotation of a line in an error, characters.
-const MOST_QUOTED: usize = 60;
+const MAX_QUOTED: usize = 60;
 
 /// The start of a text.
 fn quoted(text: &str) -> String {
-    let mut quoted: String = text.chars().take(MOST_QUOTED).collect();
-    if text.chars().nth(MOST_QUOTED).is_some() {
+    let mut quoted: String = text.chars().take(MAX_QUOTED).collect();
+    if text.chars().nth(MAX_QUOTED).is_some() {
         quoted.push('…');
     }
     quoted

@@ -11,7 +11,7 @@ const DOUBLINGS: usize = 40;
 pub struct Latency {
     /// Answers by the logarithm of their time.
     counts: Vec<u64>,
-    most_us: f64,
+    max_us: f64,
 }
 
 impl Latency {
@@ -19,7 +19,7 @@ impl Latency {
     pub fn new() -> Self {
         Latency {
             counts: vec![0; DOUBLINGS * STEPS_PER_DOUBLING as usize],
-            most_us: 0.0,
+            max_us: 0.0,
         }
     }
 
@@ -33,7 +33,7 @@ impl Latency {
         let step = (STEPS_PER_DOUBLING * time_us.max(1.0).log2()) as usize;
         let last = self.counts.len() - 1;
         self.counts[step.min(last)] += 1;
-        self.most_us = self.most_us.max(time_us);
+        self.max_us = self.max_us.max(time_us);
     }
 
     /// For a person; `None` without answers.
@@ -44,7 +44,7 @@ impl Latency {
                 "{answers} frames answered: median {:.0} µs, 99 % within {:.0} µs, at most {:.0} µs",
                 self.quantile_us(0.5, answers),
                 self.quantile_us(0.99, answers),
-                self.most_us
+                self.max_us
             )
         })
     }
@@ -54,11 +54,11 @@ impl Latency {
         let mut left = (share * answers as f64).ceil() as u64;
         for (step, count) in self.counts.iter().enumerate() {
             if *count >= left {
-                return ((step as f64 + 1.0) / STEPS_PER_DOUBLING).exp2().min(self.most_us);
+                return ((step as f64 + 1.0) / STEPS_PER_DOUBLING).exp2().min(self.max_us);
             }
             left -= count;
         }
-        self.most_us
+        self.max_us
     }
 }
 

@@ -16,7 +16,7 @@ pub enum Message {
 }
 
 /// Force that a taxel senses. Nothing pulls on skin; a zero that drifts below 0 is sent as 0, or its taxel is left out.
-const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.most, "N");
+const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 /// Coordinates of a patch. Choice: those of a map of the world; motion is a difference of them, to some nanometres.
 const POSITION_M: Limits = Limits::new(-1e8, 1e8, "m");
 /// How far the length of a quaternion may be from 1. Choice: that of one written with three digits.
@@ -46,7 +46,7 @@ impl LineParser {
     }
 
     /// The length that a line may have, bytes. Choice: a reading with its ground truth takes some 200 bytes.
-    pub fn most_bytes(&self) -> usize {
+    pub fn max_bytes(&self) -> usize {
         65_536 + 1024 * self.layout.taxel_count()
     }
 

@@ -7,17 +7,17 @@ use super::json::LineError;
 /// The lines of a stream with their numbers.
 pub struct Lines<R> {
     reader: R,
-    most_bytes: usize,
+    max_bytes: usize,
     number: usize,
     buffer: Vec<u8>,
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The lines of a reader; a longer one than `most_bytes` is skipped and becomes an error.
-    pub fn new(reader: R, most_bytes: usize) -> Self {
+    /// The lines of a reader; a longer one than `max_bytes` is skipped and becomes an error.
+    pub fn new(reader: R, max_bytes: usize) -> Self {
         Lines {
             reader,
-            most_bytes,
+            max_bytes,
             number: 0,
             buffer: Vec::new(),
         }
@@ -28,19 +28,19 @@ impl<R: BufRead> Lines<R> {
         let result = loop {
             self.buffer.clear();
             // One byte more than allowed tells a long line from one that just fits.
-            let most = self.most_bytes as u64 + 1;
-            let read = io::Read::take(&mut self.reader, most).read_until(b'\n', &mut self.buffer)?;
+            let limit = self.max_bytes as u64 + 1;
+            let read = io::Read::take(&mut self.reader, limit).read_until(b'\n', &mut self.buffer)?;
             if read == 0 {
                 return Ok(None);
             }
             self.number += 1;
             let whole = self.buffer.last() == Some(&b'\n');
-            if !whole && self.buffer.len() > self.most_bytes {
+            if !whole && self.buffer.len() > self.max_bytes {
                 self.reader.skip_until(b'\n')?;
                 break Err(LineError {
                     field: "line".into(),
-                    found: format!("more than {} bytes", self.most_bytes),
-                    allowed: format!("at most {} bytes for this skin", self.most_bytes),
+                    found: format!("more than {} bytes", self.max_bytes),
+                    allowed: format!("at most {} bytes for this skin", self.max_bytes),
                 });
             }
             if !self.buffer.trim_ascii().is_empty() {
@@ -64,13 +64,13 @@ mod tests {
 
     use super::*;
 
-    fn read(bytes: &[u8], most_bytes: usize) -> Vec<(usize, Result<String, String>)> {
+    fn read(bytes: &[u8], max_bytes: usize) -> Vec<(usize, Result<String, String>)> {
         // A small buffer: lines do not end where reads do.
-        let mut lines = Lines::new(BufReader::with_capacity(3, bytes), most_bytes);
+        let mut lines = Lines::new(BufReader::with_capacity(3, bytes), max_bytes);
         let mut found = Vec::new();
         while let Some((number, line)) = lines.next().unwrap() {
             found.push((number, line.map(str::to_owned).map_err(|error| error.found)));
-            assert!(lines.buffer.capacity() <= 2 * (most_bytes + 1), "the buffer grows");
+            assert!(lines.buffer.capacity() <= 2 * (max_bytes + 1), "the buffer grows");
         }
         found
     }

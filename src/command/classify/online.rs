@@ -134,7 +134,7 @@ impl Online {
         let patch = layout.chosen_patch(self.settings.patch.as_deref());
         let uses_motion = self.model.classifier.features().contains(&MOTION);
         let mut parser = LineParser::new(layout.clone(), patch.filter(|_| uses_motion));
-        let mut lines = Lines::new(reader, parser.most_bytes());
+        let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_u64;
         loop {
             let line = lines.next();

@@ -69,12 +69,11 @@ pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -
             .find(|column| column.column_path().string() == EPISODE_COLUMN);
         match column.and_then(|column| column.statistics()) {
             Some(Statistics::Int64(found)) => {
-                let (least, largest) = (found.min_opt(), found.max_opt());
+                let (min, max) = (found.min_opt(), found.max_opt());
                 let within = |bound: Option<&i64>, holds: fn(i64, i64) -> bool| {
                     bound.is_none_or(|bound| holds(*bound, episode as i64))
                 };
-                within(least, |least, episode| least <= episode)
-                    && within(largest, |largest, episode| episode <= largest)
+                within(min, |min, episode| min <= episode) && within(max, |max, episode| episode <= max)
             }
             // Without statistics the row group has to be read.
             _ => true,

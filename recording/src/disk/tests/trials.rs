@@ -19,10 +19,10 @@ use crate::{InputError, Region, Sample, Trial};
 
 /// Any number within these limits, including extreme ones.
 fn within(limits: Limits) -> impl Strategy<Value = f64> {
-    let awkward = [0.0, -0.0, f64::MIN_POSITIVE / 8.0, 0.1, limits.least, limits.most];
+    let awkward = [0.0, -0.0, f64::MIN_POSITIVE / 8.0, 0.1, limits.min, limits.max];
     let awkward: Vec<f64> = awkward.into_iter().filter(|value| limits.hold(*value)).collect();
     prop_oneof![
-        3 => limits.least..limits.most,
+        3 => limits.min..limits.max,
         1 => prop::sample::select(awkward),
     ]
 }
@@ -31,7 +31,7 @@ fn any_region() -> impl Strategy<Value = Region> {
     (1..=65_536u32, within(limits::REGION_LARGEST_FORCE_N), 0.0..1.0f64).prop_map(|(taxels, largest, share)| Region {
         taxels,
         largest_force_n: largest,
-        force_sum_n: (largest * (1.0 + share * f64::from(taxels - 1))).min(limits::REGION_FORCE_SUM_N.most),
+        force_sum_n: (largest * (1.0 + share * f64::from(taxels - 1))).min(limits::REGION_FORCE_SUM_N.max),
     })
 }
 

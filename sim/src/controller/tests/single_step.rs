@@ -66,13 +66,13 @@ fn violation(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) 
     let (response, rows) = model(situation, preset);
     let mut worst = f64::NEG_INFINITY;
     for (force, row) in rows {
-        let most = if force > preset.force_limit_n {
+        let max = if force > preset.force_limit_n {
             preset.over_limit_force_change_n
         } else {
             preset.force_rise_n.min(preset.force_limit_n - force)
         };
         let predicted = row.dot(change);
-        worst = worst.max(predicted - most).max(-10.0 - predicted);
+        worst = worst.max(predicted - max).max(-10.0 - predicted);
     }
     let moved = response * change;
     for (index, joint) in situation.arm.joints.iter().enumerate() {
@@ -142,13 +142,13 @@ fn steps_are_the_constrained_minimum_of_the_published_cost() {
             }
             solved += 1;
             assert!(violation(&situation, &preset, &change) < 1e-9);
-            let least = cost(&situation, &preset, &change);
+            let optimum = cost(&situation, &preset, &change);
             for round in 0..200 {
                 let size = 10.0_f64.powi(-1 - round % 5);
                 let other = &change + DVector::from_fn(7, |_, _| random.random_range(-0.1..0.1) * size);
                 if violation(&situation, &preset, &other) <= 0.0 {
                     compared += 1;
-                    assert!(cost(&situation, &preset, &other) >= least - 1e-13);
+                    assert!(cost(&situation, &preset, &other) >= optimum - 1e-13);
                 }
             }
         }

@@ -51,8 +51,11 @@ fn fabric_saturates_as_a_voltage_divider() {
     assert!((small / 1e-6 - 1.0).abs() < 1e-6, "slope {}", small / 1e-6);
     let half = press(&mut smooth, (FLIPPER, 0), full_scale_n);
     assert!((half - full_scale_n / 2.0).abs() < 1e-12, "half scale {half}");
-    let most = press(&mut smooth, (FLIPPER, 0), 1e12);
-    assert!(most <= full_scale_n && most > full_scale_n - 1e-6, "most {most}");
+    let max = press(&mut smooth, (FLIPPER, 0), 1e12);
+    assert!(
+        max <= full_scale_n && max > full_scale_n - 1e-6,
+        "largest reading {max}"
+    );
     let mut counting = sensor(&SensorOptions {
         fabric: FabricOptions {
             counts_per_n: 30.0,
