@@ -18,8 +18,8 @@ use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, Mod
 struct Situation {
     arm: Arm,
     angle_rad: Vec<f64>,
-    tip: Pose,
-    tip_position_jacobian: Matrix3xX<f64>,
+    end_effector: Pose,
+    end_effector_jacobian: Matrix3xX<f64>,
     joint_velocity_rad_per_s: Vec<f64>,
     contacts: Vec<TaxelContact>,
 }
@@ -46,10 +46,10 @@ impl Situation {
                 }
             })
             .collect();
-        let tip = arm.tip_pose(&poses);
+        let end_effector = arm.end_effector_pose(&poses);
         Situation {
-            tip,
-            tip_position_jacobian: arm.position_jacobian(&poses, arm.tip_link, tip.position),
+            end_effector,
+            end_effector_jacobian: arm.position_jacobian(&poses, arm.end_effector_link, end_effector.position),
             joint_velocity_rad_per_s: vec![0.0; angle_rad.len()],
             contacts,
             angle_rad,
@@ -62,9 +62,9 @@ impl Situation {
             joint_angle_rad: &self.angle_rad,
             joint_velocity_rad_per_s: &self.joint_velocity_rad_per_s,
             equilibrium_angle_rad: &self.angle_rad,
-            tip_pose_world: self.tip,
-            tip_position_jacobian: &self.tip_position_jacobian,
-            goal_position_world: self.tip.position + DVec3::X * 0.3,
+            end_effector_pose_world: self.end_effector,
+            end_effector_jacobian: &self.end_effector_jacobian,
+            goal_position_world: self.end_effector.position + DVec3::X * 0.3,
             contacts: &self.contacts,
         }
     }

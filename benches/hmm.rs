@@ -157,7 +157,7 @@ fn hundred_taxels() -> (SkinLayout, Frame) {
         joint_velocity_rad_per_s: Vec::new(),
         equilibrium_angle_rad: Vec::new(),
         joint_torque_nm: Vec::new(),
-        tip_pose_world: pose,
+        end_effector_pose_world: pose,
         goal_position_world: DVec3::ZERO,
         goal_index: 0,
         patch_pose_world: vec![pose],

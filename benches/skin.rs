@@ -42,12 +42,12 @@ fn leaf(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
 
 /// A pose whose x axis lies around the forearm and whose z axis points at it, `distance_m` over the contact.
 fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
-    let turn = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, contact.inward_link);
-    let along = turn * DVec3::X;
+    let rotation = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, contact.inward_link);
+    let along = rotation * DVec3::X;
     let around = contact.inward_link.cross(DVec3::Z).normalize();
     let angle = along.angle_between(around).min(FRAC_PI_2);
-    let turn = turn * glam::DQuat::from_rotation_z(angle);
-    Pose::new(contact.position_link - contact.inward_link * distance_m, turn)
+    let rotation = rotation * glam::DQuat::from_rotation_z(angle);
+    Pose::new(contact.position_link - contact.inward_link * distance_m, rotation)
 }
 
 fn spread(criterion: &mut Criterion) {

@@ -14,13 +14,13 @@ pub fn reach(scene: &str) -> Result<[f64; 3], InputError> {
     let plan = ReachPlan::new(Scene::load(scene)?, None, 1)?;
     let mut simulation = plan.simulation(0)?;
     let goal = simulation.clutter().goals[0];
-    let start_m = goal.distance(simulation.report().tip_pose_world.position);
+    let start_m = goal.distance(simulation.report().end_effector_pose_world.position);
     let mut equilibrium_rad = plan.arm.start_posture_rad();
     let mut peak_n = 0.0_f64;
     // Ten seconds.
     for _ in 0..1000 {
         let report = simulation.report();
-        let to_goal = goal - report.tip_pose_world.position;
+        let to_goal = goal - report.end_effector_pose_world.position;
         if to_goal.length() < 0.02 {
             break;
         }
@@ -30,8 +30,8 @@ pub fn reach(scene: &str) -> Result<[f64; 3], InputError> {
         let speed_m_per_s = 0.2 * (1.0 - pressed_n / 5.0).max(0.0);
         let way = to_goal.clamp_length_max(speed_m_per_s * FRAME_PERIOD_S);
         // Damped least squares: Δφ = Jᵀ (J Jᵀ + λ²)⁻¹ Δx.
-        let tip = (plan.arm.tip_link, report.tip_pose_world.position);
-        let jacobian = plan.arm.position_jacobian(&report.link_pose_world, tip.0, tip.1);
+        let end = (plan.arm.end_effector_link, report.end_effector_pose_world.position);
+        let jacobian = plan.arm.position_jacobian(&report.link_pose_world, end.0, end.1);
         let square = &jacobian * jacobian.transpose() + Matrix3::identity() * 1e-3;
         let pull = square.lu().solve(&Vector3::from(way.to_array())).unwrap_or_default();
         for (angle, change) in equilibrium_rad.iter_mut().zip((jacobian.transpose() * pull).iter()) {
@@ -39,7 +39,7 @@ pub fn reach(scene: &str) -> Result<[f64; 3], InputError> {
         }
         simulation.step(&equilibrium_rad);
     }
-    let end_m = goal.distance(simulation.report().tip_pose_world.position);
+    let end_m = goal.distance(simulation.report().end_effector_pose_world.position);
     Ok([start_m, end_m, peak_n])
 }
 

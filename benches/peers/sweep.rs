@@ -15,13 +15,13 @@ use underbrush_sim::seed::stream;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
-/// Equilibrium angles at the start, degrees: upper arm hanging, forearm forward at half the leaves' height, turned
+/// Equilibrium angles at the start, degrees: upper arm hanging, forearm forward at half the leaves' height, rotated
 /// inward.
 const START_DEG: [f64; 7] = [10.0, 12.0, -35.0, 75.0, 0.0, 0.0, 0.0];
 /// How far they go, degrees: shoulder and upper arm carry the forearm outward. Choice: it then meets about ten leaves, as
 /// in a reach of `scenes/leaf.toml`.
 const SWEEP_DEG: [f64; 7] = [0.0, 15.0, 35.0, 0.0, 0.0, 0.0, 0.0];
-/// Time there and back, s: the tip moves at up to 0.25 m/s, as fast as the slower preset lets it.
+/// Time there and back, s: the end effector moves at up to 0.25 m/s, as fast as the slower preset lets it.
 pub const DURATION_S: f64 = 6.0;
 
 /// Distance of neighbouring leaves, m: as dense as the forty of `scenes/leaf.toml` in its 0.55 m × 0.80 m.
@@ -75,7 +75,7 @@ impl Sweep {
             foam_modulus_pa: block.foam_top().map(|(modulus_pa, _)| modulus_pa),
         };
         let leaf = &scene.file.objects.leaf[0];
-        let turn = Quantity::uniform(-180.0, 180.0);
+        let yaw_deg = Quantity::uniform(-180.0, 180.0);
         let mut objects = Vec::new();
         for foot in grid() {
             if objects.len() == leaves {
@@ -84,7 +84,10 @@ impl Sweep {
             let placed = PlacedObject {
                 object: leaf.draw(&mut random, &footing).expect("the leaf stands"),
                 foot_world: foot.extend(FOAM_TOP_M),
-                yaw_rad: turn.draw(&mut random, (-180.0, 180.0)).expect("a turn").to_radians(),
+                yaw_rad: yaw_deg
+                    .draw(&mut random, (-180.0, 180.0))
+                    .expect("an angle")
+                    .to_radians(),
             };
             let capsule = placed.bounding_capsule();
             if links.iter().all(|link| link.distance(&capsule) > CLEARANCE_M) {

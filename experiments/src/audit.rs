@@ -78,13 +78,13 @@ pub fn reach_warnings(recording: &Recording) -> Vec<String> {
 fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
     let warning = |bound: Bound| {
         let value = |reach: &Audited| (bound.field.get)(reach.audit);
-        let beyond: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.max).collect();
-        let worst = beyond.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        let exceeding: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.max).collect();
+        let worst = exceeding.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
         Some(format!(
             "warning: {} passes {:.1e} in {} of {} reaches, most in reach {} of {}: {:.1e} (the bound: {})",
             bound.field.name,
             bound.max,
-            beyond.len(),
+            exceeding.len(),
             reaches.len(),
             worst.reach_index,
             worst.scene,

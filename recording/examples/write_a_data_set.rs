@@ -86,7 +86,7 @@ fn frame(reach: u64, index: usize) -> Frame {
         joint_velocity_rad_per_s: velocity,
         equilibrium_angle_rad: joints(0.1),
         joint_torque_nm: joints(0.5),
-        tip_pose_world: pose,
+        end_effector_pose_world: pose,
         goal_position_world: DVec3::new(0.5, -0.2, 0.1),
         goal_index: 0,
         patch_pose_world: vec![pose; 2],

@@ -116,7 +116,8 @@ pub struct Frame {
     /// Joint torques K(φ − q) − D·q̇, Nm, without gravity compensation.
     pub joint_torque_nm: Vec<f64>,
     /// Pose of the end effector.
-    pub tip_pose_world: Pose,
+    #[serde(alias = "tip_pose_world")]
+    pub end_effector_pose_world: Pose,
     /// Current goal of the end effector, m, world frame.
     pub goal_position_world: DVec3,
     /// Index of that goal in the reach, from 0.

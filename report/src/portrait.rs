@@ -107,7 +107,7 @@ fn cells(body: &mut String, portrait: &Portrait, top: f64, largest_n: f64) {
 /// Force over displacement of a foam roll that is pushed and released, from pairs of displacement, m, and force, N.
 pub fn roll_loop(points: &[(f64, f64)]) -> String {
     let farthest = (0..points.len()).max_by(|a, b| points[*a].0.total_cmp(&points[*b].0));
-    let turn = farthest.unwrap_or_default();
+    let farthest = farthest.unwrap_or_default();
     let in_mm =
         |points: &[(f64, f64)]| Shape::Line(points.iter().map(|(way_m, force_n)| (1e3 * way_m, *force_n)).collect());
     let strongest_n = points.iter().map(|point| point.1).fold(0.0, f64::max);
@@ -123,9 +123,13 @@ pub fn roll_loop(points: &[(f64, f64)]) -> String {
             Layer::new(
                 "pushed",
                 Style::line("#b23a4a", Dash::Solid),
-                in_mm(&points[..points.len().min(turn + 1)]),
+                in_mm(&points[..points.len().min(farthest + 1)]),
             ),
-            Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[turn..])),
+            Layer::new(
+                "let go",
+                Style::line("#1f4fd1", Dash::Dashed),
+                in_mm(&points[farthest..]),
+            ),
         ],
     };
     chart.svg()

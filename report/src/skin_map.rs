@@ -47,7 +47,7 @@ pub fn svg(name: &str, grid: Grid, verdicts: &BTreeMap<usize, Verdict>, pressed:
     for taxel in 0..grid.rows * grid.columns {
         let (row, column) = (taxel / grid.columns, taxel % grid.columns);
         let x = LEFT + column as f64 * CELL_PX;
-        // Skin files count rows towards the tip.
+        // Skin files count rows towards the end effector.
         let y = TOP + (grid.rows - 1 - row) as f64 * CELL_PX;
         let _ = writeln!(
             svg,

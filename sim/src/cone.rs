@@ -124,8 +124,8 @@ fn project(carrier: &Carrier, friction: f64, multiplier: DVec3) -> (DVec3, DMat3
     let ray = (carrier.inward + along * friction) / (1.0 + friction * friction).sqrt();
     let force = ray * ray.dot(point);
     let across = carrier.inward.cross(along);
-    let turning = friction * force.dot(carrier.inward) / length;
-    (force, outer(ray) + outer(across) * turning)
+    let rotation = friction * force.dot(carrier.inward) / length;
+    (force, outer(ray) + outer(across) * rotation)
 }
 
 fn outer(vector: DVec3) -> DMat3 {

@@ -71,7 +71,8 @@ impl<'a> Reach<'a> {
         self.log.finish(&self.plan.arm, self.steering.counts())
     }
 
-    /// Drives the tip to a goal. An arm that gets stuck backs off and tries again, as often as the scene allows.
+    /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
+    /// allows.
     fn pursue(&mut self, goal: Goal, observer: &mut Observer) -> Outcome {
         let mut rules = self.plan.rules;
         if let Some(patience_s) = self.plan.scene.file.goals.patience_s {
@@ -85,15 +86,15 @@ impl<'a> Reach<'a> {
         back_off::pursue(self.plan.scene.file.goals.retries, |way| match way {
             Way::ToGoal => self.go(goal.position_world, goal, rules, observer),
             Way::Back => {
-                let tip_world = self.simulation.report().tip_pose_world.position;
-                waypoints = back_off::waypoints(tip_world, goal.position_world);
+                let end_effector_world = self.simulation.report().end_effector_pose_world.position;
+                waypoints = back_off::waypoints(end_effector_world, goal.position_world);
                 self.go(waypoints[0], goal, backing_off, observer)
             }
             Way::Aside => self.go(waypoints[1], goal, backing_off, observer),
         })
     }
 
-    /// Drives the tip towards `target` until one of the rules ends the attempt. The frames name the goal.
+    /// Drives the end effector towards `target` until one of the rules ends the attempt. The frames name the goal.
     fn go(&mut self, target_world: DVec3, goal: Goal, rules: ReachRules, observer: &mut Observer) -> Outcome {
         let mut monitor = Monitor::new(rules, target_world);
         loop {
@@ -101,7 +102,7 @@ impl<'a> Reach<'a> {
             let report = self.simulation.report();
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
-            let ended = monitor.observe(report.tip_pose_world.position, force_n);
+            let ended = monitor.observe(report.end_effector_pose_world.position, force_n);
             self.steering.control(&self.plan.arm, report, target_world);
             let equilibrium_rad = self.steering.equilibrium_rad();
             let frame = self.log.record(&self.simulation, equilibrium_rad, goal);

@@ -138,7 +138,7 @@ fn numbers_out_of_range() {
 
 /// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
 #[test]
-fn nothing_to_learn_from() {
+fn nothing_to_fit() {
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (set, out) = (fixture.dataset(), outputs.path().join("out.csv"));

@@ -129,7 +129,7 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
 /// Pins that --train fits on the other table only: for hidden Markov models the result equals that of `train`
 /// followed by --model, and the order of the two tables matters.
 #[test]
-fn learned_from_one_table_and_tested_on_another() {
+fn fitted_to_one_table_and_tested_on_another() {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(fixture().table_csv()).unwrap();
     let mut parts = [folder.path().join("even.csv"), folder.path().join("odd.csv")].map(|path| (path, String::new()));

@@ -146,7 +146,7 @@ fn the_pandas_flange_is_where_franka_says() {
     let arm = Arm::load(panda().join("panda.toml")).unwrap();
     assert_eq!(arm.joints.len(), 7);
     let poses = arm.forward_kinematics(&[0.0; 7]);
-    let flange = poses[arm.tip_link] * arm.tip_pose_link;
+    let flange = poses[arm.end_effector_link] * arm.end_effector_pose_link;
     let expected = glam::DVec3::new(0.088, 0.0, 0.926);
     assert!((flange.position - expected).length() < 1e-9, "{flange:?}");
     let down = flange.orientation * glam::DVec3::Z;

@@ -39,9 +39,9 @@ impl Controller for Gradient {
         }
         self.last_angle_rad = Some(input.joint_angle_rad.to_vec());
         self.calls += 1;
-        let error = input.goal_position_world - input.tip_pose_world.position;
+        let error = input.goal_position_world - input.end_effector_pose_world.position;
         let error = nalgebra::Vector3::new(error.x, error.y, error.z);
-        let step = input.tip_position_jacobian.tr_mul(&error);
+        let step = input.end_effector_jacobian.tr_mul(&error);
         let angles = input.equilibrium_angle_rad.iter().zip(step.iter());
         ControllerOutput {
             // The first call of a reach holds still: a controller that remembers an earlier reach would move at once.

@@ -50,7 +50,7 @@ const OPTIONS: PhysicsOptions = PhysicsOptions {
 fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let friction = FRICTION * simulated.with(SMOOTH_BOX, 1.0, 0.9);
     let mut comparisons = Vec::new();
-    for (name, may_rotate) in [("box that cannot turn", false), ("free box", true)] {
+    for (name, may_rotate) in [("box that cannot rotate", false), ("free box", true)] {
         comparisons.push(Comparison::absolute(
             format!("slope at which a {name} slips"),
             "deg",

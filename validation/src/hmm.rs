@@ -36,8 +36,8 @@ const OTHER_TRANSITION: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 const SPLIT_DATA: Falsification = Falsification {
-    wrong: "sequences that an iteration learns from",
-    by: "half of them, one half and the other in turns",
+    wrong: "sequences that an iteration fits",
+    by: "half of them, alternating between the two halves",
     breaks: Breaks::Every,
 };
 const HIGH_MEANS: Falsification = Falsification {
@@ -163,8 +163,8 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mut fall = f64::NEG_INFINITY;
     for iteration in 0..ITERATIONS {
         let half = if iteration % 2 == 0 { one } else { other };
-        let learnt_from = simulated.with(SPLIT_DATA, &sequences[..], half);
-        model = train(&model, learnt_from, &options).map_err(fault)?.0;
+        let fitted_to = simulated.with(SPLIT_DATA, &sequences[..], half);
+        model = train(&model, fitted_to, &options).map_err(fault)?.0;
         let after = score(&model)?;
         fall = fall.max((before - after) / before.abs());
         before = after;

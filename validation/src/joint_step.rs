@@ -93,7 +93,7 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError
     let mut arm = Arm::cody()?;
     arm.joints.truncate(1);
     arm.links.truncate(2);
-    arm.tip_link = 1;
+    arm.end_effector_link = 1;
     let (joint, link) = (&mut arm.joints[0], &arm.links[1]);
     let lever = link.center_of_mass_link - joint.axis_child * joint.axis_child.dot(link.center_of_mass_link);
     let inertia = joint.axis_child.dot(link.inertia_link * joint.axis_child)

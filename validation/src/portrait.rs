@@ -58,7 +58,7 @@ pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
         diameter_m: 0.03,
         height_m: 0.6,
     });
-    // From the forearm's surface to the object's middle; the leaf turned by a right angle, its edge to the skin.
+    // From the forearm's surface to the object's middle; the leaf rotated by a right angle, its edge to the skin.
     let cases: [(&'static str, Box<dyn Object>, f64, f64); 3] = [
         ("leaf, edge", leaf(), 0.021, std::f64::consts::FRAC_PI_2),
         ("trunk", trunk, 0.017, 0.0),

@@ -217,12 +217,12 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             force_link: outward * -force_n,
         };
         let trunk = SharedShape::capsule_y(0.3, TRUNK_RADIUS_M);
-        let turn = glam::DQuat::from_rotation_arc(DVec3::Y, simulated.with(TURNED_TRUNK, around, along));
-        let pose = Pose::new(touched + outward * TRUNK_RADIUS_M, turn);
+        let rotation = glam::DQuat::from_rotation_arc(DVec3::Y, simulated.with(TURNED_TRUNK, around, along));
+        let pose = Pose::new(touched + outward * TRUNK_RADIUS_M, rotation);
         let found = patch.spread(&[contact], trunk.as_ref(), &pose);
         let place = |position: DVec3, normal: DVec3| {
-            let turn = normal.dot(around).atan2(normal.dot(outward));
-            [(position - touched).dot(along), turn * FOREARM_RADIUS_M]
+            let angle_rad = normal.dot(around).atan2(normal.dot(outward));
+            [(position - touched).dot(along), angle_rad * FOREARM_RADIUS_M]
         };
         let places: Vec<[f64; 2]> = taxels
             .iter()

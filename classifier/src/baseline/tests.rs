@@ -87,9 +87,10 @@ fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
 
 #[test]
 fn frequent_categories_have_no_advantage() {
-    // Pins equal priors, for all that learn: on presses that both categories make alike, a category with five times the
-    // trials gets half of the verdicts. Sixty training sets, 40 new presses each. The verdicts of one set come from one
-    // classifier and depend on each other, so the standard error is that of the mean over sets; 4 of them are allowed.
+    // Pins equal priors, for all classifiers that are fitted: on presses that both categories make alike, a category
+    // with five times the trials gets half of the verdicts. Sixty training sets, 40 new presses each. The verdicts of
+    // one set come from one classifier and depend on each other, so the standard error is that of the mean over sets; 4
+    // of them are allowed.
     //
     // Nearest neighbours cannot halve their 5 votes: a vote for the rare category weighs as much as five for the other, so
     // it wins with a single one, which it has with probability 1 − (5/6)⁵ = 0.598.
@@ -167,7 +168,7 @@ fn windows_are_padded_with_their_last_sample() {
 }
 
 #[test]
-fn what_cannot_be_learned_is_refused() {
+fn trials_that_cannot_be_fitted_are_refused() {
     // Pins the errors for trials without categories and for trials that lack the region.
     let mut trials = trials();
     for (name, estimator) in estimators().into_iter().skip(1) {

@@ -88,8 +88,8 @@ pub(super) fn across_folds<T: Send>(
                 .iter()
                 .filter_map(|trial| trial.category.as_deref())
                 .collect();
-            let mut unlearned = short.iter().filter_map(|trial| trial.category.as_deref());
-            if let Some(category) = unlearned.find(|category| !categories.contains(category)) {
+            let mut unfitted = short.iter().filter_map(|trial| trial.category.as_deref());
+            if let Some(category) = unfitted.find(|category| !categories.contains(category)) {
                 return Err(EvaluateError::TooShort {
                     category: category.to_owned(),
                     fold,

@@ -63,7 +63,7 @@ fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
     }
 }
 
-/// Pins the three statements on the paper's own Table I, where all pairs hold, and on the same turned upside down, where
+/// Pins the three statements on the paper's own Table I, where all pairs hold, and on the same reversed, where
 /// none does; and that pairs without one of their cells do not count.
 #[test]
 fn orderings_are_found_as_they_are() {
@@ -130,8 +130,8 @@ fn campaigns_have_mean_and_spread() {
 #[test]
 fn campaigns_are_matched_by_name() {
     let first = campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0), ("other", 90.0)]);
-    let turned = campaign(vec![cell(10, 82.0), cell(5, 62.0)], &[("other", 92.0), ("one", 52.0)]);
-    let found = of(&[(0, first.clone()), (1, turned)]).unwrap().unwrap();
+    let reversed = campaign(vec![cell(10, 82.0), cell(5, 62.0)], &[("other", 92.0), ("one", 52.0)]);
+    let found = of(&[(0, first.clone()), (1, reversed)]).unwrap().unwrap();
     let cells: Vec<(usize, f64)> = found
         .table_1
         .iter()

@@ -56,7 +56,11 @@ pub(super) fn frame_columns(
     ] {
         builder.push_f64(frames.iter().flat_map(joints))?;
     }
-    builder.push_f64(frames.iter().flat_map(|frame| pose_numbers(&frame.tip_pose_world)))?;
+    builder.push_f64(
+        frames
+            .iter()
+            .flat_map(|frame| pose_numbers(&frame.end_effector_pose_world)),
+    )?;
     builder.push_f64(frames.iter().flat_map(|frame| frame.goal_position_world.to_array()))?;
     builder.push(Int32Array::from_iter_values(
         frames.iter().map(|frame| i32::from(frame.goal_index)),
@@ -103,7 +107,7 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
     let velocity = wide("observation.velocity", joints)?;
     let torque = wide("observation.torque", joints)?;
     let equilibrium = wide("action", joints)?;
-    let tip_pose = wide("observation.tip_pose", 7)?;
+    let end_effector_pose = wide("observation.tip_pose", 7)?;
     let goal_position = wide("goal_position", 3)?;
     let goal_index = columns.numbers::<Int32Type>("goal_index")?;
     let patches = recording.layout.patches.iter().map(|patch| {
@@ -141,7 +145,7 @@ pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Res
             joint_velocity_rad_per_s: velocity.row(row).to_vec(),
             equilibrium_angle_rad: equilibrium.row(row).to_vec(),
             joint_torque_nm: torque.row(row).to_vec(),
-            tip_pose_world: pose(tip_pose.row(row)),
+            end_effector_pose_world: pose(end_effector_pose.row(row)),
             goal_position_world: vector(goal_position.row(row)),
             goal_index,
             patch_pose_world: patches.iter().map(|(poses, _)| pose(poses.row(row))).collect(),

@@ -35,7 +35,7 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
         joint_velocity_rad_per_s: Vec::new(),
         equilibrium_angle_rad: Vec::new(),
         joint_torque_nm: Vec::new(),
-        tip_pose_world: pose,
+        end_effector_pose_world: pose,
         goal_position_world: goal.into(),
         goal_index: 0,
         patch_pose_world: vec![pose],

@@ -11,24 +11,24 @@ use crate::geometry::{PlacedShape, engine_shape};
 pub struct ArmAtStart {
     /// Its collision shapes in the start posture, world frame.
     pub links: Vec<PlacedShape>,
-    /// Position of its tip, m, world frame.
-    pub tip_world: DVec3,
+    /// Position of its end effector, m, world frame.
+    pub end_effector_world: DVec3,
     /// Position of its shoulder, m, world frame.
     pub shoulder_world: DVec3,
     /// Its length from the shoulder, m.
     pub length_m: f64,
     /// Its first patch of skin, which is the one that is classified by default.
     pub skin: SkinAlongArm,
-    /// Half the smallest thickness of the link that carries the tip, across the line from its joint to the tip, m; 0 if the
-    /// link has no collision shape.
+    /// Half the smallest thickness of the link that carries the end effector, across the line from its joint to the end
+    /// effector, m; 0 if the link has no collision shape.
     pub hand_half_thickness_m: f64,
 }
 
 /// Where a patch of skin lies on a fully extended arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinAlongArm {
-    /// Distances behind the tip, along the bones, of the first taxels, the middle and the last taxels, m.
-    pub behind_tip_m: [f64; 3],
+    /// Distances behind the end effector, along the bones, of the first taxels, the middle and the last taxels, m.
+    pub behind_end_effector_m: [f64; 3],
     /// Largest distance of its taxels from the axis of its link, m.
     pub radius_m: f64,
 }
@@ -42,11 +42,15 @@ impl ArmAtStart {
         let poses = arm.forward_kinematics(&arm.start_posture_rad());
         let links = arm.links.iter().zip(&poses);
         let links = links.flat_map(|(link, pose)| placed_shapes(link, pose)).collect();
-        let tip_world = arm.tip_pose(&poses).position;
-        let chain: Vec<DVec3> = poses[1..].iter().map(|pose| pose.position).chain([tip_world]).collect();
+        let end_effector_world = arm.end_effector_pose(&poses).position;
+        let chain: Vec<DVec3> = poses[1..]
+            .iter()
+            .map(|pose| pose.position)
+            .chain([end_effector_world])
+            .collect();
         ArmAtStart {
             links,
-            tip_world,
+            end_effector_world,
             shoulder_world: chain[0],
             length_m: path_length_m(&chain),
             skin: first_patch(arm, &poses, &chain),
@@ -62,15 +66,15 @@ fn path_length_m(points: &[DVec3]) -> f64 {
 /// A link's collision shapes with their poses in the world.
 fn placed_shapes(link: &Link, link_pose: &Pose) -> Vec<PlacedShape> {
     let shapes = link.colliders.iter().filter_map(|collider| {
-        let (shape, turn) = engine_shape(&collider.shape)?;
-        let pose = *link_pose * collider.pose_link * turn;
+        let (shape, rotation) = engine_shape(&collider.shape)?;
+        let pose = *link_pose * collider.pose_link * rotation;
         Some(PlacedShape { shape, pose })
     });
     shapes.collect()
 }
 
-/// The bone of a moving link: its far end, at the next joint or the tip, and the direction from there to the near end, world
-/// frame. `chain` holds the positions of the joints, followed by that of the tip.
+/// The bone of a moving link: its far end, at the next joint or the end effector, and the direction from there to the
+/// near end, world frame. `chain` holds the positions of the joints, followed by that of the end effector.
 fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
     let far_end = chain[link];
     let near_end = chain[..link]
@@ -87,7 +91,7 @@ fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
 fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
     let length_m = path_length_m(chain);
     let whole = SkinAlongArm {
-        behind_tip_m: [0.0, length_m / 2.0, length_m],
+        behind_end_effector_m: [0.0, length_m / 2.0, length_m],
         radius_m: 0.0,
     };
     let patches = arm.skin.layout.patches.iter().zip(&arm.skin.surfaces);
@@ -106,7 +110,7 @@ fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
         radius_m = radius_m.max((from_far_end - axis * along_m).length());
     }
     SkinAlongArm {
-        behind_tip_m: [first_m, (first_m + last_m) / 2.0, last_m].map(|along_m| behind_far_end_m + along_m),
+        behind_end_effector_m: [first_m, (first_m + last_m) / 2.0, last_m].map(|along_m| behind_far_end_m + along_m),
         radius_m,
     }
 }
@@ -115,8 +119,8 @@ fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
 const DIRECTIONS: usize = 90;
 
 fn hand_half_thickness_m(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> f64 {
-    let (_, axis) = bone(chain, arm.tip_link);
-    let shapes = placed_shapes(&arm.links[arm.tip_link], &poses[arm.tip_link]);
+    let (_, axis) = bone(chain, arm.end_effector_link);
+    let shapes = placed_shapes(&arm.links[arm.end_effector_link], &poses[arm.end_effector_link]);
     let (across, other) = axis.any_orthonormal_pair();
     let half_thickness_m = |direction: DVec3| {
         let farthest = |direction: DVec3| {

@@ -102,7 +102,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     for hull in &file.hull {
         add_hull(&source, hull, &mut chain)?;
     }
-    let (tip_link, tip_pose_link) = chain
+    let (end_effector_link, end_effector_pose_link) = chain
         .frames
         .get(&file.tip_link)
         .copied()
@@ -124,8 +124,8 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         files: files.into(),
         joints: join_tables(&source, chain.joints, &file.joint)?,
         links: chain.links,
-        tip_link,
-        tip_pose_link,
+        end_effector_link,
+        end_effector_pose_link,
         friction: file.friction,
         skin,
     })

@@ -21,9 +21,9 @@ impl Arm {
         link_poses
     }
 
-    /// Pose of the tip in the world frame, from the poses of all links.
-    pub fn tip_pose(&self, link_poses: &[Pose]) -> Pose {
-        link_poses[self.tip_link] * self.tip_pose_link
+    /// Pose of the end effector in the world frame, from the poses of all links.
+    pub fn end_effector_pose(&self, link_poses: &[Pose]) -> Pose {
+        link_poses[self.end_effector_link] * self.end_effector_pose_link
     }
 
     /// Jacobian of the velocity of a point on a link, 3 × joints, m/rad, world frame: column j is

@@ -14,7 +14,7 @@ pub(super) const DAMPING_NM_S_PER_RAD: Limits = Limits::new(0.0, 1e4, "Nm s/rad"
 /// Reflected inertia of a drive: large industrial joints have a few tens of kg m².
 pub(super) const ARMATURE_KG_M2: Limits = Limits::new(0.0, 100.0, "kg m²");
 
-/// Angles of joints and of frames: ten full turns in either direction.
+/// Angles of joints and of frames: ten full revolutions in either direction.
 pub(super) const ANGLE_RAD: Limits = Limits::new(-62.84, 62.84, "rad");
 
 /// As [`ANGLE_RAD`], in degrees.
@@ -23,7 +23,7 @@ pub(super) const ANGLE_DEG: Limits = Limits::new(-3600.0, 3600.0, "deg");
 /// Torque of a joint's drive: from a finger's to that of an excavator.
 pub(super) const TORQUE_NM: Limits = Limits::new(1e-3, 1e5, "Nm");
 
-/// Speed of a joint: from one turn in two hours to a fast servo's thousand revolutions per minute.
+/// Speed of a joint: from one revolution in two hours to a fast servo's thousand revolutions per minute.
 pub(super) const SPEED_RAD_PER_S: Limits = Limits::new(1e-3, 100.0, "rad/s");
 
 /// Mass of a link: from a tenth of a gram (the cap of a fingertip) to ten tonnes.

@@ -29,14 +29,14 @@ pub use skin::Skin;
 pub struct Arm {
     /// Name.
     pub name: String,
-    /// The links from base to tip: link 0 is fixed, joint j carries link j + 1.
+    /// The links from the base to the end of the chain: link 0 is fixed, joint j carries link j + 1.
     pub links: Vec<Link>,
-    /// The joints from base to tip.
+    /// The joints from the base to the end of the chain.
     pub joints: Vec<Joint>,
-    /// The link that carries the tip, index in [`Arm::links`].
-    pub tip_link: usize,
-    /// Pose of the tip frame in the tip link's frame.
-    pub tip_pose_link: Pose,
+    /// The link that carries the end effector, index in [`Arm::links`].
+    pub end_effector_link: usize,
+    /// Pose of the end effector in that link's frame.
+    pub end_effector_pose_link: Pose,
     /// Coefficient of friction of its surface.
     pub friction: f64,
     /// The skin.

@@ -18,10 +18,10 @@ const STEP_M: f64 = 5e-4;
 impl Surface {
     fn of(link: &Link) -> Self {
         let shapes = link.colliders.iter().filter_map(|collider| {
-            let (shape, turn) = engine_shape(&collider.shape)?;
+            let (shape, rotation) = engine_shape(&collider.shape)?;
             Some(PlacedShape {
                 shape,
-                pose: collider.pose_link * turn,
+                pose: collider.pose_link * rotation,
             })
         });
         Surface(shapes.collect())
@@ -128,11 +128,11 @@ fn doubts(patch: &Patch, link: &Link) -> Vec<String> {
             place(distances[farthest], &link.name)
         ));
     }
-    let turned = |taxel: &&Taxel| surface.facing_cosine(taxel) <= FACING_COSINE;
-    let turned = patch.taxels.iter().filter(turned).count();
-    if turned > 0 {
+    let misaligned = |taxel: &&Taxel| surface.facing_cosine(taxel) <= FACING_COSINE;
+    let misaligned = patch.taxels.iter().filter(misaligned).count();
+    if misaligned > 0 {
         found.push(format!(
-            "patch {}: {turned} of {count} normals are more than 60° off the collision surface of link {}",
+            "patch {}: {misaligned} of {count} normals are more than 60° off the collision surface of link {}",
             patch.name, link.name
         ));
     }

@@ -70,7 +70,7 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
                 .insert((*name).to_string(), (chain.links.len(), *pose))
                 .is_some()
             {
-                return Err(reader.link_fault(name, "", "a loop", "each link once, from base to tip"));
+                return Err(reader.link_fault(name, "", "a loop", "each link once, from the base to the end effector"));
             }
         }
         chain.links.push(link);
@@ -132,7 +132,12 @@ impl<'a> Reader<'a> {
             for joint in &self.robot.joints {
                 if joint.parent.link == parent && joint.joint_type == JointType::Fixed {
                     if frames.iter().any(|(name, _)| *name == joint.child.link) {
-                        return Err(self.joint_fault(joint, "child", "a loop", "each link once, from base to tip"));
+                        return Err(self.joint_fault(
+                            joint,
+                            "child",
+                            "a loop",
+                            "each link once, from the base to the end effector",
+                        ));
                     }
                     frames.push((
                         &joint.child.link,

@@ -32,13 +32,13 @@ fn watched(scene: &str) -> (ReachPlan, Recording, Vec<ObjectPoses>) {
 
 /// How far a stored pose is from the true one: m and rad.
 fn difference(stored: &Pose, truth: &Pose) -> (f64, f64) {
-    let turn = stored.orientation.dot(truth.orientation).abs().min(1.0);
+    let cosine = stored.orientation.dot(truth.orientation).abs().min(1.0);
     // The sine of half the angle keeps its digits where the angle is small.
     let sine = (stored.orientation * truth.orientation.inverse()).xyz().length();
-    let angle = if turn > 0.9 {
+    let angle = if cosine > 0.9 {
         2.0 * sine.asin()
     } else {
-        2.0 * turn.acos()
+        2.0 * cosine.acos()
     };
     (stored.position.distance(truth.position), angle)
 }

@@ -13,7 +13,7 @@ use crate::scene::Scene;
 
 /// Candidates for one goal before the attempt is given up.
 const GOAL_TRIES: usize = 5000;
-/// Clearance between an obstacle and a hand that points along it with its tip at a goal, m. Choice: a finger's breadth.
+/// Clearance between an obstacle and a hand that points along it and ends at a goal, m. Choice: a finger's breadth.
 const GOAL_MARGIN_M: f64 = 0.02;
 /// Largest distance of a goal from the shoulder, as a share of the arm's length. Choice: a fully extended arm cannot yield.
 const REACHABLE_SHARE: f64 = 0.97;
@@ -39,7 +39,7 @@ pub(super) fn draw_goals(
     let plants = capsules(|object| object.foam_top().is_none());
     let obstacles = capsules(|object| object.is_obstacle());
     let anywhere = (-5.0, 5.0);
-    let mut from = arm.tip_world;
+    let mut from = arm.end_effector_world;
     let mut goals = Vec::new();
     for number in 0..settings.count {
         let mut too_far = 0;
@@ -54,12 +54,12 @@ pub(super) fn draw_goals(
                 too_far += 1;
                 return None;
             }
-            let tip = Capsule {
+            let hand = Capsule {
                 start: goal,
                 end: goal,
                 radius_m: goal_clearance_m(arm),
             };
-            let clear = obstacles.iter().all(|object| object.distance(&tip) > 0.0);
+            let clear = obstacles.iter().all(|object| object.distance(&hand) > 0.0);
             let wanted = plants.is_empty() || passes_through(arm, &plants, from, goal);
             (clear && wanted).then_some(goal)
         });
@@ -76,15 +76,16 @@ pub(super) fn draw_goals(
     Ok(goals)
 }
 
-/// Whether the skin meets a plant on the way, for an arm that is taken to be stretched from the shoulder to the tip.
+/// Whether the skin meets a plant on the way, for an arm that is taken to be stretched from the shoulder to the end
+/// effector.
 ///
 /// This looks at the first patch of skin and not at the hand, because that patch is the one that is classified: an operator
 /// picks goals that bring it among plants.
 fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
-    let behind = |tip: DVec3, distance: f64| tip + (arm.shoulder_world - tip).normalize_or_zero() * distance;
+    let behind = |end: DVec3, distance: f64| end + (arm.shoulder_world - end).normalize_or_zero() * distance;
     let sweeps = arm
         .skin
-        .behind_tip_m
+        .behind_end_effector_m
         .map(|distance| (behind(from, distance), behind(goal, distance)));
     let [nearest, _, farthest] = sweeps;
     let at_goal = (nearest.1, farthest.1);

@@ -11,16 +11,16 @@ use crate::arm::{Arm, ArmAtStart, SkinAlongArm};
 use crate::geometry::PlacedShape;
 use crate::scene::Scene;
 
-/// An arm of 1 m with its shoulder at the origin, skin 5 to 20 cm behind the tip, and a hand 8 cm thick, so that goals keep
-/// 6 cm from trunks.
+/// An arm of 1 m with its shoulder at the origin, skin 5 to 20 cm behind the end effector, and a hand 8 cm thick, so
+/// that goals keep 6 cm from trunks.
 fn arm() -> ArmAtStart {
     ArmAtStart {
         links: Vec::new(),
-        tip_world: DVec3::new(0.3, -0.3, 0.0),
+        end_effector_world: DVec3::new(0.3, -0.3, 0.0),
         shoulder_world: DVec3::ZERO,
         length_m: 1.0,
         skin: SkinAlongArm {
-            behind_tip_m: [0.05, 0.125, 0.20],
+            behind_end_effector_m: [0.05, 0.125, 0.20],
             radius_m: 0.05,
         },
         hand_half_thickness_m: 0.04,
@@ -64,19 +64,22 @@ fn goals_keep_their_distance_from_a_trunk() {
     assert!(draw(&goal_beside_a_trunk(0.579), &slimmer).is_ok());
 }
 
-/// Pins that a goal must bring the skin to a plant: with the trunk 8.1 cm behind the tip, skin that begins farther back, or
-/// passes by at more than its radius, does not do.
+/// Pins that a goal must bring the skin to a plant: with the trunk 8.1 cm behind the end effector, skin that begins
+/// farther back, or passes by at more than its radius, does not do.
 #[test]
 fn goals_bring_the_skin_to_a_plant() {
-    let skin = |behind_tip_m, radius_m| ArmAtStart {
+    let skin = |behind_end_effector_m, radius_m| ArmAtStart {
         // A start from which the way itself passes no trunk.
-        tip_world: DVec3::new(0.581, 0.0, 0.0),
-        skin: SkinAlongArm { behind_tip_m, radius_m },
+        end_effector_world: DVec3::new(0.581, 0.0, 0.0),
+        skin: SkinAlongArm {
+            behind_end_effector_m,
+            radius_m,
+        },
         ..arm()
     };
     let scene = goal_beside_a_trunk(0.581);
     assert!(draw(&scene, &skin([0.05, 0.06, 0.07], 0.01)).is_ok());
-    // The trunk's near side is 6.1 cm behind the tip, its far side 10.1 cm.
+    // The trunk's near side is 6.1 cm behind the end effector, its far side 10.1 cm.
     assert!(draw(&scene, &skin([0.02, 0.03, 0.05], 0.01)).is_err());
     assert!(draw(&scene, &skin([0.02, 0.03, 0.05], 0.012)).is_ok());
     assert!(draw(&scene, &skin([0.12, 0.13, 0.14], 0.018)).is_err());
@@ -199,15 +202,19 @@ fn streams_are_apart() {
     assert_eq!((more.0, more.1[0], more.1.len()), (first.0, first.1[0], 3));
 }
 
-/// Pins what goals take from the arm. Cody's forearm skin, from its files: rows 94.2 to 256.2 mm from the elbow axis, which
-/// is 278.53 mm from the wrist, 270 mm behind the tip, at a radius of 46.04 mm; a flipper of 41 mm half thickness.
+/// Pins what goals take from the arm. Cody's forearm skin, from its files: rows 94.2 to 256.2 mm from the elbow axis,
+/// which is 278.53 mm from the wrist, 270 mm behind the end effector, at a radius of 46.04 mm; a flipper of 41 mm half
+/// thickness.
 #[test]
 fn goals_know_the_arm_and_its_skin() {
     let cody = Arm::cody().unwrap();
     let close = |found: f64, expected: f64| (found - expected).abs() < 1e-5;
     let start = ArmAtStart::of(&cody);
-    let SkinAlongArm { behind_tip_m, radius_m } = start.skin;
-    let [first, middle, last] = behind_tip_m;
+    let SkinAlongArm {
+        behind_end_effector_m,
+        radius_m,
+    } = start.skin;
+    let [first, middle, last] = behind_end_effector_m;
     assert!(close(first, 0.270 + 0.27853 - 0.2562), "{first}");
     assert!(close(last, 0.270 + 0.27853 - 0.0942), "{last}");
     assert!(
@@ -220,11 +227,12 @@ fn goals_know_the_arm_and_its_skin() {
         start.hand_half_thickness_m
     );
 
-    // The same arm with the flipper's patch as the first: its skin ends at the tip and is as far from the axis as its taxels.
+    // The same arm with the flipper's patch as the first: its skin ends at the end effector and is as far from the axis
+    // as its taxels.
     let mut hand = cody.clone();
     hand.skin.layout.patches.swap(0, 1);
     hand.skin.surfaces.swap(0, 1);
-    let [first, _, last] = ArmAtStart::of(&hand).skin.behind_tip_m;
+    let [first, _, last] = ArmAtStart::of(&hand).skin.behind_end_effector_m;
     assert!(close(first, 0.0) && (0.13..0.25).contains(&last), "{first} {last}");
 
     // An arm that is twice as large in every length.
@@ -232,17 +240,17 @@ fn goals_know_the_arm_and_its_skin() {
     for joint in &mut large.joints {
         joint.origin_parent.position *= 2.0;
     }
-    large.tip_pose_link.position *= 2.0;
+    large.end_effector_pose_link.position *= 2.0;
     for taxel in large.skin.layout.patches.iter_mut().flat_map(|patch| &mut patch.taxels) {
         taxel.position_link *= 2.0;
     }
     let SkinAlongArm {
-        behind_tip_m: doubled,
+        behind_end_effector_m: doubled,
         radius_m: wide,
     } = ArmAtStart::of(&large).skin;
     let doubles = doubled
         .iter()
-        .zip(behind_tip_m)
+        .zip(behind_end_effector_m)
         .all(|(large, small)| close(*large, 2.0 * small));
     assert!(doubles && close(wide, 2.0 * radius_m), "{doubled:?} {wide}");
 }

@@ -24,11 +24,11 @@ pub struct ControllerInput<'a> {
     pub joint_velocity_rad_per_s: &'a [f64],
     /// Equilibrium angles φ, rad, n.
     pub equilibrium_angle_rad: &'a [f64],
-    /// Pose of the tip (the end effector's frame).
-    pub tip_pose_world: Pose,
-    /// Jacobian of the tip's velocity, m/rad.
-    pub tip_position_jacobian: &'a Matrix3xX<f64>,
-    /// Where the tip is to go, m, world frame.
+    /// Pose of the end effector.
+    pub end_effector_pose_world: Pose,
+    /// Jacobian of the end effector's position, m/rad.
+    pub end_effector_jacobian: &'a Matrix3xX<f64>,
+    /// Goal of the end effector, m, world frame.
     pub goal_position_world: DVec3,
     /// Every taxel that senses a force.
     pub contacts: &'a [TaxelContact],

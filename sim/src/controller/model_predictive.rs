@@ -6,7 +6,7 @@
 //!
 //! Δq = P K_j Δφ,  P = (K_j + Σ k J_iᵀ n_i n_iᵀ J_i)⁻¹,
 //!
-//! the tip by J_h Δq, and changes contact force i by k n_iᵀ J_i Δq with the outward normal n_i. Δφ minimizes
+//! the end effector by J_h Δq, and changes contact force i by k n_iᵀ J_i Δq with the outward normal n_i. Δφ minimizes
 //!
 //! w_p ‖Δx − J_h Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
 //!
@@ -71,8 +71,8 @@ impl ModelPredictive {
 
     /// The displacement of the end effector that the cost asks for in this step, m.
     fn wanted_displacement(&self, input: &ControllerInput<'_>) -> DVec3 {
-        let error = input.goal_position_world - input.tip_pose_world.position;
-        wanted(error, self.preset.tip_step_m, self.preset.slow_distance_m)
+        let error = input.goal_position_world - input.end_effector_pose_world.position;
+        wanted(error, self.preset.end_effector_step_m, self.preset.slow_distance_m)
     }
 
     /// The quadratic program in Δφ that one step solves; `None` if the model's stiffness matrix has no Cholesky factor.
@@ -110,7 +110,7 @@ impl ModelPredictive {
         let vector = |v: DVec3| DVector::from_column_slice(&v.to_array());
         cost.add(
             preset.position_weight,
-            &(dynamic(input.tip_position_jacobian) * &response),
+            &(dynamic(input.end_effector_jacobian) * &response),
             &vector(self.wanted_displacement(input)),
         );
         cost.add(preset.torque_change_weight, &spring, &DVector::zeros(joints));

@@ -37,7 +37,7 @@ pub struct Preset {
     /// Weight of the change of the springs' torques, ‖K Δφ‖², 1/(Nm)².
     pub torque_change_weight: f64,
     /// Longest wanted displacement of the end effector in one step, m.
-    pub tip_step_m: f64,
+    pub end_effector_step_m: f64,
     /// Within this distance of the goal the wanted displacement shrinks linearly with the distance, m; with `None` it is the
     /// distance itself, up to the longest step.
     pub slow_distance_m: Option<f64>,
@@ -66,7 +66,7 @@ impl Preset {
             position_weight: 1.0,
             torque_change_weight: 1e-4,
             // 0.5 m/s, scaled down linearly within 0.25 m of the goal.
-            tip_step_m: 0.02,
+            end_effector_step_m: 0.02,
             slow_distance_m: Some(0.25),
             equilibrium_step_rad: Some(0.5_f64.to_radians()),
             equilibrium_offset_rad: Some(20.0_f64.to_radians()),
@@ -91,7 +91,7 @@ impl Preset {
             position_weight: 1.0,
             torque_change_weight: 1e-5,
             // 0.2 m/s; the paper's "very slow" is 0.05 m/s, its "fast" 0.3 m/s.
-            tip_step_m: 0.002,
+            end_effector_step_m: 0.002,
             slow_distance_m: None,
             // Apart from the joints' slew limits, no bounds on step or offset are published.
             equilibrium_step_rad: None,
@@ -104,7 +104,7 @@ impl Preset {
     /// equilibrium angles, which would otherwise limit the speed.
     pub fn at_hand_speed(self, scale: f64) -> Preset {
         Preset {
-            tip_step_m: self.tip_step_m * scale,
+            end_effector_step_m: self.end_effector_step_m * scale,
             equilibrium_step_rad: self.equilibrium_step_rad.map(|step| step * scale),
             ..self
         }

@@ -23,10 +23,10 @@ struct Situation<'a> {
 }
 
 impl<'a> Situation<'a> {
-    /// At rest on its equilibrium angles, without contact, its goal where its tip is.
+    /// At rest on its equilibrium angles, without contact, its goal where its end effector is.
     fn at(arm: &'a Arm, angle: &[f64]) -> Self {
         let links = arm.forward_kinematics(angle);
-        let goal_position_world = arm.tip_pose(&links).position;
+        let goal_position_world = arm.end_effector_pose(&links).position;
         Situation {
             arm,
             angle: angle.to_vec(),
@@ -37,13 +37,13 @@ impl<'a> Situation<'a> {
         }
     }
 
-    fn tip(&self) -> Pose {
-        self.arm.tip_pose(&self.links)
+    fn end_effector(&self) -> Pose {
+        self.arm.end_effector_pose(&self.links)
     }
 
-    fn tip_jacobian(&self) -> Matrix3xX<f64> {
+    fn end_effector_jacobian(&self) -> Matrix3xX<f64> {
         self.arm
-            .position_jacobian(&self.links, self.arm.tip_link, self.tip().position)
+            .position_jacobian(&self.links, self.arm.end_effector_link, self.end_effector().position)
     }
 
     /// Presses on one taxel.
@@ -67,15 +67,15 @@ impl<'a> Situation<'a> {
             joint_angle_rad: &self.angle,
             joint_velocity_rad_per_s: &vec![0.0; self.angle.len()],
             equilibrium_angle_rad: &self.equilibrium,
-            tip_pose_world: self.tip(),
-            tip_position_jacobian: &self.tip_jacobian(),
+            end_effector_pose_world: self.end_effector(),
+            end_effector_jacobian: &self.end_effector_jacobian(),
             goal_position_world: self.goal_position_world,
             contacts: &self.contacts,
         })
     }
 
     fn distance(&self) -> f64 {
-        self.goal_position_world.distance(self.tip().position)
+        self.goal_position_world.distance(self.end_effector().position)
     }
 }
 

@@ -9,7 +9,7 @@ use super::{Quantity, Within};
 /// Coordinates of objects, goals and the workspace, in the frame of the arm's base: the longest arms reach 3 to 4 m.
 pub const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
 
-/// Rotation about the vertical: a full turn in either direction.
+/// Rotation about the vertical: a full revolution in either direction.
 pub const YAW_DEG: Limits = Limits::new(-360.0, 360.0, "deg");
 
 /// Where the objects of one group may stand; the coordinates are those of their feet.

@@ -37,10 +37,11 @@ pub(super) fn pursue(retries: u32, mut drive: impl FnMut(Way) -> Outcome) -> Out
     outcome
 }
 
-/// The points behind and beside an arm's tip that got stuck on its way to a goal, m, world frame, at the tip's height.
-pub(super) fn waypoints(tip_world: DVec3, goal_world: DVec3) -> [DVec3; 2] {
-    let forward = (goal_world - tip_world).with_z(0.0).normalize_or(DVec3::X);
-    let back = tip_world - forward * BACK_OFF_M;
+/// The points behind and beside an end effector that got stuck on its way to a goal, m, world frame, at the same
+/// height.
+pub(super) fn waypoints(end_effector_world: DVec3, goal_world: DVec3) -> [DVec3; 2] {
+    let forward = (goal_world - end_effector_world).with_z(0.0).normalize_or(DVec3::X);
+    let back = end_effector_world - forward * BACK_OFF_M;
     // Choice: to the left.
     [back, back + DVec3::Z.cross(forward) * SIDESTEP_M]
 }
@@ -90,24 +91,24 @@ mod tests {
     /// Pins the two points: 5 cm back along the ground from the goal's direction, then 10 cm to the left of it.
     #[test]
     fn points_lie_behind_and_to_the_left() {
-        let tip = DVec3::new(0.3, 0.1, 0.2);
+        let stuck_at = DVec3::new(0.3, 0.1, 0.2);
         let close = |[back, aside]: [DVec3; 2], expected: [DVec3; 2]| {
             back.distance(expected[0]) < 1e-12 && aside.distance(expected[1]) < 1e-12
         };
         // The goal ahead and higher: height does not matter.
-        let ahead = waypoints(tip, DVec3::new(0.6, 0.1, 0.5));
+        let ahead = waypoints(stuck_at, DVec3::new(0.6, 0.1, 0.5));
         assert!(
             close(ahead, [DVec3::new(0.25, 0.1, 0.2), DVec3::new(0.25, 0.2, 0.2)]),
             "{ahead:?}"
         );
         // The goal to the right: its left is ahead.
-        let right = waypoints(tip, DVec3::new(0.3, -0.4, 0.2));
+        let right = waypoints(stuck_at, DVec3::new(0.3, -0.4, 0.2));
         assert!(
             close(right, [DVec3::new(0.3, 0.15, 0.2), DVec3::new(0.4, 0.15, 0.2)]),
             "{right:?}"
         );
         // Straight above there is no direction along the ground: ahead counts.
-        let above = waypoints(tip, DVec3::new(0.3, 0.1, 0.9));
+        let above = waypoints(stuck_at, DVec3::new(0.3, 0.1, 0.9));
         assert!(close(above, ahead), "{above:?}");
     }
 }

@@ -60,7 +60,7 @@ impl ReachLog {
             joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
             equilibrium_angle_rad: equilibrium_rad.to_vec(),
             joint_torque_nm: report.joint_torque_nm(),
-            tip_pose_world: report.tip_pose_world,
+            end_effector_pose_world: report.end_effector_pose_world,
             goal_position_world: goal.position_world,
             goal_index: goal.index as u16,
             patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),

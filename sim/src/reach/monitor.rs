@@ -11,7 +11,7 @@ use super::ReachRules;
 pub struct Monitor {
     rules: ReachRules,
     goal: DVec3,
-    tips: VecDeque<DVec3>,
+    positions_world: VecDeque<DVec3>,
     frames: usize,
 }
 
@@ -21,25 +21,25 @@ impl Monitor {
         Monitor {
             rules,
             goal,
-            tips: VecDeque::new(),
+            positions_world: VecDeque::new(),
             frames: 0,
         }
     }
 
     /// Takes the end effector's position (m, world frame) and the largest force between one link and one object (N) of one
     /// frame, and returns how the attempt ended, once it has.
-    pub fn observe(&mut self, tip_world: DVec3, largest_force_n: f64) -> Option<Outcome> {
+    pub fn observe(&mut self, end_effector_world: DVec3, largest_force_n: f64) -> Option<Outcome> {
         self.frames += 1;
         let window = (self.rules.stuck_window_s / FRAME_PERIOD_S).round() as usize;
-        self.tips.push_back(tip_world);
-        if self.tips.len() > window {
-            self.tips.pop_front();
+        self.positions_world.push_back(end_effector_world);
+        if self.positions_world.len() > window {
+            self.positions_world.pop_front();
         }
         if largest_force_n > self.rules.stop_force_n {
             Some(Outcome::Aborted)
-        } else if tip_world.distance(self.goal) < self.rules.reached_distance_m {
+        } else if end_effector_world.distance(self.goal) < self.rules.reached_distance_m {
             Some(Outcome::Reached)
-        } else if self.tips.len() == window && self.mean_motion_m() < self.rules.stuck_distance_m {
+        } else if self.positions_world.len() == window && self.mean_motion_m() < self.rules.stuck_distance_m {
             Some(Outcome::Stuck)
         } else if self.frames as f64 * FRAME_PERIOD_S >= self.rules.time_out_s {
             Some(Outcome::TimedOut)
@@ -50,10 +50,14 @@ impl Monitor {
 
     /// Distance between the mean positions of the window's two halves.
     fn mean_motion_m(&self) -> f64 {
-        let half = self.tips.len() / 2;
-        let mean = |tips: &mut dyn Iterator<Item = &DVec3>, count: usize| tips.sum::<DVec3>() / count.max(1) as f64;
-        let first = mean(&mut self.tips.iter().take(half), half);
-        let second = mean(&mut self.tips.iter().skip(half), self.tips.len() - half);
+        let half = self.positions_world.len() / 2;
+        let mean =
+            |positions: &mut dyn Iterator<Item = &DVec3>, count: usize| positions.sum::<DVec3>() / count.max(1) as f64;
+        let first = mean(&mut self.positions_world.iter().take(half), half);
+        let second = mean(
+            &mut self.positions_world.iter().skip(half),
+            self.positions_world.len() - half,
+        );
         first.distance(second)
     }
 }

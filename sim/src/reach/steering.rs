@@ -53,7 +53,7 @@ impl Steering {
         let joint_angle_rad = report.joint_angle_rad();
         // A robot knows its pose from its encoders, so the controller gets the poses that follow from the joint angles.
         let link_poses = arm.forward_kinematics(&joint_angle_rad);
-        let tip_pose_world = arm.tip_pose(&link_poses);
+        let end_effector_pose_world = arm.end_effector_pose(&link_poses);
         let sensed = report.tactile.taxels.iter().filter(|taxel| taxel.sensed_force_n > 0.0);
         let contacts: Vec<TaxelContact> = sensed
             .map(|reading| {
@@ -72,8 +72,12 @@ impl Steering {
             joint_angle_rad: &joint_angle_rad,
             joint_velocity_rad_per_s: &report.joint_velocity_rad_per_s(),
             equilibrium_angle_rad: &self.equilibrium_rad,
-            tip_pose_world,
-            tip_position_jacobian: &arm.position_jacobian(&link_poses, arm.tip_link, tip_pose_world.position),
+            end_effector_pose_world,
+            end_effector_jacobian: &arm.position_jacobian(
+                &link_poses,
+                arm.end_effector_link,
+                end_effector_pose_world.position,
+            ),
             goal_position_world,
             contacts: &contacts,
         });

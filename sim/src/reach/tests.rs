@@ -40,7 +40,7 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
             .run(0, &mut |_, _| {})
             .unwrap();
         assert_eq!(recording.outcome(), Outcome::Reached);
-        let place = |frame: &underbrush_recording::Frame| frame.tip_pose_world.position;
+        let place = |frame: &underbrush_recording::Frame| frame.end_effector_pose_world.position;
         let way: f64 = recording
             .frames
             .windows(2)
@@ -125,9 +125,10 @@ fn a_force_over_the_stop_force_ends_the_reach() {
 
 #[test]
 fn a_stuck_arm_backs_off_and_tries_again() {
-    // Pins what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the tip is drawn
-    // back, against the way to the goal, and the goal is tried again. A trunk may hold the arm before it has gone the 5 cm,
-    // so in each reach the tip must go back a centimetre, ten times what counts as stuck, and in one the whole way.
+    // Pins what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the end
+    // effector is drawn back, against the way to the goal, and the goal is tried again. A trunk may hold the arm before
+    // it has gone the 5 cm, so in each reach the end effector must go back a centimetre, ten times what counts as
+    // stuck, and in one the whole way.
     let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
     let (mut retried, mut farthest) = (0, 0.0_f64);
     for reach_index in 0..4 {
@@ -140,18 +141,18 @@ fn a_stuck_arm_backs_off_and_tries_again() {
             continue;
         }
         retried += 1;
-        let stuck_at = first.frames[until - 1].tip_pose_world.position;
+        let stuck_at = first.frames[until - 1].end_effector_pose_world.position;
         let to_goal = (first.goals[0].position_world - stuck_at).with_z(0.0).normalize();
         let back = second.frames[until..]
             .iter()
-            .map(|frame| (stuck_at - frame.tip_pose_world.position).dot(to_goal))
+            .map(|frame| (stuck_at - frame.end_effector_pose_world.position).dot(to_goal))
             .fold(0.0, f64::max);
         assert!(back > 10.0 * once.rules.stuck_distance_m, "drawn back by {back} m");
         farthest = farthest.max(back);
     }
     assert!(retried > 0, "no reach got stuck");
-    // The controller takes a point as reached within its dead zone, and a stuck arm may still have crept a little before
-    // it turned back.
+    // The controller takes a point as reached within its dead zone, and a stuck arm may still have crept a little
+    // before it moved back.
     let whole_way = 0.05 - once.rules.reached_distance_m - once.rules.stuck_distance_m;
     assert!(farthest >= whole_way, "{farthest} m, {whole_way} m");
 }

@@ -229,9 +229,9 @@ impl SensorOptions {
                 return Some(("dead_taxels".into(), format!("{name:?}"), allowed));
             };
             let count = layout.patches[patch].taxels.len();
-            let beyond = taxels.iter().find(|taxel| usize::from(**taxel) >= count)?;
+            let invalid = taxels.iter().find(|taxel| usize::from(**taxel) >= count)?;
             let allowed = format!("0 to {} on {name}", count - 1);
-            Some(("dead_taxels".into(), beyond.to_string(), allowed))
+            Some(("dead_taxels".into(), invalid.to_string(), allowed))
         })
     }
 }

@@ -176,7 +176,7 @@ impl State {
         let State { world, sensor, report } = self;
         world.arm.read_joints(&world.engine, &mut report.joints);
         world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);
-        report.tip_pose_world = model.arm.tip_pose(&report.link_pose_world);
+        report.end_effector_pose_world = model.arm.end_effector_pose(&report.link_pose_world);
         report.objects.resize_with(model.structures.len(), ObjectState::default);
         let objects = world.mechanisms.iter().zip(&model.rest_pose_world);
         for (object, (mechanism, rest)) in report.objects.iter_mut().zip(objects) {

@@ -40,7 +40,7 @@ pub struct FrameReport {
     /// Poses of the links, base first.
     pub link_pose_world: Vec<Pose>,
     /// Pose of the arm's end effector.
-    pub tip_pose_world: Pose,
+    pub end_effector_pose_world: Pose,
     /// The objects, in the clutter's order.
     pub objects: Vec<ObjectState>,
     /// The contacts between arm and clutter, engine step by engine step. Their forces add up to the mean force over the

@@ -146,8 +146,8 @@ fn residuals(patches: &[SkinPatch], loads: &BTreeMap<(usize, usize), Load>, solv
     pairs.fold([0.0, 0.0], |[force, moment], (felt, solver)| {
         // Under a micronewton there is no contact to speak of.
         let missing = (felt.force - solver.force).length() / solver.force.length().max(1e-6);
-        let turned = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
-        [force.max(missing), moment.max(turned)]
+        let torque_error = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
+        [force.max(missing), moment.max(torque_error)]
     })
 }
 

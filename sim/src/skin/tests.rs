@@ -19,9 +19,9 @@ fn forearm() -> SkinPatch {
 /// A contact `along_m` and `around_rad` off the middle taxel's centre, on the surface of the sleeve, with this force
 /// normal to it and `slip` of the friction that the cone allows in the direction `slip_rad`.
 fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: f64, slip_rad: f64) -> ContactPoint {
-    let turn = glam::DQuat::from_rotation_z(around_rad);
-    let normal = turn * skin.normals_link[TAXEL];
-    let position_link = turn * skin.centers_link[TAXEL] + DVec3::Z * along_m;
+    let rotation = glam::DQuat::from_rotation_z(around_rad);
+    let normal = rotation * skin.normals_link[TAXEL];
+    let position_link = rotation * skin.centers_link[TAXEL] + DVec3::Z * along_m;
     let tangent = DVec3::Z * slip_rad.cos() + normal.cross(DVec3::Z) * slip_rad.sin();
     ContactPoint {
         position_link,
@@ -30,19 +30,19 @@ fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: 
     }
 }
 
-/// A pose over the contact, its z axis towards the skin, its x axis turned by `turn_rad` from the sleeve's axis.
-fn over(contact: &ContactPoint, distance_m: f64, turn_rad: f64) -> Pose {
+/// A pose over the contact, its z axis towards the skin, its x axis rotated by `angle_rad` from the sleeve's axis.
+fn over(contact: &ContactPoint, distance_m: f64, angle_rad: f64) -> Pose {
     let down = contact.inward_link;
     let side = down.cross(DVec3::Z).normalize();
-    let x = DVec3::Z * turn_rad.cos() + side * turn_rad.sin();
+    let x = DVec3::Z * angle_rad.cos() + side * angle_rad.sin();
     let axes = glam::DMat3::from_cols(x, down.cross(x), down);
     Pose::new(contact.position_link - down * distance_m, glam::DQuat::from_mat3(&axes))
 }
 
-/// A trunk of this radius on the contact, turned from the sleeve's axis.
-fn trunk(contact: &ContactPoint, radius_m: f64, turn_rad: f64) -> (Capsule, Pose) {
+/// A trunk of this radius on the contact, rotated from the sleeve's axis.
+fn trunk(contact: &ContactPoint, radius_m: f64, angle_rad: f64) -> (Capsule, Pose) {
     let shape = Capsule::new(DVec3::X * -0.2, DVec3::X * 0.2, radius_m);
-    (shape, over(contact, radius_m, turn_rad))
+    (shape, over(contact, radius_m, angle_rad))
 }
 
 fn force(skin: &SkinPatch, taxel: &TaxelForce) -> DVec3 {
@@ -67,11 +67,11 @@ proptest! {
         slip in 0.0..0.99f64,
         slip_rad in 0.0..std::f64::consts::TAU,
         radius_m in 0.01..0.02f64,
-        turn_rad in 0.0..std::f64::consts::PI,
+        angle_rad in 0.0..std::f64::consts::PI,
     ) {
         let skin = forearm();
         let contact = contact(&skin, along_m, around_rad, force_n, slip, slip_rad);
-        let (shape, pose) = trunk(&contact, radius_m, turn_rad);
+        let (shape, pose) = trunk(&contact, radius_m, angle_rad);
         let forces = skin.spread(&[contact], &shape, &pose);
         let sum: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
         prop_assert!(sum.distance(contact.force_link) < 1e-9 * force_n);
@@ -96,7 +96,7 @@ fn a_broad_contact_looks_like_the_real_one() {
     let contact = contact(&skin, 0.0054, 0.13, 8.99, 0.0, 0.0);
     let (shape, pose) = trunk(&contact, 0.02, std::f64::consts::FRAC_PI_2);
     let forces = skin.spread(&[contact], &shape, &pose);
-    // Weaker ones are among the strays of that frame (up to 0.10 N).
+    // Weaker ones are among the spurious readings of that frame (up to 0.10 N).
     let lit: Vec<f64> = forces
         .iter()
         .map(|taxel| taxel.normal_force_n)

@@ -71,7 +71,7 @@ impl LineParser {
             joint_velocity_rad_per_s: Vec::new(),
             equilibrium_angle_rad: Vec::new(),
             joint_torque_nm: Vec::new(),
-            tip_pose_world: NO_POSE,
+            end_effector_pose_world: NO_POSE,
             goal_position_world: DVec3::ZERO,
             goal_index: 0,
             patch_pose_world,

@@ -40,9 +40,9 @@ mod tests {
         let (mut slope, mut deflection) = (0.0, 0.0);
         for index in 0..steps {
             let place = (f64::from(index) + 0.5) * spacing;
-            let turn = load * (height - place) / rigidity * spacing;
-            deflection += (slope + 0.5 * turn) * spacing;
-            slope += turn;
+            let slope_change = load * (height - place) / rigidity * spacing;
+            deflection += (slope + 0.5 * slope_change) * spacing;
+            slope += slope_change;
         }
         assert_relative_eq!(
             beam_deflection_m(load, height, rigidity),

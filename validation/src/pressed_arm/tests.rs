@@ -59,7 +59,7 @@ fn springs_balance_contact_forces() {
             residual < 1e-3,
             "relative residual {residual} at {force} N: {spring} {contact}"
         );
-        // The weaker push turns the joints with 0.3 Nm: too little for the audit to count.
+        // The weaker push loads the joints with 0.3 Nm: too little for the audit to count.
         assert!(
             (audit.rest_frames > 0) == (force > 5.0) && audit.largest_static_residual < 0.05,
             "{audit:?}"

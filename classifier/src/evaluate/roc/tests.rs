@@ -21,8 +21,8 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     }
     let curve = RocCurve::of(&positives, &negatives).unwrap();
     assert!((curve.area - ranked / 30.0).abs() < 1e-15, "{}", curve.area);
-    let turned = RocCurve::of(&negatives, &positives).unwrap();
-    assert!((curve.area + turned.area - 1.0).abs() < 1e-15);
+    let swapped = RocCurve::of(&negatives, &positives).unwrap();
+    assert!((curve.area + swapped.area - 1.0).abs() < 1e-15);
 }
 
 /// Pins both ends, that the curve never decreases, and each point against counting the scores at or above its threshold.

@@ -70,7 +70,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
                 joint_velocity_rad_per_s: vec![],
                 equilibrium_angle_rad: vec![],
                 joint_torque_nm: vec![],
-                tip_pose_world: pose,
+                end_effector_pose_world: pose,
                 goal_position_world: DVec3::ZERO,
                 goal_index: 0,
                 patch_pose_world: vec![pose],

@@ -28,8 +28,8 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         "one per patch",
     )?;
     let numbers = [frame.time_s].into_iter().chain(frame.goal_position_world.to_array());
-    finite(numbers.chain(pose_numbers(&frame.tip_pose_world)), || {
-        field("time, goal or tip pose")
+    finite(numbers.chain(pose_numbers(&frame.end_effector_pose_world)), || {
+        field("time, goal or end effector pose")
     })?;
     finite(frame.patch_pose_world.iter().flat_map(pose_numbers), || {
         field("patch_pose_world")

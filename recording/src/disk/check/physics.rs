@@ -62,7 +62,7 @@ fn check_times(recording: &Recording) -> Result<(), Violation> {
 
 fn check_frame(index: usize, frame: &Frame) -> Result<(), Violation> {
     let field = |name: &str| format!("frames[{index}].{name}");
-    check_orientation(&frame.tip_pose_world, || field("tip_pose_world"))?;
+    check_orientation(&frame.end_effector_pose_world, || field("end_effector_pose_world"))?;
     for pose in &frame.patch_pose_world {
         check_orientation(pose, || field("patch_pose_world"))?;
     }

@@ -126,13 +126,13 @@ fn frame(joints: usize, layout: SkinLayout, objects: usize) -> impl Strategy<Val
         prop::collection::vec(reading, readings),
     )
         .prop_map(
-            move |(state, (tip_pose_world, goal_position_world, goal_index), poses, forces, raw)| Frame {
+            move |(state, (end_effector_pose_world, goal_position_world, goal_index), poses, forces, raw)| Frame {
                 time_s: state.0,
                 joint_angle_rad: state.1,
                 joint_velocity_rad_per_s: state.2,
                 equilibrium_angle_rad: state.3,
                 joint_torque_nm: state.4,
-                tip_pose_world,
+                end_effector_pose_world,
                 goal_position_world,
                 goal_index,
                 patch_pose_world: poses,
@@ -188,7 +188,7 @@ fn audit() -> impl Strategy<Value = Audit> {
 
 /// Makes times, orientations and forces physical: times at the frame rate, unit quaternions, forces that push.
 fn physical(mut recording: Recording) -> Recording {
-    let turn = |pose: &mut Pose| {
+    let normalize = |pose: &mut Pose| {
         let unit = pose.orientation.normalize();
         let is_unit = (unit.length() - 1.0).abs() < 1e-9;
         pose.orientation = if is_unit { unit } else { DQuat::IDENTITY };
@@ -203,8 +203,8 @@ fn physical(mut recording: Recording) -> Recording {
     }
     for (index, frame) in recording.frames.iter_mut().enumerate() {
         frame.time_s = (index as f64 + 0.25) / recording.rate_hz;
-        turn(&mut frame.tip_pose_world);
-        frame.patch_pose_world.iter_mut().for_each(turn);
+        normalize(&mut frame.end_effector_pose_world);
+        frame.patch_pose_world.iter_mut().for_each(normalize);
         for reading in &mut frame.taxels {
             reading.true_normal_force_n = reading.true_normal_force_n.abs();
             reading.sensed_force_n = reading.sensed_force_n.abs();
@@ -437,7 +437,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             joint_velocity_rad_per_s: vec![time_s.cos(), -time_s.sin()],
             equilibrium_angle_rad: vec![time_s.sin() + offset + 0.1, time_s.cos()],
             joint_torque_nm: vec![2.0, -0.5 * time_s],
-            tip_pose_world: pose,
+            end_effector_pose_world: pose,
             goal_position_world: DVec3::new(0.5, 0.1, -0.1),
             goal_index: 0,
             patch_pose_world: vec![pose; 2],

@@ -77,8 +77,8 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
             r.contacts.clear();
             r.frames.remove(10);
         }),
-        ("frames[4].tip_pose_world", |r| {
-            r.frames[4].tip_pose_world.orientation = glam::DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        ("frames[4].end_effector_pose_world", |r| {
+            r.frames[4].end_effector_pose_world.orientation = glam::DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         }),
         ("frames[4].patch_pose_world", |r| {
             r.frames[4].patch_pose_world[1].orientation.w += 1e-3;

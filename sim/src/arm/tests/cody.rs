@@ -89,7 +89,7 @@ fn forearm_skin_is_a_closed_sleeve_short_of_the_wrist() {
     );
     assert_eq!(patch.taxels.len(), 384);
     let link = arm.link_index(&patch.link).unwrap();
-    // The link after the forearm roll (joint 4): the skin turns with it.
+    // The link after the forearm roll (joint 4): the skin rotates with it.
     assert_eq!(link, 5);
     let poses = arm.forward_kinematics(&[0.0; 7]);
     let elbow = poses[4].position;
@@ -117,15 +117,15 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
         ("flipper", "flipper", 69)
     );
     let tip = patch.taxels[24];
-    assert!(tip.position_link.distance(arm.tip_pose_link.position) < 1e-12);
+    assert!(tip.position_link.distance(arm.end_effector_pose_link.position) < 1e-12);
     assert!(tip.normal_link.distance(DVec3::NEG_Z) < 1e-12);
     let link = &arm.links[arm.skin.surfaces[1].link];
     for taxel in &patch.taxels {
         assert!((1e-4..=15e-4).contains(&taxel.area_m2));
         let distance = |collider: &super::super::LinkCollider| {
-            let (shape, turn) = engine_shape(&collider.shape).unwrap();
+            let (shape, rotation) = engine_shape(&collider.shape).unwrap();
             shape.distance_to_local_point(
-                (collider.pose_link * turn)
+                (collider.pose_link * rotation)
                     .inverse()
                     .transform_point(taxel.position_link),
                 false,

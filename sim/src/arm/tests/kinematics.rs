@@ -85,23 +85,26 @@ fn zero_posture_hangs_straight_down() {
         assert!(link.position.distance(origin) < 1e-15);
         assert!((DMat3::from_quat(link.orientation) - DMat3::IDENTITY).abs_diff_eq(DMat3::ZERO, 1e-15));
     }
-    assert!(arm.tip_pose(&links).position.distance(wrist - DVec3::Z * 0.27) < 1e-15);
+    assert!(arm.end_effector_pose(&links).position.distance(wrist - DVec3::Z * 0.27) < 1e-15);
 }
 
 #[test]
 fn positive_angles_swing_forward_outward_and_bend() {
     // Pins the signs of the axes by what a person would see.
     let arm = Arm::cody().unwrap();
-    let tip = |joint: usize| {
+    let end_effector = |joint: usize| {
         let mut posture = [0.0; 7];
         posture[joint] = 0.5;
-        arm.tip_pose(&arm.forward_kinematics(&posture)).position
+        arm.end_effector_pose(&arm.forward_kinematics(&posture)).position
     };
-    let rest = arm.tip_pose(&arm.forward_kinematics(&[0.0; 7])).position;
-    assert!(tip(0).x > rest.x + 0.1, "flexion swings forward");
-    assert!(tip(1).y < rest.y - 0.1, "abduction of a right arm swings to the right");
-    assert!(tip(3).x > rest.x + 0.1, "the elbow bends forward");
-    assert!(tip(5).x > rest.x + 0.1, "the wrist pitches forward");
+    let rest = arm.end_effector_pose(&arm.forward_kinematics(&[0.0; 7])).position;
+    assert!(end_effector(0).x > rest.x + 0.1, "flexion swings forward");
+    assert!(
+        end_effector(1).y < rest.y - 0.1,
+        "abduction of a right arm swings to the right"
+    );
+    assert!(end_effector(3).x > rest.x + 0.1, "the elbow bends forward");
+    assert!(end_effector(5).x > rest.x + 0.1, "the wrist pitches forward");
 }
 
 #[test]
@@ -123,11 +126,11 @@ fn jacobians_are_the_derivatives_of_the_poses() {
             };
             let (ahead, behind) = (shifted(step), shifted(-step));
             let velocity = (ahead.transform_point(point_link) - behind.transform_point(point_link)) / (2.0 * step);
-            let turn = (ahead.orientation * behind.orientation.inverse()).to_scaled_axis() / (2.0 * step);
+            let rotation_rate = (ahead.orientation * behind.orientation.inverse()).to_scaled_axis() / (2.0 * step);
             for row in 0..3 {
                 // Truncation is of the order step² and rounding of 1e-16/step = 1e-10.
                 assert!((position[(row, joint)] - velocity[row]).abs() < 2e-9);
-                assert!((angular[(row, joint)] - turn[row]).abs() < 2e-9);
+                assert!((angular[(row, joint)] - rotation_rate[row]).abs() < 2e-9);
             }
             if joint >= link {
                 assert_eq!(

@@ -11,8 +11,8 @@ use crate::reach::ReachRules;
 
 #[test]
 fn reaches_goals_in_free_space() {
-    // Pins that the tip of an arm that follows its equilibrium angles arrives at goals that it can reach, no faster
-    // than the preset's hand speed.
+    // Pins that the end effector of an arm that follows its equilibrium angles arrives at goals that it can reach, no
+    // faster than the preset's hand speed.
     let arm = Arm::cody().unwrap();
     for kind in [ControllerKind::Cody2013, ControllerKind::IjrrFoliage] {
         let (preset, rules) = (kind.preset(), ReachRules::published_with(kind));
@@ -24,17 +24,17 @@ fn reaches_goals_in_free_space() {
                 .iter()
                 .map(|angle| angle + random.random_range(-0.4..0.4))
                 .collect();
-            let goal = Situation::at(&arm, &near).tip().position;
+            let goal = Situation::at(&arm, &near).end_effector().position;
             let mut angle = arm.start_posture_rad();
-            let mut last = Situation::at(&arm, &angle).tip().position;
+            let mut last = Situation::at(&arm, &angle).end_effector().position;
             let steps = (rules.time_out_s * preset.rate_hz) as usize;
             let reached = (0..steps).any(|_| {
                 let mut situation = Situation::at(&arm, &angle);
                 situation.goal_position_world = goal;
-                let tip = situation.tip().position;
+                let position = situation.end_effector().position;
                 // The step is planned on the tangent: its length is off by the square of half a degree.
-                assert!(tip.distance(last) < preset.tip_step_m * 1.02);
-                last = tip;
+                assert!(position.distance(last) < preset.end_effector_step_m * 1.02);
+                last = position;
                 let output = situation.step(&mut controller);
                 assert_eq!(output.status, ControlStatus::Solved);
                 angle = output.equilibrium_angle_rad;
@@ -100,7 +100,7 @@ impl Wall {
 const POSTURE_DEG: [f64; 7] = [10.0, 15.0, -20.0, 40.0, 10.0, 5.0, -5.0];
 
 /// Forces over `steps` control steps against a wall, from an arm whose equilibrium angles lie `ahead` radians further
-/// in flexion than where it touches, with a goal `goal_ahead` metres from where the tip is then.
+/// in flexion than where it touches, with a goal `goal_ahead` metres from where the end effector is then.
 fn push(
     arm: &Arm,
     controller: &mut dyn Controller,
@@ -125,7 +125,7 @@ fn push(
         push: -outward,
         stiffness,
     };
-    let goal = situation.tip().position + outward * goal_ahead;
+    let goal = situation.end_effector().position + outward * goal_ahead;
     let mut equilibrium = start.clone();
     equilibrium[0] += ahead;
     let mut angle = start;

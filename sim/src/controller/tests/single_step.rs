@@ -41,10 +41,10 @@ fn model(situation: &Situation<'_>, preset: &Preset) -> (DMatrix<f64>, Vec<(f64,
 /// The published cost of a step.
 fn cost(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) -> f64 {
     let (response, rows) = model(situation, preset);
-    let error = situation.goal_position_world - situation.tip().position;
-    let slow = preset.slow_distance_m.unwrap_or(preset.tip_step_m);
-    let wanted = vector(error.normalize() * preset.tip_step_m * (error.length() / slow).min(1.0));
-    let moved = DMatrix::from_column_slice(3, 7, situation.tip_jacobian().as_slice()) * &response * change;
+    let error = situation.goal_position_world - situation.end_effector().position;
+    let slow = preset.slow_distance_m.unwrap_or(preset.end_effector_step_m);
+    let wanted = vector(error.normalize() * preset.end_effector_step_m * (error.length() / slow).min(1.0));
+    let moved = DMatrix::from_column_slice(3, 7, situation.end_effector_jacobian().as_slice()) * &response * change;
     let position = (wanted - moved).norm_squared() * preset.position_weight;
     let springs = situation
         .arm

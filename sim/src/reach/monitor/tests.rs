@@ -1,4 +1,4 @@
-//! The rules that end a way, each at its border, on sequences of tips made by hand.
+//! The rules that end an attempt, each at its border, on made-up paths of the end effector.
 
 use super::*;
 
@@ -17,11 +17,12 @@ fn far() -> DVec3 {
     DVec3::new(100.0, 0.0, 0.0)
 }
 
-/// The frame, counted from 1, in which a tip that moves so ends its way to a goal far off, and how.
-fn end(rules: ReachRules, tip_m: impl Fn(usize) -> f64) -> Option<(usize, Outcome)> {
+/// The frame, counted from 1, in which an end effector on this path ends its attempt at a distant goal, and the
+/// outcome.
+fn end(rules: ReachRules, position_m: impl Fn(usize) -> f64) -> Option<(usize, Outcome)> {
     let mut monitor = Monitor::new(rules, far());
     (1..=200).find_map(|frame| {
-        let outcome = monitor.observe(DVec3::X * tip_m(frame), 0.0)?;
+        let outcome = monitor.observe(DVec3::X * position_m(frame), 0.0)?;
         Some((frame, outcome))
     })
 }
@@ -47,7 +48,7 @@ fn a_goal_is_reached_within_the_distance() {
 /// Pins that the arm is stuck where the mean of the window's later half is less than the distance from that of the first,
 /// as soon as the window is full and no sooner: at v a frame the means of 4 and 4 frames are 4 v apart.
 #[test]
-fn a_tip_without_headway_is_stuck() {
+fn an_end_effector_without_progress_is_stuck() {
     let border_m = 1.0 / 4096.0;
     assert_eq!(
         end(rules(), |frame| frame as f64 * border_m),

@@ -89,8 +89,8 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
 }
 
 #[test]
-fn tip_force_at_rest_is_held_by_the_springs() {
-    // Pins statics: K (φ − q) + Jᵀ f = 0 for a known force at the tip, to 1e-3 of the largest joint torque.
+fn end_effector_force_at_rest_is_held_by_the_springs() {
+    // Pins statics: K (φ − q) + Jᵀ f = 0 for a known force at the end effector, to 1e-3 of the largest joint torque.
     let arm = Arm::cody().unwrap();
     let options = PhysicsOptions {
         step_s: 0.005,
@@ -102,7 +102,7 @@ fn tip_force_at_rest_is_held_by_the_springs() {
         let mut engine = Engine::new(options);
         let bodies = ArmBodies::insert(&arm, &posture, &mut engine);
         for _ in 0..2400 {
-            let tip = arm.tip_pose(
+            let end_effector = arm.end_effector_pose(
                 &arm.forward_kinematics(
                     &joints(&bodies, &engine)
                         .iter()
@@ -110,10 +110,10 @@ fn tip_force_at_rest_is_held_by_the_springs() {
                         .collect::<Vec<f64>>(),
                 ),
             );
-            let body = &mut engine.bodies[bodies.links[arm.tip_link]];
+            let body = &mut engine.bodies[bodies.links[arm.end_effector_link]];
             body.reset_forces(true);
             body.reset_torques(true);
-            body.add_force_at_point(force, tip.position, true);
+            body.add_force_at_point(force, end_effector.position, true);
             engine.step();
         }
         let angles = joints(&bodies, &engine)
@@ -121,7 +121,7 @@ fn tip_force_at_rest_is_held_by_the_springs() {
             .map(|joint| joint.angle_rad)
             .collect::<Vec<f64>>();
         let links = arm.forward_kinematics(&angles);
-        let jacobian = arm.position_jacobian(&links, arm.tip_link, arm.tip_pose(&links).position);
+        let jacobian = arm.position_jacobian(&links, arm.end_effector_link, arm.end_effector_pose(&links).position);
         let load = jacobian.transpose() * Vector3::new(force.x, force.y, force.z);
         let stiffness = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad);
         let spring = DVector::from_iterator(

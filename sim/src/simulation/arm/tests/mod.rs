@@ -146,8 +146,8 @@ fn torque_stays_within_the_actuator_limit() {
 
 #[test]
 fn shapes_sit_where_the_files_put_them() {
-    // Pins the turn from the engine's y axis to the files' z axis: the forearm's cylinder spans its skin lengthwise,
-    // and the flipper's hulls end at the tip.
+    // Pins the rotation from the engine's y axis to the files' z axis: the forearm's cylinder spans its skin
+    // lengthwise, and the flipper's hulls end at the end effector.
     let arm = Arm::cody().unwrap();
     let (engine, bodies) = inserted(&arm, &[0.0; 7]);
     let lowest_and_highest = |name: &str| {
