@@ -11,7 +11,7 @@ use underbrush_sim::scene::PhysicsSection;
 #[path = "peers/sweep.rs"]
 mod sweep;
 
-/// The arm alone, then as many leaves.
+/// Numbers of leaves; 0 is the arm alone.
 const LEAVES: [usize; 5] = [0, 24, 48, 96, 384];
 
 fn foliage(criterion: &mut Criterion) {

@@ -77,7 +77,7 @@ fn score(criterion: &mut Criterion) {
     for states in STATES {
         let models = models(states);
         let model = &models.models()["leaf"];
-        // The model's own category and the other, which no path through the states fits.
+        // The model's own category, and the other one, whose trials fit no path through the states.
         for (name, category) in [("own", "leaf"), ("foreign", "trunk")] {
             let sequences = sequences(category);
             let all: Vec<&Observations> = sequences.iter().collect();

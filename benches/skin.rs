@@ -40,7 +40,7 @@ fn leaf(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
     (Box::new(shape), across(contact, 0.001))
 }
 
-/// A pose whose x axis lies around the forearm and whose z axis points at it, `distance_m` over the contact.
+/// A pose whose x axis lies around the forearm and whose z axis points at it, `distance_m` above the contact.
 fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
     let rotation = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, contact.inward_link);
     let along = rotation * DVec3::X;

@@ -16,7 +16,7 @@ use underbrush_sim::scene::Scene;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::simulation::{Setup, Simulation};
 
-/// Scenes with the reach of each that is replayed: the first.
+/// The scenes; the first reach of each is replayed.
 const SCENES: [&str; 3] = ["leaf", "trunk", "mixed"];
 
 /// Frames of each reach that are replayed: 10 s.

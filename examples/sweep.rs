@@ -1,9 +1,10 @@
-//! Many reaches of many scenes, none written: what breaks, how they end, and the worst figures of the audit.
+//! Runs many reaches of many scenes without writing them: shows failures, outcomes and the worst residuals of the
+//! audit.
 //!
 //!     cargo run --release --example sweep -- 200 scenes/*.toml scenes/engineered/*.toml
 //!
-//! A panic of the engine, an error, or a number that is not finite ends it with the scene and the reach; a force over
-//! 1 kN is reported. Ten reaches of a scene take some seconds.
+//! A panic of the engine, an error, or a number that is not finite ends the sweep and names scene and reach. A force
+//! over 1 kN is reported. Ten reaches of a scene take a few seconds.
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 #![allow(clippy::print_stderr, reason = "an example has no other place to print")]
 
@@ -14,7 +15,7 @@ use underbrush_recording::{Audit, GoalOutcomes, InputError, Recording};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-/// What is left of a reach.
+/// What is kept of a reach.
 struct Digest {
     goals: GoalOutcomes,
     seconds: f64,

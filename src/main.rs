@@ -19,7 +19,7 @@ use failure::Failure;
 const FIRST_STEPS: &str = "\
 First steps:
   underbrush reach scenes/mixed.toml --picture reach.svg    Simulate one reach and draw it
-  underbrush reproduce --quick                              Repeat the paper's experiments on little data
+  underbrush reproduce --quick                              The paper's experiments, small
 
 From data to a classifier:
   underbrush generate scenes/leaf.toml scenes/trunk.toml --reaches 10 --out my-set
@@ -28,8 +28,8 @@ From data to a classifier:
   underbrush reach scenes/mixed.toml --out reach.parquet
   underbrush classify model.json reach.parquet --online     Verdicts after every frame
 
-`underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to
-standard error. Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
+`underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to standard error. \
+Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
 
 /// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell from
 /// the skin's forces what each taxel touches: leaf or trunk.
@@ -93,7 +93,7 @@ enum Command {
     Validate(command::validate::Options),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(command::inspect::Options),
-    /// Print the JSON Schema of scene, arm or skin files, for use in an editor
+    /// Print the JSON Schema of scene, arm, skin or experiment files, for use in an editor
     Schema(command::schema::Options),
 }
 

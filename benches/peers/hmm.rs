@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let own = trials.iter().filter(|trial| trial.category.as_ref() == Some(category));
         let own: Vec<Observations> = own.map(observations).collect::<Result<_, _>>()?;
         let own_samples: usize = own.iter().map(Observations::sample_count).sum();
-        // The difference of two lengths of training is that of iterations alone.
+        // The difference between trainings of two lengths is the time of the iterations alone.
         let iterate = |iterations| {
             let options = TrainingOptions {
                 iterations,
@@ -72,11 +72,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Processor time of the quickest run, s.
+/// Processor time of the fastest run, s.
 fn quickest<E>(repeats: usize, mut work: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
     let mut best = f64::INFINITY;
     for _ in 0..repeats {
-        // The system's count of a thread's time moves in steps of milliseconds.
+        // The system counts a thread's time in milliseconds.
         let (wall, start, mut runs) = (Instant::now(), thread_time_s(), 0.0);
         while wall.elapsed().as_secs_f64() < 0.2 {
             work()?;
@@ -87,8 +87,8 @@ fn quickest<E>(repeats: usize, mut work: impl FnMut() -> Result<(), E>) -> Resul
     Ok(best)
 }
 
-/// Time that this thread ran, s, which other programs cannot lengthen as they can wall time; wall time where the system
-/// does not tell.
+/// Processor time of this thread, s, which other programs do not lengthen as they do wall time; wall time if the system
+/// does not report it.
 fn thread_time_s() -> f64 {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let scheduled = std::fs::read_to_string("/proc/thread-self/schedstat").ok();

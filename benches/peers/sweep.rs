@@ -18,8 +18,8 @@ use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 /// Equilibrium angles at the start, degrees: upper arm hanging, forearm forward at half the leaves' height, rotated
 /// inward.
 const START_DEG: [f64; 7] = [10.0, 12.0, -35.0, 75.0, 0.0, 0.0, 0.0];
-/// How far they go, degrees: shoulder and upper arm carry the forearm outward. Choice: it then meets about ten leaves, as
-/// in a reach of `scenes/leaf.toml`.
+/// The change of those angles, degrees: shoulder and upper arm carry the forearm outward. Choice: it then meets about
+/// ten leaves, as in a reach of `scenes/leaf.toml`.
 const SWEEP_DEG: [f64; 7] = [0.0, 15.0, 35.0, 0.0, 0.0, 0.0, 0.0];
 /// Time there and back, s: the end effector moves at up to 0.25 m/s, as fast as the slower preset lets it.
 pub const DURATION_S: f64 = 6.0;
@@ -30,10 +30,10 @@ const SPACING_M: f64 = 0.105;
 const FOAM_TOP_M: f64 = -0.50;
 /// The grid's middle, m, world frame: in the middle of what the forearm and the hand pass.
 const CENTER_WORLD: DVec2 = DVec2::new(0.32, -0.33);
-/// Room between the arm at its start and a leaf, m.
+/// Clearance between the arm at its start and a leaf, m.
 const CLEARANCE_M: f64 = 0.02;
 
-/// The leaves are those that a scene file with nothing but a count would draw.
+/// The leaves have the defaults of scene files.
 const SCENE: &str = r#"
 summary = "Leaves on a grid for a fixed sweep of the arm"
 [[objects.foam_block]]
@@ -51,8 +51,8 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// The sweep through `leaves` leaves, drawn from the seed `layout`. Fewer are the first of more: the near ones are
-    /// the same whatever the number.
+    /// The sweep through `leaves` leaves, drawn from the seed `layout`. A smaller number takes the first of them, so
+    /// that the near ones are always the same.
     pub fn new(leaves: usize, layout: u64) -> Self {
         let mut arm = Arm::cody().expect("Cody's files are sound");
         for (joint, degrees) in arm.joints.iter_mut().zip(START_DEG) {
@@ -140,7 +140,7 @@ impl Sweep {
     }
 }
 
-/// Points of a square grid, those nearest to the sweep's middle first, for as many leaves as anybody asks for.
+/// Points of a square grid, those nearest to the sweep's middle first, enough for any number of leaves.
 fn grid() -> Vec<DVec2> {
     let half = 16_i32;
     let mut points: Vec<(i32, i32)> = (-half..=half)

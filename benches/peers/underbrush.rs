@@ -66,15 +66,15 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
     })
 }
 
-/// How the first leaf of the sweep bends under a force at its tip, how fast it swings when let go, and how the arm gives
-/// under a force at its wrist.
+/// How the first leaf of the sweep bends under a force at its tip, how fast it vibrates when released, and how far a
+/// force at the wrist moves the arm.
 fn statics() -> Value {
     let options = PhysicsOptions {
         step_s: 2.5e-4,
         substeps: 1,
         ..PhysicsSection::default().options()
     };
-    // The softest leaf's damping ratio is over 0.05 at some 3 Hz: after this time e^-9 of a swing is left.
+    // The softest leaf's damping ratio is over 0.05 at about 3 Hz: after this time e^-9 of a vibration is left.
     let settle = (10.0 / options.step_s) as usize;
     let sweep = Sweep::new(1, 0);
     let (mut rig, links, leaves) = rig(&sweep, options);
@@ -89,7 +89,7 @@ fn statics() -> Value {
         let displacement = push(&mut rig, tip, force, tip_of_body, settle) - tip_world;
         pushes.push(json!({"force_world_n": force.to_array(), "displacement_world_m": displacement.to_array()}));
     }
-    // Let go, sideways last: the swing across the blade is the slower one, so that one is followed.
+    // Released after a push across the blade, because that vibration is the slower one.
     push(&mut rig, tip, across * 0.05, tip_of_body, settle);
     let swing: Vec<f64> = (0..(2.0 / options.step_s) as usize)
         .map(|_| (push(&mut rig, tip, DVec3::ZERO, tip_of_body, 1) - tip_world).dot(across))
@@ -123,7 +123,7 @@ fn rig(sweep: &Sweep, options: PhysicsOptions) -> (Rig, Vec<BodyId>, Vec<Vec<Bod
     (rig, links, leaves)
 }
 
-/// Pushes a body at a point of it for some steps; where that point is then.
+/// Pushes a body at one of its points for some steps and returns where that point is then.
 fn push(rig: &mut Rig, body: BodyId, force_world: DVec3, point_body: DVec3, steps: usize) -> DVec3 {
     for _ in 0..steps {
         let point = rig.pose_world(body).transform_point(point_body);
@@ -133,14 +133,14 @@ fn push(rig: &mut Rig, body: BodyId, force_world: DVec3, point_body: DVec3, step
     rig.pose_world(body).transform_point(point_body)
 }
 
-/// The same without skin: what the other engine does not compute must not be in the processor time.
+/// The same without skin: the other engine does not compute it, so it must not count in the processor time.
 fn bare(mut sweep: Sweep) -> Sweep {
     sweep.arm.skin.layout.patches.clear();
     sweep.arm.skin.surfaces.clear();
     sweep
 }
 
-/// Processor time of this thread, s; wall time where the system does not tell.
+/// Processor time of this thread, s; wall time if the system does not report it.
 fn processor_time_s() -> f64 {
     thread_local!(static START: Instant = Instant::now());
     std::fs::read_to_string("/proc/thread-self/schedstat")

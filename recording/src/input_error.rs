@@ -18,7 +18,7 @@ pub struct InputError {
     pub found: String,
     /// What is allowed there.
     pub allowed: String,
-    /// How to mend it.
+    /// The remedy.
     pub remedy: String,
 }
 

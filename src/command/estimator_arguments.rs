@@ -41,7 +41,7 @@ impl EstimatorArguments {
     /// The classifier and its options.
     ///
     /// # Errors
-    /// Where an option does not apply to the classifier.
+    /// If an option does not apply to the classifier.
     pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
         match self.hmm()? {
             Some(recipe) => Ok(Box::new(recipe)),
@@ -49,10 +49,10 @@ impl EstimatorArguments {
         }
     }
 
-    /// The recipe, where the classifier is that of hidden Markov models.
+    /// The recipe, if the classifier is hidden Markov models.
     ///
     /// # Errors
-    /// Where an option of hidden Markov models is given for another classifier.
+    /// If an option of hidden Markov models is given for another classifier.
     pub fn hmm(&self) -> Result<Option<Recipe>, Failure> {
         if self.classifier.name == "hmm" {
             let recipe = self.recipe.recipe();
@@ -72,7 +72,7 @@ impl EstimatorArguments {
         self.classifier.name
     }
 
-    /// The first option given that says how a classifier is fitted.
+    /// The first given option about fitting.
     pub fn given(&self) -> Option<&'static str> {
         let features = self.features.map(|_| "--features");
         self.recipe.given().first().copied().or(features)
@@ -84,8 +84,8 @@ impl EstimatorArguments {
     }
 }
 
-/// How hidden Markov models are trained. Each option is `None` where it is not given, so that a command can refuse what
-/// it would ignore.
+/// How hidden Markov models are trained. Each option is `None` if it is not given, so that a command can refuse what it
+/// would ignore.
 #[derive(Args, Clone, Debug, Default)]
 struct RecipeArguments {
     /// Preset; other options override it: the authors' recipe, or a modern one (forward score, z-scored features)

@@ -60,7 +60,7 @@ fn shard(text: &str) -> Result<Shard, String> {
     parse().ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
 }
 
-/// How a data set came out.
+/// Summary of a data set.
 #[derive(Serialize)]
 struct Summary {
     #[serde(serialize_with = "output::path")]
@@ -68,11 +68,11 @@ struct Summary {
     reaches: usize,
     frames: usize,
     simulated_s: f64,
-    /// How long it took to make; nothing for a set that was finished before.
+    /// How long it took to make; `None` for a set that was already finished.
     wall_s: Option<f64>,
     #[serde(flatten)]
     ends: Ends,
-    /// The worst figures of the audit, with the reach that they are from.
+    /// The worst residuals of the audit, each with its reach.
     audit: BTreeMap<&'static str, Worst>,
     /// The counts of the audit, summed over the reaches.
     audit_counts: BTreeMap<&'static str, u64>,
@@ -95,7 +95,7 @@ impl Summary {
         }
     }
 
-    /// For a person.
+    /// Readable text.
     fn text(&self) -> String {
         let pace = self.wall_s.map_or(String::new(), |wall_s| {
             format!(

@@ -1,4 +1,4 @@
-//! `underbrush reach`: one reach, looked at closely.
+//! `underbrush reach`: simulates one reach.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -70,7 +70,7 @@ pub struct Report {
     /// The patch whose trials are counted; `None` for an arm without skin.
     patch: Option<String>,
     taxel_trials: Option<usize>,
-    /// `None` where the patch has no grid.
+    /// `None` if the patch has no grid.
     component_trials: Option<usize>,
 }
 

@@ -21,14 +21,15 @@ use crate::{interrupt, output};
 pub struct Options {
     /// Folder for data set, trials, models, tables and report
     ///
-    /// Finished stages are cached there, and an interrupted run goes on where it stopped, as long as experiment, seed, size
-    /// and the program's sources are the same. A folder with the results of another run is refused, or replaced with --fresh.
+    /// Finished stages are cached there, and an interrupted run continues where it stopped, as long as experiment,
+    /// seed, size and the program's sources are the same. A folder with the results of another run is refused, or
+    /// replaced with --fresh.
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
     /// Fewer reaches: for the paper's experiment, 4 leaf and 8 trunk instead of 10 and 25
     #[arg(long)]
     quick: bool,
-    /// Experiment to run: a TOML file; the paper's if not given
+    /// Experiment to run (TOML file) [default: the paper's]
     ///
     /// It names training and test scenes, classifiers and figures to compare with; `underbrush schema experiment` describes
     /// its keys.
@@ -36,8 +37,9 @@ pub struct Options {
     experiment: Option<PathBuf>,
     /// Seed, instead of the experiment's
     ///
-    /// The paper's experiment has 100, the first seed on which nothing was chosen: creep, spurious readings and the contact
-    /// threshold were chosen with Table I in view on seeds 1000 to 5005, patience and the number of goals on seeds 0 to 2.
+    /// The paper's experiment uses 100. No parameter was chosen on that seed: creep, spurious readings and the contact
+    /// threshold were chosen with Table I in view on seeds 1000 to 5005, patience and the number of goals on seeds 0 to
+    /// 2.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Run N independent campaigns, of this seed and the next ones, and report mean and spread

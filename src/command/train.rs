@@ -37,8 +37,8 @@ pub struct Options {
     /// online, verdicts on the first samples of a contact are nearly always uncertain
     #[arg(long, value_name = "X", conflicts_with = "start")]
     false_positive_rate: Option<f64>,
-    /// With --false-positive-rate: the fraction of contacts expected to be outliers; known contacts are called outliers
-    /// no more often than there are any
+    /// With --false-positive-rate: the fraction of contacts expected to be outliers. Thresholds are chosen so that
+    /// false alarms (known contacts called outliers) are no more frequent than that
     #[arg(long, value_name = "X", default_value_t = 0.05, requires = "false_positive_rate")]
     outlier_prior: f64,
     #[command(flatten)]
@@ -56,11 +56,11 @@ struct Trained<'a> {
     thresholds: Option<&'a ChosenThresholds>,
 }
 
-/// How the fit went.
+/// The result of the fit.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Report {
-    /// Of hidden Markov models, which are trained iteratively.
+    /// Training of each category's model; only for hidden Markov models, which are trained iteratively.
     Training(TrainingReport),
     Counts(Counts),
 }
@@ -167,7 +167,7 @@ fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
     }
 }
 
-/// Thresholds from the training trials, where they are asked for.
+/// Thresholds from the training trials, if they are requested.
 fn thresholds(
     options: &Options,
     estimator: &dyn Estimator,
@@ -186,7 +186,7 @@ fn thresholds(
     let chosen = held_out
         .choose_thresholds(&BTreeMap::new(), targets)
         .map_err(|error| match error {
-            // The option's fault and not the trials'.
+            // Then the option is at fault, not the trials.
             ThresholdError::BadTarget { .. } => error.into(),
             _ => about(error.into()),
         })?;
@@ -196,7 +196,7 @@ fn thresholds(
     Ok(Some(chosen))
 }
 
-/// Choice: thresholds that leave more than this fraction uncertain are of no use to anybody.
+/// Choice: thresholds that leave more than this fraction uncertain are useless.
 const NEARLY_ALL: f64 = 0.9;
 
 /// What a user should know before relying on the thresholds.

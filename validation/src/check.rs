@@ -51,7 +51,7 @@ impl Simulated {
     }
 }
 
-/// Why a case came to no comparison.
+/// Why a case produced no comparisons.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
     /// The files of the arm are bad.
@@ -62,7 +62,7 @@ pub enum CheckError {
     Case(String),
 }
 
-/// How a comparison or a check came out, best first.
+/// The verdict on a comparison or a check, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -83,9 +83,9 @@ pub struct Outcome {
     pub name: &'static str,
     /// What it shows.
     pub summary: &'static str,
-    /// The worst of its comparisons; a failure where a case broke off.
+    /// The worst verdict of its comparisons; a failure if a case ended with an error.
     pub verdict: Verdict,
-    /// Why cases came to no comparison, where they broke off.
+    /// The errors of cases that produced no comparisons.
     pub errors: Vec<String>,
     /// Its comparisons, each with its verdict.
     pub comparisons: Vec<Judged>,
@@ -99,7 +99,7 @@ pub struct Judged {
     pub comparison: Comparison,
     /// Its verdict at the tolerance scale of the run.
     pub verdict: Verdict,
-    /// Why it is a known shortfall, where it is one.
+    /// The cause, if it is a known shortfall.
     pub cause: Option<&'static str>,
 }
 
@@ -124,10 +124,10 @@ impl Judged {
     }
 }
 
-/// What a case found, or why it broke off.
+/// The comparisons of a case, or the error that ended it.
 pub(crate) type Found = Result<Vec<Comparison>, CheckError>;
 
-/// Runs a case. A panic inside the physics engine is an error of this case and leaves the others.
+/// Runs a case. A panic inside the physics engine becomes an error of this case, and the other cases still run.
 pub(crate) fn run_case(case: &Case, simulated: Simulated) -> Found {
     catch_unwind(AssertUnwindSafe(|| (case.compare)(simulated)))
         .unwrap_or_else(|_| Err(CheckError::Case("broke off inside the physics engine".into())))
@@ -156,8 +156,8 @@ pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> V
         .collect()
 }
 
-/// Judges what the cases of a check found. A check without any comparison fails, and so does one of which a case broke
-/// off.
+/// Judges what the cases of a check found. A check without any comparison fails, and so does one with a case that ended
+/// with an error.
 pub fn judge(check: &Check, found: Vec<Result<Vec<Comparison>, CheckError>>, tolerance_scale: f64) -> Outcome {
     let mut errors = Vec::new();
     let mut comparisons = Vec::new();
@@ -190,7 +190,8 @@ mod tests {
     use super::*;
     use crate::CHECKS;
 
-    /// Pins that a check fails when it compares nothing, and when one of its cases breaks off although the others pass.
+    /// Pins that a check fails when it compares nothing, and when one of its cases ends with an error although the
+    /// others pass.
     #[test]
     fn a_check_without_comparisons_fails() {
         let check = &CHECKS[0];

@@ -61,7 +61,7 @@ impl Comparison {
         }
     }
 
-    /// Demands that `found` does not pass `bound`: only what is above it counts as residual.
+    /// Requires `found` ≤ `bound`. The residual is the excess.
     pub fn at_most(
         quantity: impl Into<String>,
         unit: &'static str,
@@ -78,8 +78,8 @@ impl Comparison {
         }
     }
 
-    /// Whether the residual is under the scaled tolerance: strictly, so that a scale of 0 fails everything, and never
-    /// where it is not a number.
+    /// Whether the residual is strictly below the scaled tolerance, so that a scale of 0 fails everything. NaN never
+    /// passes.
     pub fn passes(&self, tolerance_scale: f64) -> bool {
         self.residual < self.tolerance * tolerance_scale
     }
@@ -89,7 +89,7 @@ impl Comparison {
 mod tests {
     use super::*;
 
-    /// Pins that equality passes, but not at scale 0, and that what is not a number never passes.
+    /// Pins that equality passes except at scale 0, and that NaN never passes.
     #[test]
     fn only_numbers_under_the_tolerance_pass() {
         let compare = |expected, found| Comparison::relative("x", "m", expected, found, 0.01, "none");

@@ -1,4 +1,4 @@
-//! Check 13: errors fall with the step and with the number of hinges as the methods' orders say.
+//! Check 13: errors fall with the step and with the number of hinges at the orders of the methods.
 
 use glam::DVec3;
 use underbrush_oracles::oscillator::Oscillator;
@@ -9,7 +9,7 @@ use crate::leaf_case::{ClampedLeaf, LENGTH_M, MASS_PER_LENGTH_KG_PER_M, RIGIDITY
 use crate::leaf_vibration::{LOSS_FACTOR, LOSSY_BLADE, pluck};
 use crate::{Case, Check, CheckError, Comparison, Simulated};
 
-/// Check 13. Its falsifications are errors that stay, however short the step and however many the hinges.
+/// Check 13. Its falsifications add errors that do not fall with the step or the number of hinges.
 pub const CHECK: Check = Check {
     number: 13,
     name: "convergence",
@@ -69,9 +69,9 @@ fn joint_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// Gauss-Legendre quadrature is exact for a load at the tip. Below the tip the deflection's integrand, (a − x)² up to
-/// the load and 0 above, has a jump in its second derivative, for which the error falls with n⁻³; it swings with the
-/// load's place between two hinges, so its root mean square over places is taken.
+/// Gauss-Legendre quadrature is exact for a load at the tip. For a load below the tip, the deflection's integrand is (a
+/// − x)² up to the load and 0 above it. Its second derivative jumps, so the error falls with n⁻³. The error oscillates
+/// with the load's position between two hinges, so its root mean square over positions is used.
 fn leaf_in_hinges(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let rigidity = RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.05);
     let load_n = 0.002;
@@ -98,5 +98,5 @@ fn leaf_in_hinges(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// Places of the load over which the error is averaged.
+/// Positions of the load over which the error is averaged.
 const PLACES: u32 = 24;

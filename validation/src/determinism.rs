@@ -136,13 +136,13 @@ fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, CheckError> {
     Ok(done.into_iter().flat_map(|(_, bytes)| bytes).collect())
 }
 
-/// All numbers of a recording, exactly: Rust prints a float with as many digits as tell it from every other.
+/// All numbers of a recording, exactly: Rust prints enough digits to distinguish a float from every other.
 fn bytes(recording: &Recording) -> Vec<u8> {
     format!("{:?} {:?} {:?}", recording.objects, recording.goals, recording.frames).into_bytes()
 }
 
-/// The reports of a simulation and of its copy, as bytes, for a second after the copy was made in the middle of a push on a
-/// leaf. The equilibrium angles of the copy are larger by `more_rad`.
+/// The reports of a simulation and of its copy, as bytes. The copy is made in the middle of a push on a leaf, and both
+/// run for another second. The equilibrium angles of the copy are larger by `more_rad`.
 fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
     let arm = Arm::cody()?;
     let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(LEAF), 0.002, 0.3), OPTIONS)?;
@@ -186,7 +186,7 @@ fn restore(lost: bool) -> Result<[Vec<u8>; 2], CheckError> {
     Ok(found)
 }
 
-/// The number of bytes that differ, including those by which one is longer. Nothing at all counts as a difference.
+/// The number of bytes that differ, including those by which one is longer. Empty input counts as one difference.
 fn differing(left: &[u8], right: &[u8]) -> usize {
     let unequal = left.iter().zip(right).filter(|(a, b)| a != b).count();
     unequal + left.len().abs_diff(right.len()) + usize::from(left.is_empty())

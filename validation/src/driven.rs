@@ -7,7 +7,7 @@ use underbrush_sim::simulation::rig::{BodyId, Rig};
 
 use crate::CheckError;
 
-/// A moment of a driven path.
+/// One step of a driven path.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Displacement of the coordinate, m.
@@ -16,7 +16,7 @@ pub struct Point {
     pub force: f64,
 }
 
-/// An object of which one coordinate is watched or driven.
+/// An object with one coordinate that is observed or driven.
 pub struct Driven {
     rig: Rig,
     body: BodyId,
@@ -26,8 +26,8 @@ pub struct Driven {
 impl Driven {
     /// Length of a step, s.
     pub const STEP_S: f64 = 1e-3;
-    /// Stiffness of the drive relative to the coordinate's own. It only has to be stiff: the force is that of the drive
-    /// itself, its stiffness times its lag.
+    /// Stiffness of the drive relative to the coordinate's own. The exact value does not matter, because the force is
+    /// computed from the drive itself: its stiffness times its lag.
     const DRIVE: f64 = 1e3;
 
     /// The object at rest, with the coordinate along `axis` of the joint that carries body number `body`.

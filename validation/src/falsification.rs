@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::check::{Found, run_case};
 use crate::{Case, Check, CheckError, Comparison, Falsification, Judged, Simulated, Verdict};
 
-/// What the falsifications of one check did.
+/// The results of the falsifications of one check.
 #[derive(Clone, Debug, Serialize)]
 pub struct FalsifiedOutcome {
     /// The check's number.
@@ -15,9 +15,10 @@ pub struct FalsifiedOutcome {
     pub name: &'static str,
     /// What it shows.
     pub summary: &'static str,
-    /// Whether every comparison is broken by a falsification, and every falsification breaks what it must.
+    /// Whether every comparison is broken by a falsification, and every falsification breaks the comparisons that it
+    /// must.
     pub sound: bool,
-    /// What is not as it should be; empty when sound.
+    /// The faults found; empty if the check is sound.
     pub faults: Vec<String>,
     /// The falsifications, case by case.
     pub falsifications: Vec<Falsification>,
@@ -94,7 +95,7 @@ pub fn judge_falsified(
             let wrong = format!("{}, {}", falsification.wrong, falsification.by);
             let found = match found {
                 Ok(found) => found,
-                // A case that breaks off tells nothing of its comparisons.
+                // A case that ends with an error says nothing about its comparisons.
                 Err(error) => {
                     faults.push(format!("with {wrong}: {error}"));
                     continue;
@@ -205,7 +206,8 @@ mod tests {
         assert_eq!(outcome.faults, ["with mass, 1 % too high: length does not fail"]);
     }
 
-    /// Pins that a case which breaks off, a case without comparisons, and a name that no comparison has are faults.
+    /// Pins that a case that ends with an error, a case without comparisons, and a name that no comparison has are
+    /// faults.
     #[test]
     fn what_cannot_be_judged_is_a_fault() {
         const ALONE: Check = check(&[Case {

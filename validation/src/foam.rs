@@ -65,7 +65,7 @@ const DRIVING_FOAM: Falsification = Falsification {
 };
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
-/// Figures of the blocks' own file: what the closed forms are given.
+/// The parameters of the blocks, which the closed forms use.
 const DENSITY_KG_PER_M3: f64 = 25.0;
 const BLOCK_AREA_M2: f64 = 0.25 * 0.10;
 const WET_RELAXING_SHARE: f64 = 0.3;
@@ -82,7 +82,7 @@ const ROLL: FoamRoll = FoamRoll {
     relaxation_time_s: 2.0,
     density_kg_per_m3: 30.0,
 };
-/// The slice of the roll that is driven, counted from the table, among ten.
+/// Index of the driven slice, of ten, counted from the table.
 const SLICE: usize = 6;
 
 fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -111,7 +111,7 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         Comparison::relative(
             "wet block, sag ρ g H² / 2 E at the relaxed modulus",
             "m",
-            // What has crept away comes on top of the sag felt at once.
+            // Creep adds to the instantaneous sag.
             sag / (1.0 - WET_RELAXING_SHARE),
             -sunk,
             0.03,
@@ -120,7 +120,7 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// What the roll's file says, as the simulated roll has it.
+/// The simulated roll, with the parameters of the roll's file.
 fn roll(simulated: Simulated) -> FoamRoll {
     FoamRoll {
         modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05),
@@ -154,7 +154,7 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let held = slice(simulated)?.drive(|_| DEPTH_M, 6.0);
     let at = |time_s: f64| held[(time_s / Driven::STEP_S) as usize].force;
     let (first, early, late) = (at(0.1), at(1.0), at(3.0));
-    // Three forces two equal times apart: their differences' ratio is e^(−Δt/τ), whatever the spring beside it.
+    // Three forces at equal intervals: the ratio of their differences is e^(−Δt/τ), whatever the parallel spring.
     let time_s = 2.0 / ((early - late) / (late - at(5.0))).ln();
     Ok(vec![
         Comparison::relative(
@@ -179,7 +179,7 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let frequency = 1.0 / ROLL.relaxation_time_s;
     let period_s = std::f64::consts::TAU / frequency;
-    // The first cycles settle the dashpot: e^(−2π) of it is left after each.
+    // The first cycles let the dashpot settle: after each, e^(−2π) of its transient is left.
     let cycles = slice(simulated)?.drive(|time_s| DEPTH_M * (frequency * time_s).sin(), 3.0 * period_s);
     let last = &cycles[cycles.len() - (period_s / Driven::STEP_S).round() as usize - 1..];
     Ok(vec![Comparison::relative(
@@ -204,10 +204,10 @@ fn wandering_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     )])
 }
 
-/// Out by 1 cm in a second and back: half-way back the slice pushes less than half-way out.
+/// Moves the slice by 1 cm and back, one second each way. At half the distance it pushes less on the way back.
 fn returning_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let way = slice(simulated)?.drive(|time_s| DEPTH_M * (1.0 - (time_s - 1.0).abs()).max(0.0), 2.0);
-    // The first point is that after one step.
+    // The first point is the one after one step.
     let force_n = |time_s: f64| way[(time_s / Driven::STEP_S).round() as usize - 1].force;
     let expected = |time_s| solid().there_and_back_force(1.0, time_s);
     Ok(vec![Comparison::relative(
@@ -221,12 +221,12 @@ fn returning_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     )])
 }
 
-/// A way without rule: three sines of no common period, under 1 cm, from rest.
+/// An irregular motion: three sines without a common period, less than 1 cm, starting at rest.
 fn wander(time_s: f64) -> f64 {
     0.004 * (1.7 * time_s).sin() + 0.003 * (0.45 * time_s).sin() + 0.002 * (7.3 * time_s).sin()
 }
 
-/// ∫ F dx along the way.
+/// ∫ F dx along the path.
 fn work(way: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let pairs = way.clone().zip(way.skip(1));
     pairs
@@ -234,7 +234,7 @@ fn work(way: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
         .sum()
 }
 
-/// The least of the work put in up to any moment.
+/// The minimum over time of the work done so far.
 fn min_work(way: &[crate::driven::Point]) -> f64 {
     let mut sum = 0.0;
     let sums = way.windows(2).map(|pair| {

@@ -45,7 +45,7 @@ const DRIVING_DAMPERS: Falsification = Falsification {
 
 const STEP_S: f64 = 1e-3;
 const SECONDS: f64 = 5.0;
-/// Joint velocities of an ordinary reach, rad/s.
+/// Joint velocities of a typical reach, rad/s.
 const VELOCITY_RAD_PER_S: [f64; 7] = [0.3, -0.2, 0.4, -0.3, 0.5, 0.3, -0.4];
 
 fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {

@@ -94,7 +94,7 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     pressed.hold(&equilibrium, 1.0);
     let (mut largest, mut opposed, mut whole) = (0.0_f64, 0.0, 0.0);
     for _ in 0..50 {
-        // The upper arm swings on: the forearm is drawn along the trunk.
+        // The upper arm keeps moving and draws the forearm along the trunk.
         equilibrium[0] += 0.004;
         pressed.hold(&equilibrium, 0.01);
         for taxel in pressed.forearm_taxels()? {
@@ -107,7 +107,7 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
             let slip = pressed.velocity_world(contact.link, contact.position_link);
             let along = slip.reject_from_normalized(contact.inward_world);
             let rubbing = contact.force_world.reject_from_normalized(contact.inward_world);
-            // Slower than this it may stick.
+            // Below this speed it may stick.
             if along.length() > 5e-3 {
                 opposed -= rubbing.dot(along.normalize());
                 whole += rubbing.length();
@@ -139,7 +139,7 @@ fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
     let (mut holds, mut slips) = (0.1, 0.8);
     for _ in 0..12 {
         let slope = 0.5 * (holds + slips);
-        // What still slides after a second slips: 5 mm/s is a slope 0.03° too steep.
+        // A box that still slides after a second slips. At 5 mm/s the slope is 0.03° too steep.
         let speeds = sliding_speeds(slope, friction, may_rotate);
         if speeds.last().is_some_and(|speed| *speed > 5e-3) {
             slips = slope;

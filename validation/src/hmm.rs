@@ -56,7 +56,7 @@ const SHORT_STATES: Falsification = Falsification {
     breaks: Breaks::Named(&["stays"]),
 };
 
-/// Sequences and samples in each, drawn to train on.
+/// Number of training sequences, and of samples in each.
 const SEQUENCES: usize = 200;
 const SAMPLES: usize = 100;
 
@@ -141,8 +141,8 @@ fn drawn(parameters: &HmmParameters) -> Result<Vec<Observations>, CheckError> {
     (0..SEQUENCES).map(|_| draw(parameters, &mut random)).collect()
 }
 
-/// Trains by one iteration after the other and scores all sequences after each: what training itself says of its
-/// likelihood has no part in it.
+/// Trains one iteration at a time and scores all sequences after each. The likelihood that training itself reports is
+/// not used.
 fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let sequences = drawn(&truth())?;
     let (one, other) = sequences.split_at(SEQUENCES / 2);
@@ -179,12 +179,12 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// Enough for the likelihood to stand still but for rounding.
+/// Enough for the likelihood to converge to rounding error.
 const ITERATIONS: usize = 40;
 
-/// The tolerances are four standard errors of what is counted in n independent samples of a state whose state is known:
-/// σ / √n of a mean, σ² √(2/n) of a variance, √(p (1 − p) / n) of a probability. The states here, three or more standard
-/// deviations of the wider one apart, are nearly known.
+/// The tolerances are four standard errors of an estimate from n independent samples whose state is known: σ / √n for a
+/// mean, σ² √(2/n) for a variance, √(p (1 − p) / n) for a probability. The states here are at least three standard
+/// deviations of the wider one apart, so they are nearly known.
 fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let truth = truth();
     let mut wrong = truth.clone();

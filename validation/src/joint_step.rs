@@ -67,7 +67,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// A simulated step response and the oscillator that it should be.
+/// A simulated step response and the oscillator that it should match.
 pub struct Response {
     /// The oscillator of the closed form.
     pub exact: Oscillator,
@@ -89,7 +89,7 @@ impl Response {
 
 /// Simulates the response of the shoulder with the link on it, alone, to a step of its equilibrium angle.
 pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError> {
-    // The posture does not matter to a single joint.
+    // The posture does not matter for a single joint.
     let mut arm = Arm::cody()?;
     arm.joints.truncate(1);
     arm.links.truncate(2);
@@ -105,7 +105,7 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError
     let exact = Oscillator::new(inertia, stiffness, joint.damping_nm_s_per_rad);
     joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINT, 1.0, 1.05);
 
-    // From 0, so that an angle over the target is a response.
+    // Starts at 0, so that angle / target is the step response.
     arm.joints[0].start_rad = 0.0;
     let physics = PhysicsOptions {
         step_s,

@@ -1,4 +1,4 @@
-//! Check 6: springs at rest hold what the skin feels.
+//! Check 6: at rest, the springs balance the contact forces.
 
 use nalgebra::DVector;
 use underbrush_sim::arm::Arm;

@@ -42,20 +42,20 @@ const FEWER_HINGES: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 
-/// A step of 10 ms for states of rest: they do not depend on it.
+/// A step of 10 ms, because states of rest do not depend on it.
 const STEP_S: f64 = 0.01;
 /// Bends the leaf by a hundredth of its length.
 const SMALL_LOAD_N: f64 = 0.002;
 
-/// Loss factor 1 brings a leaf to rest soon; the state of rest does not depend on it.
+/// A loss factor of 1 brings a leaf to rest quickly. The state of rest does not depend on it.
 fn damped_leaf(segments: u32, simulated: Simulated) -> Result<ClampedLeaf, CheckError> {
     let rigidity = RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.05);
     ClampedLeaf::new(&blade(segments, rigidity, 1.0), STEP_S)
 }
 
-/// The hinges' places have no part in this tolerance: n ≥ 2 Gauss-Legendre hinges integrate (L − x)², on which the tip's
-/// deflection depends, without error (`chain` in the oracles). What is left is the next term of the elastica, 9e-6 at this
-/// load. It is doubled, because the chain's own next term is not quite the strip's.
+/// The positions of the hinges do not contribute to this tolerance: n ≥ 2 Gauss-Legendre hinges integrate (L − x)², on
+/// which the tip's deflection depends, exactly (`chain` in the oracles). The next term of the elastica remains, 9e-6 at
+/// this load. It is doubled, because the chain's next term differs a little from the strip's.
 fn small_load_tolerance() -> f64 {
     2.0 * elastica::small_load_error(SMALL_LOAD_N * LENGTH_M.powi(2) / RIGIDITY_N_M2)
 }

@@ -8,7 +8,7 @@ use underbrush_sim::simulation::rig::{BodyId, Rig};
 
 use crate::{Breaks, CheckError, Falsification};
 
-/// A blade of middling size; the closed forms are given these figures.
+/// A blade of medium size. The closed forms use these numbers.
 pub const LENGTH_M: f64 = 0.3;
 pub const RIGIDITY_N_M2: f64 = 0.02;
 pub const MASS_PER_LENGTH_KG_PER_M: f64 = 0.024;
@@ -78,7 +78,7 @@ impl ClampedLeaf {
         self.rig.step();
     }
 
-    /// The tip at rest under a constant load, which is laid on over the first second.
+    /// The tip at rest under a constant load, which increases over the first second.
     ///
     /// # Errors
     /// When it does not come to rest.

@@ -45,7 +45,7 @@ pub const LOSSY_BLADE: Falsification = Falsification {
 
 /// ω Δt / 2 of the leaf below: the integrator's own damping ratio stays under 0.2 %.
 const STEP_S: f64 = 1e-4;
-/// Some seven periods.
+/// About seven periods.
 const SECONDS: f64 = 1.3;
 /// Loss factor of the damped leaf.
 pub const LOSS_FACTOR: f64 = 0.1;

@@ -22,7 +22,7 @@ pub struct Portrait {
     pub force_n: Vec<f64>,
 }
 
-/// What would push the forearm on each object if nothing moved, N.
+/// Force with which the springs would push the forearm on each object if nothing moved, N.
 const PUSH_N: f64 = 6.0;
 
 fn leaf() -> Box<dyn Object> {
@@ -84,7 +84,7 @@ fn portrait(
     let push = pressed.pressing_rad(PUSH_N);
     let mut best = vec![0.0; grid.rows * grid.columns];
     for frame in 1..=300 {
-        // Slowly: what is to be seen is how the object presses, not how it is hit.
+        // Slowly, because the picture shows how the object presses, not an impact.
         let share = f64::from(frame) / 300.0;
         pressed.hold_part_way(&push, share);
         let mut force_n = vec![0.0; best.len()];

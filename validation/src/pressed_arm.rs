@@ -13,7 +13,7 @@ use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
 use crate::CheckError;
 
-/// Steps of 5 ms in four substeps: half as long as scenes use unless they say otherwise.
+/// Steps of 5 ms in four substeps: half the default step of scenes.
 pub const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
     substeps: 4,
@@ -139,7 +139,7 @@ impl PressedArm {
         let mut moved = self.posture_rad.clone();
         let start = self.arm.forward_kinematics(&moved)[self.forearm].transform_point(PLACE_LINK);
         let goal = start + self.across_world * distance_m;
-        // Newton's method: the way is short, three steps would do.
+        // Newton's method. The distance is short, so three steps would be enough.
         for _ in 0..6 {
             let poses = self.arm.forward_kinematics(&moved);
             let place = poses[self.forearm].transform_point(PLACE_LINK);

@@ -49,7 +49,7 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparis
     }])
 }
 
-/// The sums of one reach with dampers `wrong` times as strong as the balance is told.
+/// The energy balance of one reach whose dampers are `wrong` times as strong as the balance assumes.
 fn reach(name: &str, text: &str, wrong: f64) -> Result<EnergySums, CheckError> {
     let mut scene = Scene::parse(format!("{name}.toml"), text.into())?;
     scene.file.physics.step_s = 1e-3;
@@ -58,11 +58,11 @@ fn reach(name: &str, text: &str, wrong: f64) -> Result<EnergySums, CheckError> {
     let mut plan = ReachPlan::new(scene, None, 0)?;
     for joint in &mut plan.arm.joints {
         joint.damping_nm_s_per_rad *= wrong;
-        // The engine does not tell what a stop takes.
+        // The engine does not report the work of a joint stop.
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
     }
     let recording = plan.run(0, &mut |_, _| {})?;
-    // The same reach once more, now with its energies watched.
+    // The same reach again, with its energies recorded.
     let mut simulation = plan.simulation(0)?;
     let mut balance = EnergyBalance::new(&simulation);
     // The last frame ends the reach.

@@ -120,7 +120,7 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         spurious_share: simulated.with(SPURIOUS_LEFT_ON, 0.0, 2.0 / 384.0),
         ..SensorOptions::off()
     })?;
-    // A force far from zero, so that nothing is cut.
+    // A force far from zero, so that nothing is clipped.
     let force = 1.0;
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..FRAMES {
@@ -200,8 +200,8 @@ fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 /// A taxel of the forearm with four neighbours: in the middle of 384.
 const INNER_TAXEL: usize = TAXELS / 2 + 3;
 
-/// What a force on one taxel becomes on itself and on the others: the sum of its kernel, of the taxel whose sum is farthest
-/// from 1, and the parts of a taxel with four neighbours.
+/// Crosstalk of a force on one taxel: the kernel's sum for the taxel where it is farthest from 1, and the shares of a
+/// taxel with four neighbours.
 fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let share = 0.2;
     let mut options = SensorOptions {
@@ -266,7 +266,7 @@ fn creep(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// The area of the fabric's loop to a force and back.
+/// The area of the fabric's hysteresis loop up to a force and back.
 fn hysteresis(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let (share, peak, steps) = (0.25, 8.0, 4000);
     let mut options = SensorOptions::off();

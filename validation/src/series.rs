@@ -1,4 +1,4 @@
-//! Check 14: arm, contact and object are springs one behind the other.
+//! Check 14: arm, contact and object are springs in series.
 
 use glam::DVec3;
 use nalgebra::Vector3;
@@ -56,7 +56,7 @@ const STIFF_JOINTS: Falsification = Falsification {
 
 const LEAF_HEIGHT_M: f64 = 0.4;
 const LEAF_RIGIDITY_N_M2: f64 = 0.02;
-/// It relaxes in a fifth of a second: a state of rest shows what remains of its stiffness.
+/// It relaxes within a fifth of a second, so a state of rest shows the relaxed stiffness.
 const ROLL: FoamRoll = FoamRoll {
     diameter_m: 0.12,
     height_m: 0.5,
@@ -75,7 +75,7 @@ struct Pushed {
     place_link: DVec3,
     angle_rad: Vec<f64>,
     equilibrium_rad: Vec<f64>,
-    /// How far the engine lets the two shapes into each other, m.
+    /// Overlap of the two shapes, m.
     overlap_m: f64,
 }
 
@@ -83,13 +83,13 @@ struct Pushed {
 fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let leaf = Leaf {
         height_m: LEAF_HEIGHT_M,
-        // Narrow, so that it is touched at its middle line and not twisted.
+        // Narrow, so that it is touched at its midline and not twisted.
         width_m: 0.01,
         flexural_rigidity_n_m2: LEAF_RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.1),
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.3,
         root_stiffness_nm_per_rad: None,
-        // Many, so that the closed form may be the beam's.
+        // Many, so that the beam's closed form applies.
         segments: 20,
     };
     let pushed = push(Beside::facing(Box::new(leaf), 0.002, drop_m), [0.003, 0.004], simulated)?;
@@ -98,9 +98,9 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>
     })
 }
 
-/// A roll that is touched at the middle of its sixth slice of ten. A slice slides as a bar as long and as wide as the
-/// roll's diameter is pressed in; the core under it leans so that its top moves as that of a cantilever, and what is lower
-/// moves in proportion to its height.
+/// A roll that is touched at the middle of its sixth slice of ten. A slice is compressed like a bar as long and as wide
+/// as the roll's diameter. The core leans so that its top moves like that of a cantilever, and lower points move in
+/// proportion to their height.
 fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let roll = FoamRoll {
         modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1),
@@ -173,12 +173,12 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
     })
 }
 
-/// The rise of force over the rise of the equilibrium point between two states, beside arm and object in series. Place
-/// and direction of the contact are the means of the two states'.
+/// Increase of force over displacement of the equilibrium point between two states, compared with arm and object in
+/// series. Position and direction of the contact are the means of the two states.
 ///
-/// Between arm and object lies the engine's contact, whose softness is a choice of the engine's and in no scene. It has no
-/// closed form here: how far the shapes overlap is measured and taken from the push, so that nothing of the expected value
-/// is read from the simulation but where the arm is touched.
+/// The engine's contact between arm and object is soft, too. Its softness is a choice of the engine, not a parameter of
+/// a scene, and has no closed form here. So the overlap of the shapes is measured and subtracted from the push. Of the
+/// expected value, only the position of the contact is read from the simulation.
 fn series(
     name: &str,
     (pressed, [less, more]): &(PressedArm, [Pushed; 2]),

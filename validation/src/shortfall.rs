@@ -1,22 +1,22 @@
-//! The list of tolerances that are not met, with how far they are missed and why.
+//! The tolerances that are not met, by how much, and why.
 
 use serde::Serialize;
 
-/// A tolerance that is known not to be met. It does not count as a pass; it fails only when it gets worse.
+/// A tolerance that is known not to be met. It does not count as a pass, and fails only when it gets worse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shortfall {
     /// Name of the check.
     pub check: &'static str,
-    /// The quantity that misses.
+    /// The quantity that misses its tolerance.
     pub quantity: &'static str,
-    /// The residual must stay under this: what was measured, and a twentieth more for other machines.
+    /// The residual must stay below this: the measured value plus 5 % for other machines.
     pub bound: f64,
     /// Why it misses.
     pub cause: &'static str,
 }
 
 /// Solver of `rapier3d` 0.36.1: `ContactConstraintTangentPart::solve` and `generic_solve`.
-const BOX_THAT_TURNS: &str = "the engine limits K⁻¹ v to μ N, where v is the slip velocity and K⁻¹ the effective mass at the \
+const BOX_THAT_ROTATES: &str = "the engine limits K⁻¹ v to μ N, where v is the slip velocity and K⁻¹ the effective mass at the \
      contact point. If the effective mass depends on the direction, as at the corners of a body that can rotate, friction \
      does not oppose the slip exactly: here it is 25° off, and cos 25° = 0.907. It is exact for a body that cannot rotate";
 
@@ -26,19 +26,19 @@ pub const SHORTFALLS: &[Shortfall] = &[
         check: "friction",
         quantity: "slope at which a free box slips",
         bound: 1.95,
-        cause: BOX_THAT_TURNS,
+        cause: BOX_THAT_ROTATES,
     },
     Shortfall {
         check: "friction",
         quantity: "acceleration of a free box at 30°",
         bound: 0.223,
-        cause: BOX_THAT_TURNS,
+        cause: BOX_THAT_ROTATES,
     },
     Shortfall {
         check: "friction",
         quantity: "acceleration of a free box at 45°",
         bound: 0.066,
-        cause: BOX_THAT_TURNS,
+        cause: BOX_THAT_ROTATES,
     },
     Shortfall {
         check: "friction",

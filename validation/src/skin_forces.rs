@@ -1,4 +1,4 @@
-//! Check 5: taxels feel what the solver does, and bodies push each other equally.
+//! Check 5: the forces on taxels add up to the solver's, and bodies push each other with equal forces.
 
 use glam::DVec3;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
@@ -140,7 +140,7 @@ fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(),
         solver += force;
         solver_moment += contact.position_link.cross(force);
     }
-    // A graze on one or two taxels may lie outside the cones of both.
+    // A light touch on one or two taxels may lie outside the cones of both.
     if solver.length() < 0.5 {
         return Ok(());
     }
@@ -167,7 +167,7 @@ fn collision(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// Momentum that ball and box lose together, of what the ball gave away.
+/// Momentum that ball and box lose together, relative to the momentum that the ball gave away.
 fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
     let mut rig = Rig::new(PhysicsOptions {
         gravity_m_per_s2,

@@ -139,7 +139,7 @@ fn fine_skin(name: &str, pressed: &Pressed, radii_m: [f64; 2]) -> Vec<Comparison
 }
 
 impl Pressed {
-    /// Depth to which the shape presses into a patch at its origin, read from its most pressed taxel, m.
+    /// Depth to which the shape presses into a patch at its origin, read from the taxel with the largest force, m.
     fn depth_m(&self, pitch_m: f64, force_n: f64) -> f64 {
         let contact = ContactPoint {
             position_link: DVec3::ZERO,
@@ -193,7 +193,8 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
     }
 }
 
-/// A trunk across the forearm's real skin: the most pressed taxel's force beside the integral of Winkler's pressure over it.
+/// A trunk across the forearm's real skin: the largest taxel force, compared with the integral of Winkler's pressure
+/// over that taxel.
 fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let arm = Arm::cody()?;
     let stiffness = arm.skin.stiffness_n_per_m3;
@@ -243,7 +244,7 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
-/// Winkler's pressure integrated over each square taxel, N, at the depth where all together carry `force_n`.
+/// Winkler's pressure integrated over each square taxel, N, at the depth at which the taxels together carry `force_n`.
 fn taxel_forces_n(stiffness: f64, radii_m: [f64; 2], places: &[[f64; 2]], side_m: f64, force_n: f64) -> Vec<f64> {
     const FINE: i32 = 15;
     let spacing = side_m / f64::from(FINE);

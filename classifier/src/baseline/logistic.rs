@@ -19,7 +19,7 @@ use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 pub(crate) const KIND: ClassifierKind = ClassifierKind {
     name: "logistic",
     aliases: &[],
-    summary: "Logistic regression on the force course of taxel and contact region so far",
+    summary: "Logistic regression on statistics of the forces on taxel and contact region since contact",
     estimator: |features| Box::new(Logistic::with(features.unwrap_or(TAXEL_AND_REGION))),
     load,
 };
@@ -215,7 +215,7 @@ impl ContactScorer for Contact {
     }
 }
 
-/// ln P(category | features), one a category.
+/// ln P(category | features), one per category.
 fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
     let of = |row: usize| -> f64 {
         let sum: f64 = features

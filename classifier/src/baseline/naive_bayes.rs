@@ -18,7 +18,7 @@ use crate::stream_feature::{Selection, StreamFeatures};
 pub(crate) const KIND: ClassifierKind = ClassifierKind {
     name: "naive-bayes",
     aliases: &[],
-    summary: "Naive Bayes on the force course of the taxel so far",
+    summary: "Naive Bayes on statistics of the taxel's force since contact",
     estimator: |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
     load,
 };

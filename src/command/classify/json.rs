@@ -1,4 +1,4 @@
-//! JSON taken apart key by key, so that an error can name the field and quote what stands there.
+//! Reads JSON key by key, so that an error can name the field and quote its value.
 
 use std::fmt;
 
@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use serde_json::{Map, Value};
 
-/// What is wrong with a line, as its answer says it.
+/// What is wrong with a line, as printed in the answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LineError {
-    /// Where, for instance `taxels[3].sensed_force_n`.
+    /// The field, for instance `taxels[3].sensed_force_n`.
     pub field: String,
-    /// What stands there.
+    /// What was found.
     pub found: String,
-    /// What is allowed there.
+    /// What is allowed.
     pub allowed: String,
 }
 
@@ -31,7 +31,7 @@ pub struct Object<'a> {
     entries: &'a Map<String, Value>,
 }
 
-/// A value in which no object has a key twice: of two values it would be unknown which is meant.
+/// A value in which no object has a key twice. With two values it would be unclear which one is meant.
 struct Unique(Value);
 
 impl<'de> Deserialize<'de> for Unique {
@@ -91,7 +91,7 @@ impl<'de> Deserialize<'de> for Unique {
     }
 }
 
-/// Longest quotation of a line in an error, characters.
+/// Largest number of characters of a line that an error quotes.
 const MAX_QUOTED: usize = 60;
 
 /// The start of a text.
@@ -103,12 +103,12 @@ fn quoted(text: &str) -> String {
     quoted
 }
 
-/// The value that a whole line is.
+/// Reads a whole line as one value.
 pub fn parse(text: &str) -> Result<Value, LineError> {
     let parsed: Result<Unique, serde_json::Error> = serde_json::from_str(text);
     parsed.map(|Unique(value)| value).map_err(|error| {
         let message = error.to_string();
-        // There is one line only; its number in the stream is told beside the error.
+        // serde's line number is always 1; the answer gives the line's number in the stream.
         let cause = message.rsplit_once(" at line ").map_or(&*message, |(cause, _)| cause);
         LineError {
             field: "line".into(),
@@ -119,7 +119,7 @@ pub fn parse(text: &str) -> Result<Value, LineError> {
 }
 
 impl<'a> Object<'a> {
-    /// The value of a key, `None` where there is none or it is null.
+    /// The value of a key; `None` if there is none or it is null.
     pub fn get(&self, key: &str) -> Option<Spot<'a>> {
         let value = self.entries.get(key).filter(|value| !value.is_null())?;
         Some(Spot {
@@ -128,7 +128,7 @@ impl<'a> Object<'a> {
         })
     }
 
-    /// The value of a key that must be there.
+    /// The value of a required key.
     pub fn need(&self, key: &str, allowed: &str) -> Result<Spot<'a>, LineError> {
         self.get(key).ok_or_else(|| LineError {
             field: self.path_of(key),
@@ -142,7 +142,7 @@ impl<'a> Object<'a> {
         self.entries.keys()
     }
 
-    /// The error for a key that should not be there.
+    /// The error for a key that is not allowed.
     pub fn unknown(&self, key: &str, allowed: String) -> LineError {
         LineError {
             field: self.path.clone(),
@@ -185,7 +185,7 @@ impl<'a> Spot<'a> {
         Ok(values.iter().enumerate().map(spot).collect())
     }
 
-    /// The value as a list of as many numbers.
+    /// The value as a list of `N` numbers.
     pub fn numbers<const N: usize>(&self, allowed: &str) -> Result<[f64; N], LineError> {
         let numbers = self.value.as_array().and_then(|values| {
             let numbers: Option<Vec<f64>> = values.iter().map(Value::as_f64).collect();
@@ -194,17 +194,17 @@ impl<'a> Spot<'a> {
         numbers.ok_or_else(|| self.error(allowed))
     }
 
-    /// The value as a number, `None` where it is something else.
+    /// The value as a number; `None` if it is something else.
     pub fn number(&self) -> Option<f64> {
         self.value.as_f64()
     }
 
-    /// The value as a whole number from 0, `None` where it is something else.
+    /// The value as a whole number from 0; `None` if it is something else.
     pub fn index(&self) -> Option<usize> {
         usize::try_from(self.value.as_u64()?).ok()
     }
 
-    /// The value as text, `None` where it is something else.
+    /// The value as text; `None` if it is something else.
     pub fn text(&self) -> Option<&'a str> {
         self.value.as_str()
     }

@@ -1,15 +1,15 @@
-//! How long answers take, in memory that does not grow with the stream.
+//! Statistics of the response time, in memory that does not grow with the stream.
 
 use std::time::Instant;
 
-/// Steps of the histogram in each doubling of time: a quantile is told to within 9 %.
+/// Bins of the histogram in each doubling of time: quantiles are accurate to within 9 %.
 const STEPS_PER_DOUBLING: f64 = 8.0;
 /// Doublings from one microsecond on: 2^40 µs are two weeks.
 const DOUBLINGS: usize = 40;
 
-/// From a frame's line, or from the frame where it is read from a file, until its answer is written.
+/// Times from receiving a frame (a line, or a frame of a file) until its answer is written.
 pub struct Latency {
-    /// Answers by the logarithm of their time.
+    /// Number of answers by the logarithm of their time.
     counts: Vec<u64>,
     max_us: f64,
 }
@@ -23,7 +23,7 @@ impl Latency {
         }
     }
 
-    /// Counts an answer that is written now.
+    /// Counts an answer that has just been written.
     pub fn add(&mut self, since: Instant) {
         self.add_us(1e6 * since.elapsed().as_secs_f64());
     }
@@ -36,7 +36,7 @@ impl Latency {
         self.max_us = self.max_us.max(time_us);
     }
 
-    /// For a person; `None` without answers.
+    /// Readable text; `None` without answers.
     pub fn text(&self) -> Option<String> {
         let answers: u64 = self.counts.iter().sum();
         (answers > 0).then(|| {
@@ -49,7 +49,7 @@ impl Latency {
         })
     }
 
-    /// The time within which a share of the answers was given: the upper end of its step.
+    /// The time within which a fraction of the answers was given: the upper end of its bin.
     fn quantile_us(&self, share: f64, answers: u64) -> f64 {
         let mut left = (share * answers as f64).ceil() as u64;
         for (step, count) in self.counts.iter().enumerate() {
@@ -66,7 +66,7 @@ impl Latency {
 mod tests {
     use super::*;
 
-    /// Pins the quantiles of known times to the 9 % that a step of the histogram is wide, from above.
+    /// Pins the quantiles of known times: never too small, and at most 9 %, the width of a bin, too large.
     #[test]
     fn quantiles_are_near_the_true_ones() {
         let mut latency = Latency::new();

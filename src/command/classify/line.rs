@@ -6,23 +6,25 @@ use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
 use super::json::{self, LineError, Object, Spot};
 
-/// What a line says.
+/// The content of a line.
 #[derive(Debug, PartialEq)]
 pub enum Message {
-    /// A frame of the skin; of its other fields all are empty or zero.
+    /// A frame of the skin. All other fields are empty or zero.
     Frame(Box<Frame>),
-    /// A new reach begins: no contact of the last one goes on, and time may begin anew.
+    /// A new reach begins: contacts of the last one end, and time may start again.
     Reset,
 }
 
-/// Force that a taxel senses. Nothing pulls on skin; a zero that drifts below 0 is sent as 0, or its taxel is left out.
+/// Force that a taxel senses. Nothing pulls on skin. A sensor whose zero drifts below 0 must send 0 or leave the taxel
+/// out.
 const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
-/// Coordinates of a patch. Choice: those of a map of the world; motion is a difference of them, to some nanometres.
+/// Coordinates of a patch. Choice: large enough for global coordinates. Motion is a difference of them and still
+/// accurate to some nanometres.
 const POSITION_M: Limits = Limits::new(-1e8, 1e8, "m");
-/// How far the length of a quaternion may be from 1. Choice: that of one written with three digits.
+/// How far the length of a quaternion may be from 1. Choice: enough for one written with three digits.
 const QUATERNION_TOLERANCE: f64 = 2e-3;
-/// A quaternion nearer to length 1 than this is taken as it is, others are normalized: so that a recording that is sent
-/// as lines gives the same scores, bit for bit, as its file.
+/// A quaternion nearer to length 1 than this is not normalized, so that a recording that is sent as lines gives the
+/// same scores, bit for bit, as its file.
 const QUATERNION_ROUNDING: f64 = 1e-9;
 
 /// Reads the lines of one stream.
@@ -45,12 +47,12 @@ impl LineParser {
         }
     }
 
-    /// The length that a line may have, bytes. Choice: a reading with its ground truth takes some 200 bytes.
+    /// Maximum length of a line, bytes. Choice: a reading with its ground truth takes about 200 bytes.
     pub fn max_bytes(&self) -> usize {
         65_536 + 1024 * self.layout.taxel_count()
     }
 
-    /// Reads the line of this number. After an error all is as if the line had not been there.
+    /// Reads the line with this number. A line with an error changes nothing.
     pub fn parse(&mut self, number: usize, text: &str) -> Result<Message, LineError> {
         let value = json::parse(text)?;
         let line = Spot::of_line(&value).object("one JSON object")?;
@@ -130,7 +132,7 @@ impl LineParser {
         Ok(readings.into_iter().map(|(reading, _)| reading).collect())
     }
 
-    /// The patch of a reading, by name or index; the only one where there is one and none is named.
+    /// The patch of a reading, by name or index. It need not be named if the skin has only one.
     fn patch(&self, reading: &Object<'_>) -> Result<usize, LineError> {
         let patches = &self.layout.patches;
         let known: Vec<String> = patches
@@ -153,7 +155,7 @@ impl LineParser {
             .ok_or_else(|| spot.error(allowed))
     }
 
-    /// A pose for each patch; only the one that the models need is read, the others stay at the origin.
+    /// A pose for each patch. Only the one that the models need is read; the others are at the origin.
     fn poses(&self, line: &Object<'_>) -> Result<Vec<Pose>, LineError> {
         let patches = &self.layout.patches;
         let mut poses = vec![NO_POSE; patches.len()];
@@ -186,7 +188,7 @@ impl LineParser {
     }
 }
 
-/// The pose of what no model looks at.
+/// The pose of patches that no model uses.
 const NO_POSE: Pose = Pose {
     position: DVec3::ZERO,
     orientation: DQuat::IDENTITY,
@@ -211,7 +213,7 @@ fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
             orientation: quaternion,
         });
     }
-    // Not so where the length is infinite.
+    // False if the length is infinite.
     if !error.is_finite() || error > QUATERNION_TOLERANCE {
         return Err(orientation.error(allowed));
     }

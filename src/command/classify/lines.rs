@@ -1,4 +1,4 @@
-//! Lines of a stream, none longer than a bound: whatever comes in, memory stays bounded.
+//! Lines of a stream with a maximum length, so that memory stays bounded whatever comes in.
 
 use std::io::{self, BufRead};
 
@@ -13,7 +13,7 @@ pub struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The lines of a reader; a longer one than `max_bytes` is skipped and becomes an error.
+    /// The lines of a reader. A line longer than `max_bytes` is skipped and becomes an error.
     pub fn new(reader: R, max_bytes: usize) -> Self {
         Lines {
             reader,
@@ -27,7 +27,7 @@ impl<R: BufRead> Lines<R> {
     pub fn next(&mut self) -> io::Result<Option<(usize, Result<&str, LineError>)>> {
         let result = loop {
             self.buffer.clear();
-            // One byte more than allowed tells a long line from one that just fits.
+            // One byte more than allowed distinguishes a line that is too long from one that just fits.
             let limit = self.max_bytes as u64 + 1;
             let read = io::Read::take(&mut self.reader, limit).read_until(b'\n', &mut self.buffer)?;
             if read == 0 {
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8], max_bytes: usize) -> Vec<(usize, Result<String, String>)> {
-        // A small buffer: lines do not end where reads do.
+        // A small buffer, so that lines do not end where reads do.
         let mut lines = Lines::new(BufReader::with_capacity(3, bytes), max_bytes);
         let mut found = Vec::new();
         while let Some((number, line)) = lines.next().unwrap() {
@@ -75,7 +75,8 @@ mod tests {
         found
     }
 
-    /// Pins that blank lines are skipped but counted, that the last line needs no end, and that both ends of lines do.
+    /// Pins that blank lines are skipped but counted, that the last line needs no newline, and that both kinds of line
+    /// endings work.
     #[test]
     fn lines_keep_their_numbers() {
         let found = read(b"a\n\n \t\r\nb\r\n  c  \nd", 100);
@@ -83,8 +84,8 @@ mod tests {
         assert_eq!(found, expected.map(|(number, text)| (number, Ok(text.to_owned()))));
     }
 
-    /// Pins that a line over the bound and bytes that are no UTF-8 are errors of that line alone, and that no more than
-    /// the bound is kept in memory.
+    /// Pins that a line that is too long, and bytes that are not UTF-8, are errors of that line alone, and that no more
+    /// than the maximum length is kept in memory.
     #[test]
     fn a_bad_line_ends_at_its_end() {
         let long = "x".repeat(1_000_000);

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
 
-/// What `underbrush classify --help` says of the stream.
+/// Shown at the end of `underbrush classify --help`.
 const PROTOCOL: &str = "\
 The live stream: with `-` as input each line on stdin is one frame as a JSON object, and each is answered by one line on \
 stdout before the next is read. docs/live-stream.md describes all of it.
@@ -32,12 +32,12 @@ need the pose of the link under the patch, too:
 
   in   {…,\"patch_pose_world\":{\"forearm\":{\"position\":[0.3,-0.2,0.1],\"orientation\":[0,0,0,1]}}}
 
-Other fields, such as those of a recording's frame, are ignored. A bad line is answered by its number and what is wrong, \
-and the stream goes on as if it had not been there:
+Other fields, such as those of a recording's frame, are ignored. A bad line is answered with its number and what is wrong, \
+and otherwise ignored:
 
   out  {\"line\":12,\"error\":{\"field\":\"taxels[0].sensed_force_n\",\"found\":\"-5\",\"allowed\":\"a number from 0 to 1e4 N\"}}
 
-A new reach begins with {\"reset\":true}: contacts end, and time may begin anew.";
+A new reach begins with {\"reset\":true}: contacts end, and time may start again at 0.";
 
 /// Options of `underbrush classify`.
 #[derive(Args)]

@@ -68,7 +68,7 @@ pub fn run(options: &Options, model: Model) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the taxels are: from a data set, a recording, the file of an arm, or a skin file.
+/// The skin, from a data set, a recording, the file of an arm, or a skin file.
 fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
     input::check_exists(
         path,
@@ -127,8 +127,8 @@ impl Online {
             .try_for_each(|frame| self.answer(&mut classifier, frame, Instant::now()))
     }
 
-    /// Answers each line before the next is read. A bad line is answered by what is wrong with it, and the next line is
-    /// taken as if it had not been there; with `strict` it ends the stream.
+    /// Answers each line before the next is read. A bad line is answered with its error and otherwise ignored; with
+    /// `strict` it ends the stream.
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
         let mut classifier = self.start(layout)?;
         let patch = layout.chosen_patch(self.settings.patch.as_deref());
@@ -186,7 +186,7 @@ impl Online {
     }
 }
 
-/// The end of a strict stream.
+/// The error that ends a strict stream.
 fn refused(number: usize, error: LineError) -> Failure {
     let remedy = "correct the line, or leave --strict out";
     let LineError { field, found, allowed } = error;

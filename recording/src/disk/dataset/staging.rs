@@ -1,4 +1,4 @@
-//! Where the reaches of an unfinished data set wait until they are put together.
+//! The folder of an unfinished data set, where finished reaches are staged until they are assembled.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ pub(super) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
 pub(in crate::disk) struct Staging {
     /// The folder of the data set.
     pub(super) dir: PathBuf,
-    /// What the set will hold.
+    /// The plan of the set.
     pub(super) plan: DatasetPlan,
     /// Staged bytes at which a new data file begins.
     pub(in crate::disk) bytes_per_file: u64,

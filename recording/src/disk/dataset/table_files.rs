@@ -110,7 +110,7 @@ pub(super) struct TableFiles<'a> {
 }
 
 impl<'a> TableFiles<'a> {
-    /// After so many files of each table that are whole.
+    /// Continues after this many complete files of each table.
     pub(super) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
         TableFiles {
             dir,

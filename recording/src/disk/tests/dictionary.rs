@@ -21,7 +21,7 @@ pub(super) fn columns(path: &Path) -> Vec<(String, std::collections::HashMap<Str
         .collect()
 }
 
-/// Demands that the tables together describe all columns of a file and no others.
+/// Asserts that the tables together describe all columns of a file and no others.
 fn described(path: &Path, tables: &[&Table]) {
     let mut found = columns(path);
     for column in tables.iter().flat_map(|table| table.columns) {

@@ -1,4 +1,4 @@
-//! The parser of lines: good ones, every kind of bad one, and anything at all.
+//! The parser of lines: good lines, every kind of bad line, and arbitrary text.
 
 use proptest::prelude::*;
 use underbrush_recording::{Patch, Taxel};
@@ -40,8 +40,8 @@ fn frame(parser: &mut LineParser, text: &str) -> Frame {
     }
 }
 
-/// Pins that models of force need time and readings alone, patches by name or index in any order, and that fields of a
-/// recording's frame that nobody uses are not looked at, truth among them.
+/// Pins that models of force need only time and readings, with patches by name or index in any order, and that unused
+/// fields of a recording's frame, such as ground truth, are ignored.
 #[test]
 fn only_what_is_used_is_asked_for() {
     let line = r#"{"taxels":[{"taxel":1,"patch":"tip","sensed_force_n":2,"true_normal_force_n":"lost","object":-7},
@@ -57,7 +57,7 @@ fn only_what_is_used_is_asked_for() {
     assert_eq!(frame(&mut force_alone(), r#"{"time_s":0,"taxels":[]}"#).taxels, []);
 }
 
-/// Pins that a skin of one patch needs no name of it.
+/// Pins that the patch need not be named if the skin has only one.
 #[test]
 fn the_only_patch_need_not_be_named() {
     let mut layout = layout();
@@ -66,8 +66,8 @@ fn the_only_patch_need_not_be_named() {
     assert_eq!(frame(&mut LineParser::new(layout, None), line).taxels[0].patch, 0);
 }
 
-/// Pins that models of motion take the pose of their patch by name, or by place in a list of all; that a quaternion of
-/// three digits is made unit length, and one that is unit to rounding is kept bit for bit.
+/// Pins that models of motion read the pose of their patch by name, or by index in a list of all patches; that a
+/// quaternion with three digits is normalized, and one of unit length up to rounding is kept bit for bit.
 #[test]
 fn poses_by_name_or_in_a_list() {
     let pose = r#"{"position":[1,2,3],"orientation":[0,0,0.6,0.8]}"#;
@@ -82,7 +82,7 @@ fn poses_by_name_or_in_a_list() {
     }
 }
 
-/// Pins what is refused, and that the error names the field, quotes what stands there and says what is allowed.
+/// Pins what is refused, and that the error names the field, quotes its value and says what is allowed.
 #[test]
 fn every_fault_is_named() {
     let reading =
@@ -327,7 +327,7 @@ fn every_fault_is_named() {
         ),
     ];
     for (line, field, found, allowed) in cases {
-        // Faults of poses are those of models that use motion; whatever else is wrong, all models see.
+        // Only models that use motion see faults of poses. All models see the other faults.
         let mut parsers = vec![with_motion()];
         if !field.starts_with("patch_pose_world") {
             parsers.push(force_alone());
@@ -345,7 +345,7 @@ fn every_fault_is_named() {
     }
 }
 
-/// Pins that a new reach lets time begin anew.
+/// Pins that time may start again with a new reach.
 #[test]
 fn a_reset_lets_time_begin_anew() {
     let mut parser = force_alone();
@@ -354,7 +354,7 @@ fn a_reset_lets_time_begin_anew() {
     assert_eq!(frame(&mut parser, r#"{"time_s":0,"taxels":[]}"#).time_s, 0.0);
 }
 
-/// What could stand in a reading, sound and not.
+/// Possible values in a reading, valid and invalid.
 fn reading() -> impl Strategy<Value = String> {
     let patch = prop_oneof![
         Just("0"),
@@ -375,8 +375,8 @@ fn reading() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Pins that no text, JSON or not, makes the parser panic, that errors are short whatever the line is, and that after
-    /// any of them a good line is read as ever.
+    /// Pins that no text, JSON or not, makes the parser panic, that errors are short whatever the line is, and that a
+    /// good line after any of them is read as usual.
     #[test]
     fn anything_is_answered(
         text in prop_oneof![
@@ -395,8 +395,8 @@ proptest! {
         prop_assert!(parser.parse(2, good).is_ok());
     }
 
-    /// Pins, against a plain reading of the same JSON, that a line is taken if and only if each of its readings is sound
-    /// and no taxel is there twice, and that the frame then holds just these readings.
+    /// Pins, against a simple reader of the same JSON, that a line is accepted if and only if each of its readings is
+    /// valid and no taxel occurs twice, and that the frame then holds exactly these readings.
     #[test]
     fn sound_lines_and_no_others_are_taken(readings in prop::collection::vec(reading(), 0..6)) {
         let text = format!(r#"{{"time_s":0,"taxels":[{}]}}"#, readings.join(","));
