@@ -11,8 +11,8 @@ pub const DATA_SOURCES: [&str; 5] = [
     "src/dataset.rs",
     "../Cargo.lock",
 ];
-/// What decides the results that are computed from them: this crate and the classifier, whole. What shows results is a crate
-/// of its own, and so is not in here. Experiment files and scenes are hashed when they are read.
+/// What decides the results that are computed from them: this crate and the classifier, whole. The report is a crate of
+/// its own and not included. Experiment files and scenes are hashed when they are read.
 pub const ANALYSIS_SOURCES: [&str; 2] = ["src", "../classifier/src"];
 
 fn main() {
@@ -39,7 +39,7 @@ pub fn hash(crate_folder: &Path, sources: &[&str]) -> String {
         let name = file.strip_prefix(crate_folder).unwrap_or(&file);
         let name = name.to_string_lossy().replace('\\', "/");
         let contents = std::fs::read(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
-        // Each part follows its length, so that different files cannot run together into the same bytes.
+        // Each part is preceded by its length, so that different files cannot give the same bytes.
         for part in [name.as_bytes(), &contents] {
             hasher.update(&(part.len() as u64).to_le_bytes());
             hasher.update(part);

@@ -49,7 +49,7 @@ impl Document {
 
     fn broken(&self, place: &str, error: &serde_json::Error) -> InputError {
         let found = error.to_string();
-        // Of a missing key serde gives the name, and as place the object that lacks it.
+        // For a missing key, serde gives its name, and the object that lacks it as the path.
         let missing = found
             .strip_prefix("missing field `")
             .and_then(|rest| rest.split('`').next());

@@ -10,10 +10,10 @@ use crate::hmm::TrainingError;
 /// Why a classifier cannot be fitted, read or used.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ModelError {
-    /// A model file that cannot be read or is unsound.
+    /// A model file that cannot be read or is invalid.
     #[error(transparent)]
     Input(Box<InputError>),
-    /// A trial that does not have the features asked for.
+    /// A trial that lacks a requested feature.
     #[error(transparent)]
     Feature(#[from] FeatureError),
     /// An option of a classifier outside its range.
@@ -49,7 +49,7 @@ pub enum ModelError {
         /// What went wrong.
         source: TrainingError,
     },
-    /// Parts that do not fit together, or a fit without a result.
+    /// Parts that do not match, or a fit without a result.
     #[error("{found}; allowed: {allowed}")]
     Mismatch {
         /// What was found.

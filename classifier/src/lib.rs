@@ -1,5 +1,5 @@
-//! What is that arm touching? Hidden Markov models that tell leaf from trunk from outlier, taxel by taxel, from the forces
-//! (and motions) that tactile skin feels in incidental contact, after Bhattacharjee, Kapusta, Rehg and Kemp,
+//! Classifies what an arm touches: hidden Markov models distinguish leaf, trunk and outlier, taxel by taxel, from the
+//! forces (and motions) that tactile skin senses in incidental contact, after Bhattacharjee, Kapusta, Rehg and Kemp,
 //! "Rapid Categorization of Object Properties from Incidental Contact with a Tactile Sensing Robot Arm", 2013.
 //!
 //! The modules follow the data:

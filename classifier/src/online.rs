@@ -69,16 +69,16 @@ pub struct TaxelVerdict {
 /// Scores each taxel of a patch from the start of its contact to its end (paper, section V-B), by any classifier.
 ///
 /// After k samples of a contact its scores equal [`Classifier::scores_after`] k samples of the same trial, bit for bit.
-/// With hidden Markov models nothing is allocated after the first frame, except for the name where a verdict changes and
-/// for contact regions where a feature describes them.
+/// With hidden Markov models nothing is allocated after the first frame, except for the name when a verdict changes,
+/// and for contact regions if a feature describes them.
 #[derive(Debug)]
 pub struct OnlineClassifier {
     scorer: Box<dyn OnlineScorer>,
     judge: Judge,
     image: PatchImage,
-    /// Only where a feature describes the contact region.
+    /// Only if a feature describes the contact region.
     regions: Option<Regions>,
-    /// Contacts of the scorer that no taxel uses. The smallest is used first, so that those in use lie side by side.
+    /// Free contacts of the scorer. The smallest is used first, so that those in use are next to each other.
     free: BinaryHeap<Reverse<usize>>,
     /// One per taxel.
     contacts: Vec<Contact>,
@@ -88,20 +88,20 @@ pub struct OnlineClassifier {
 /// The state of a taxel.
 #[derive(Clone, Debug)]
 struct Contact {
-    /// Its contact in the scorer, while there is one.
+    /// Its contact in the scorer, if it has one.
     slot: Option<usize>,
     travel: Travel,
-    /// Whether the current frame gave the scorer a sample with influence.
+    /// Whether the sample of the current frame can change the scores.
     scored: bool,
     choice: Choice,
     verdict: TaxelVerdict,
 }
 
 impl OnlineClassifier {
-    /// A classifier of streams of frames of this skin, without contacts so far.
+    /// A classifier for a stream of frames of this skin, without contacts so far.
     ///
     /// # Errors
-    /// [`OnlineError`] where the patch is unknown, threshold, priors or rule do not fit, or a feature describes the
+    /// [`OnlineError`] if the patch is unknown, threshold, priors or rule do not fit, or a feature describes the
     /// contact region and the patch has no grid.
     pub fn new(classifier: &dyn Classifier, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let categories = classifier.categories();
@@ -141,8 +141,8 @@ impl OnlineClassifier {
     /// Takes in the next frame and gives the verdict for each taxel in contact, in ascending order of taxels.
     ///
     /// # Errors
-    /// [`OnlineError`] where the frame does not fit the skin or holds NaN or infinity; frames count from 0, the first one
-    /// given to this classifier.
+    /// [`OnlineError`] if the frame does not fit the skin or holds NaN or infinity; frames are numbered from 0, the
+    /// first one given to this classifier.
     pub fn update(&mut self, frame: &Frame) -> Result<impl Iterator<Item = &TaxelVerdict>, OnlineError> {
         self.image.read(self.frames, frame)?;
         self.frames += 1;

@@ -23,7 +23,7 @@ const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");
 /// Floor of variances: as small as a variance that a model file may hold, or off.
 const VARIANCE_FLOOR: Limits = Limits::new(1e-30, 1e12, "").or_off_at(0.0);
 
-/// Whether features enter the models as measured or z-scored.
+/// Whether the models use features as measured or z-scored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ScalingKind {
@@ -33,25 +33,26 @@ pub enum ScalingKind {
     ZScore,
 }
 
-/// How models are started, trained and scored. Stored in the model file, so that a table can say what made it.
+/// How models are started, trained and scored. Stored in the model file, so that results can be traced to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
     /// States of each model.
     pub states: usize,
-    /// What of a sample the models see.
+    /// Features of a sample that the models use.
     pub features: FeatureSet,
-    /// Transitions that exist.
+    /// Allowed transitions.
     pub topology: Topology,
-    /// Where models start.
+    /// Distribution of the first state.
     pub initial: InitialDistribution,
-    /// What a trial's score is.
+    /// Kind of score of a trial.
     pub score: ScoreKind,
     /// Whether features are scaled.
     pub scaling: ScalingKind,
-    /// Only the first so many samples of each trial, in training and in scoring (paper, section V-C); `None`: all.
+    /// Number of samples used at the start of each trial, in training and in scoring (paper, section V-C); `None` for
+    /// all.
     pub max_samples: Option<usize>,
-    /// Baum-Welch's bounds.
+    /// Options of Baum-Welch.
     pub training: TrainingOptions,
 }
 

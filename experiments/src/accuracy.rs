@@ -1,4 +1,4 @@
-//! An accuracy, and the figures that it must be read with.
+//! An accuracy, and the figures needed to judge it.
 
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::evaluate::{self, Evaluation};
@@ -8,7 +8,7 @@ use underbrush_classifier::evaluate::{self, Evaluation};
 pub struct Accuracy {
     /// Trials tested.
     pub trials: usize,
-    /// Share of correct verdicts.
+    /// Fraction of correct verdicts.
     pub accuracy: f64,
     /// Lower end of the 95 % interval from resampling whole reaches.
     pub low: f64,
@@ -18,9 +18,9 @@ pub struct Accuracy {
     pub balanced_accuracy: f64,
     /// The accuracy of a constant verdict: the share of the most frequent category.
     pub majority_baseline: f64,
-    /// Of the trials in which something truly touched the skin; `None` where there are none.
+    /// Of the trials in which something truly touched the skin; `None` if there are none.
     pub touched: Option<Part>,
-    /// Of those in which nothing did (spurious readings, creep, crosstalk).
+    /// Of those in which nothing touched it (spurious readings, creep, crosstalk).
     pub untouched: Option<Part>,
 }
 
@@ -72,7 +72,7 @@ impl Accuracy {
 pub struct Spread {
     /// Mean.
     pub mean: f64,
-    /// Of a sample; `None` of one campaign.
+    /// Sample standard deviation; `None` for a single campaign.
     pub standard_deviation: Option<f64>,
     /// Smallest value.
     pub min: f64,
@@ -81,7 +81,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of one value a campaign.
+    /// From one value per campaign.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;

@@ -1,4 +1,4 @@
-//! The audit of a data set: the worst figures, where they are, and warnings where they pass their bounds.
+//! The audit of a data set: the worst residuals with their reaches, and warnings if they exceed their bounds.
 
 use std::collections::BTreeMap;
 
@@ -7,12 +7,12 @@ use underbrush_recording::disk::Episode;
 use underbrush_recording::{Audit, Recording, SkinLayout};
 use underbrush_sim::audit::{Bound, bounds};
 
-/// The worst value of one figure and where it is.
+/// The worst value of one residual, with its reach.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Worst {
     /// The value.
     pub value: f64,
-    /// What it should not pass, where it has a bound.
+    /// Its bound, if it has one.
     pub bound: Option<f64>,
     /// Scene of the reach.
     pub scene: String,
@@ -20,7 +20,7 @@ pub struct Worst {
     pub reach_index: u64,
 }
 
-/// The worst value of every figure over some reaches, by the figure's name.
+/// The worst value of every residual over some reaches, by name.
 pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str, Worst> {
     let of_field = |name: &str, get: fn(&Audit) -> f64| {
         let worst = episodes.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit)))?;
@@ -54,7 +54,7 @@ struct Audited<'a> {
     audit: &'a Audit,
 }
 
-/// Which reaches of a data set pass a bound of the audit, and by how much the worst does.
+/// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value.
 pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
     let audited = episodes.iter().map(|episode| Audited {
         scene: &episode.scene,
@@ -64,7 +64,7 @@ pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
     passed_bounds(&audited.collect::<Vec<_>>(), layout)
 }
 
-/// Which bounds of the audit a single reach passes.
+/// Warnings about the bounds of the audit that a single reach exceeds.
 pub fn reach_warnings(recording: &Recording) -> Vec<String> {
     let audited = Audited {
         scene: &recording.scene,
@@ -74,7 +74,8 @@ pub fn reach_warnings(recording: &Recording) -> Vec<String> {
     passed_bounds(&[audited], &recording.layout)
 }
 
-/// One warning for each bound that some of these reaches pass, and one where the controller's program could not be solved.
+/// One warning for each bound that some of these reaches exceed, and one if the controller's program could not be
+/// solved.
 fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
     let warning = |bound: Bound| {
         let value = |reach: &Audited| (bound.field.get)(reach.audit);
@@ -109,8 +110,8 @@ fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Pins that a reach beyond a bound of the audit is named with figure, bound and value, the worst one of several,
-    /// and that reaches within all bounds are not mentioned.
+    /// Pins that the worst of several reaches that exceed a bound is named with residual, bound and value, and that
+    /// reaches within all bounds are not mentioned.
     #[test]
     fn every_broken_bound_is_named() {
         let layout = SkinLayout::default();

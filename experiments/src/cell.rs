@@ -29,7 +29,7 @@ pub struct Cell {
 pub struct CellKey {
     /// What a trial is made of.
     pub by: TableOneUnit,
-    /// What the models see.
+    /// Features that the models use.
     pub features: FeatureSet,
     /// Number of hidden states.
     pub states: usize,
@@ -38,7 +38,7 @@ pub struct CellKey {
 }
 
 impl CellKey {
-    /// The cell without its recipe, in words.
+    /// The cell without its recipe, as text.
     pub fn name(&self) -> String {
         let (by, features) = (unit_name(self.by), self.features);
         format!("{by}, {features}, {} states", self.states)
@@ -62,11 +62,11 @@ pub struct Ordering {
     pub statement: &'static str,
     /// Whether it holds in every pair of cells.
     pub holds: bool,
-    /// Pairs of cells that it is about.
+    /// Pairs of cells that it compares.
     pub pairs: usize,
     /// Pairs in which it holds.
     pub pairs_holding: usize,
-    /// The pairs in which it does not.
+    /// The pairs in which it does not hold.
     pub failing: Vec<String>,
 }
 
@@ -87,7 +87,7 @@ pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, Option<f64
     sums.into_iter().map(mean).collect()
 }
 
-/// Checks statements on the cells of one or more recipes. A pair of which a cell is missing does not count.
+/// Checks statements on the cells of one or more recipes. A pair with a missing cell does not count.
 pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Ordering> {
     let mut recipes: Vec<&String> = cells.iter().map(|(key, _)| &key.recipe).collect();
     recipes.dedup();
@@ -124,7 +124,7 @@ pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Or
     recipes.into_iter().flat_map(of_recipe).collect()
 }
 
-/// A statement in words, and whether equal accuracies contradict it.
+/// A statement as text, and whether equal accuracies contradict it.
 fn statement(name: OrderingName) -> (&'static str, bool) {
     match name {
         OrderingName::TaxelsOverComponents => ("taxels are told apart better than components", true),

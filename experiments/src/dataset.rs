@@ -19,18 +19,18 @@ use underbrush_sim::scene::Scene;
 use crate::error::ExperimentError;
 use crate::progress::Progress;
 
-/// What data sets and results name as the program that made them.
+/// The program's name in data sets and results.
 pub const PROGRAM: &str = "underbrush";
 
-/// Version of the program, with a hash of all sources that decide data: while a version is being worked on, its builds
-/// make different data, and none must be continued by another.
+/// Version of the program, with a hash of all sources that decide data. Builds of a version under development make
+/// different data, and none may continue what another began.
 pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("UNDERBRUSH_DATA_SOURCES"));
 
 /// Reaches of some scenes, from one seed.
 pub struct Campaign {
     /// The scenes, each with its number of reaches.
     pub scenes: Vec<(Scene, u64)>,
-    /// Arms by the name of their scene, instead of those that the scenes name.
+    /// Arms by the name of their scene; they replace those that the scenes name.
     pub arms: BTreeMap<String, Arm>,
     /// The seed.
     pub seed: u64,
@@ -40,7 +40,7 @@ pub struct Campaign {
     pub shard: Option<Shard>,
 }
 
-/// What a data set stores of a scene's controller and of what ends its reaches.
+/// The parameters of a scene's controller and of the rules that end its reaches, as stored in a data set.
 #[derive(Serialize)]
 struct ControllerParameters<'a> {
     #[serde(flatten)]
@@ -58,15 +58,15 @@ impl<'a> ControllerParameters<'a> {
     }
 }
 
-/// A data set that was asked for.
+/// The result of a request for a data set.
 pub enum Written {
-    /// It was made, or finished, now.
+    /// It was made, or finished, by this call.
     New(Dataset),
-    /// It had been finished before.
+    /// It was already finished.
     Before(Dataset),
 }
 
-/// Says what is doubtful about the skins of these arms, each sentence once.
+/// Warns of what is doubtful about the skins of these arms, each sentence once.
 pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Progress) {
     let mut said: Vec<String> = Vec::new();
     for doubt in arms.into_iter().flat_map(Arm::skin_doubts) {
@@ -78,7 +78,7 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
 }
 
 impl Campaign {
-    /// The campaign that made a data set, from what the set holds alone.
+    /// The campaign that made a data set, reconstructed from the set alone.
     pub fn of(dataset: &Dataset) -> Result<Self, ExperimentError> {
         let provenance = dataset.provenance();
         let fault = |field: &str, found: String, allowed: &str| -> ExperimentError {
@@ -122,17 +122,17 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Runs the campaign into the folder `out`; with `resume`, only what is missing there.
+    /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only what is missing there.
     pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, ExperimentError> {
         let plans = self.plans()?;
         let jobs = self.jobs();
         say_doubts(plans.iter().map(|plan| &plan.arm), progress);
-        // Refused before anything is written: what an impossible draw would leave behind could not be resumed, since
-        // a mended scene makes another plan. A draw costs a thousandth of its reach.
+        // An impossible draw is refused before anything is written. What it left behind could not be resumed, because a
+        // corrected scene makes another plan. A draw costs a thousandth of its reach.
         jobs.par_iter()
             .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
         let writer = match DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume) {
-            // With `resume` this says that the set was made to the same plan.
+            // With `resume`, this means that the set has the same plan.
             Err(DiskError::Finished { .. }) if resume => return Ok(Written::Before(Dataset::open(out)?)),
             writer => writer?,
         };
@@ -149,7 +149,7 @@ impl Campaign {
         Ok(Written::New(writer.finish()?))
     }
 
-    /// Runs the campaign and hands over each recording with its place among all, in any order; nothing is written.
+    /// Runs the campaign and passes on each recording with its position, in any order. Nothing is written.
     pub fn run<E: std::error::Error + Send + 'static>(
         &self,
         progress: &dyn Progress,

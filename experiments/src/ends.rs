@@ -1,4 +1,5 @@
-//! How the reaches of a data set ended, for people: goals reached, what aborted a reach, and what was truly touched.
+//! How the reaches of a data set ended, as readable text: goals reached, what aborted a reach, and what was truly
+//! touched.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +7,12 @@ use serde::Serialize;
 use underbrush_recording::disk::Episode;
 use underbrush_recording::{GoalOutcomes, NamedStop};
 
-/// How some reaches ended.
+/// Summary of how some reaches ended.
 #[derive(Clone, Serialize)]
 pub struct Ends {
-    /// How many of the goals tried ended in which way.
+    /// The number of goals with each outcome.
     pub goals: GoalOutcomes,
-    /// The reaches that were aborted.
+    /// The aborted reaches.
     pub aborted: Vec<AbortedReach>,
     /// For each patch, by name, the number of reaches in which an object truly pressed on it.
     pub touched_reaches: BTreeMap<String, usize>,
@@ -26,11 +27,11 @@ pub struct AbortedReach {
     pub scene: String,
     /// Index of the reach in its scene.
     pub reach_index: u64,
-    /// The contact whose force passed the stop force.
+    /// The contact whose force exceeded the stop force.
     pub stop: NamedStop,
 }
 
-/// Aborted reaches that are listed one by one; of any more only the number is told.
+/// Maximum number of aborted reaches that are listed one by one; for the rest only their number is given.
 const LISTED: usize = 5;
 
 impl Ends {
@@ -64,7 +65,7 @@ impl Ends {
         format!("true contact: {}", counts.join(", "))
     }
 
-    /// A few lines for a terminal.
+    /// The summary as a few lines of text.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n{}", self.goals, self.touched_text());
         for AbortedReach {

@@ -14,10 +14,10 @@ use underbrush_sim::campaign::CampaignError;
 /// Why a campaign or an experiment ended without its result.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
-    /// A file that a person wrote holds something that is not allowed.
+    /// A file that a person wrote has invalid content.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A data set, a recording or a kept result cannot be read or written.
+    /// A data set, a recording or a cached result cannot be read or written.
     #[error(transparent)]
     Disk(#[from] DiskError),
     /// A classifier cannot be trained or used.
@@ -29,13 +29,13 @@ pub enum ExperimentError {
     /// A classifier cannot be tested.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// A decision rule does not fit its classifier.
+    /// A decision rule does not suit its classifier.
     #[error(transparent)]
     Decision(#[from] DecisionError),
     /// Verdicts cannot be given frame by frame.
     #[error(transparent)]
     Online(#[from] OnlineError),
-    /// The physics engine gave up on a reach; the text names scene and seed.
+    /// The physics engine failed in a reach; the text names scene and seed.
     #[error("{0}")]
     Engine(String),
     /// A file or folder cannot be made or removed.
@@ -43,9 +43,9 @@ pub enum ExperimentError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What was tried: `made`, `removed`.
+        /// What failed: `made`, `removed`.
         action: &'static str,
-        /// What the operating system says.
+        /// The operating system's error.
         source: std::io::Error,
     },
     /// A result cannot be written as JSON.
@@ -56,7 +56,7 @@ pub enum ExperimentError {
         /// Why.
         source: serde_json::Error,
     },
-    /// What was asked for cannot be run: no scenes, no reaches, scenes that do not fit together.
+    /// The request cannot be run: no scenes, no reaches, or scenes that do not go together.
     #[error("{0}")]
     Request(String),
     /// The folder holds the results of another run.
@@ -71,7 +71,7 @@ pub enum ExperimentError {
         /// The first difference.
         difference: String,
     },
-    /// Campaigns do not hold the same figures.
+    /// Campaigns do not have the same figures.
     #[error(
         "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --fresh",
         if *several { "several results" } else { "nothing" }
@@ -81,7 +81,7 @@ pub enum ExperimentError {
         seed: u64,
         /// Name of the figure.
         name: String,
-        /// More than one was found, instead of none.
+        /// Whether more than one was found, instead of none.
         several: bool,
     },
 }

@@ -21,7 +21,7 @@ pub fn recipe(name: RecipeName) -> Recipe {
     }
 }
 
-/// The recipe that is used wherever only one is: the experiment's first.
+/// The experiment's first recipe, which is used wherever there is only one.
 pub fn main_recipe(experiment: &Experiment) -> Recipe {
     recipe(main_recipe_name(experiment))
 }

@@ -1,4 +1,4 @@
-//! Files that results are kept in.
+//! Writing the files of results.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use underbrush_recording::disk;
 
 use crate::error::ExperimentError;
 
-/// Makes a folder, and those above it.
+/// Creates a folder with its parents.
 pub fn create_folder(folder: &Path) -> Result<(), ExperimentError> {
     std::fs::create_dir_all(folder).map_err(|source| ExperimentError::Io {
         path: folder.into(),
@@ -16,7 +16,7 @@ pub fn create_folder(folder: &Path) -> Result<(), ExperimentError> {
     })
 }
 
-/// Writes a file whole or not at all, and the folders above it.
+/// Writes a file completely or not at all, and creates its parent folders.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
     if let Some(folder) = path.parent() {
         create_folder(folder)?;

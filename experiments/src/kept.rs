@@ -1,5 +1,5 @@
-//! Finished results are cached in the folder of a run. Each is stored with a checksum and with what made it; a result that
-//! does not match is computed again.
+//! Finished results are cached in the folder of a run. Each is stored with a checksum and with its origin. A result
+//! that does not match is computed again.
 
 use std::path::Path;
 
@@ -14,17 +14,17 @@ use crate::sealed;
 /// Hash of the sources that decide results: this crate and the classifier.
 pub const ANALYSIS_VERSION: &str = env!("UNDERBRUSH_ANALYSIS_SOURCES");
 
-/// A result as it is kept.
+/// A cached result.
 #[derive(Serialize, Deserialize)]
 struct Kept<T> {
     made_by: MadeBy,
     result: T,
 }
 
-/// What a result depends on.
+/// Everything that a result depends on.
 #[derive(PartialEq, Serialize, Deserialize)]
 struct MadeBy {
-    /// What the file is called, so that one result is never taken for another.
+    /// The name of the file, so that one result is never taken for another.
     name: String,
     /// Version with a hash of the sources that decide data.
     program: String,
@@ -34,7 +34,7 @@ struct MadeBy {
     run: Run,
 }
 
-/// Which run a result is of.
+/// The run that a result belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// The seed.
@@ -56,19 +56,19 @@ impl MadeBy {
     }
 }
 
-/// The result in a file, if it was made by this build for this seed and size and is as it was written.
+/// The result in a file, if it was made by this build for this seed and size and is undamaged.
 pub fn load<T: DeserializeOwned>(path: &Path, run: &Run, progress: &dyn Progress) -> Option<T> {
     let kept: Kept<T> = sealed::read(path, progress)?;
     (kept.made_by == MadeBy::this_run(path, run)).then_some(kept.result)
 }
 
-/// Keeps a result.
+/// Writes a result to the cache.
 pub fn store<T: Serialize>(path: &Path, run: &Run, result: &T) -> Result<(), ExperimentError> {
     let made_by = MadeBy::this_run(path, run);
     sealed::write(path, &Kept { made_by, result })
 }
 
-/// The result in a file as [`load`] gives it, or made now and kept.
+/// The cached result, or else a new one, which is then cached.
 pub fn result<T: Serialize + DeserializeOwned>(
     path: &Path,
     run: &Run,

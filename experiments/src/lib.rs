@@ -1,8 +1,9 @@
 //! Experiments: from scenes to reaches, trials, classifiers and figures, as typed results.
 //!
-//! An experiment file ([`definition`]) says what to train and test on. A [`session`] runs it: training data ([`training`]),
-//! test reaches ([`reaches`]), models and online verdicts are computed once and shared, and each file in [`experiment`]
-//! makes one figure or table from them. Nothing here prints or draws; [`Progress`] is told how a run goes on.
+//! An experiment file ([`definition`]) says what to train and test on. A [`session`] runs it: training data
+//! ([`training`]), test reaches ([`reaches`]), models and online verdicts are computed once and shared, and each file
+//! in [`experiment`] makes one figure or table from them. Nothing here prints or draws; [`Progress`] reports how a run
+//! is going.
 
 pub mod accuracy;
 pub mod audit;

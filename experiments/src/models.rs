@@ -10,7 +10,7 @@ use crate::training;
 /// Hidden Markov models by force, in the first recipe, fitted to all taxel trials.
 pub struct Models(pub HmmClassifier);
 
-/// Fits them.
+/// Fits the models.
 pub fn run(session: &Session) -> Result<Models, ExperimentError> {
     let data = session.once(training::run)?;
     let recipe = estimators::main_recipe(session.experiment);

@@ -1,4 +1,5 @@
-//! Verdicts frame by frame against ground truth (paper, sections V-B and V-D): what several figures are made from.
+//! Verdicts frame by frame compared with ground truth (paper, sections V-B and V-D), on which several figures are
+//! based.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -20,13 +21,13 @@ pub struct Classified {
     pub scene: String,
     /// Path of the scene in the experiment file.
     pub source: String,
-    /// Which reach of the scene.
+    /// Index of the reach in its scene.
     pub reach_index: u64,
     /// The verdicts.
     pub stream: Stream,
 }
 
-/// An engineered reach: its verdicts held against the category of the scene, and against the object that presses.
+/// An engineered reach: its verdicts compared with the category of the scene, and with the object that presses.
 pub struct Engineered {
     /// Name of the scene.
     pub scene: String,
@@ -34,9 +35,9 @@ pub struct Engineered {
     pub category: Category,
     /// Reaches drawn.
     pub drawn: u64,
-    /// Against the category of the scene; `None` where no draw did what it should.
+    /// Compared with the category of the scene; `None` if no draw met the requirement.
     pub by_scene: Option<Classified>,
-    /// Against the object that presses.
+    /// Compared with the object that presses.
     pub by_object: Option<Classified>,
 }
 
@@ -50,13 +51,13 @@ pub struct Online {
     pub general_drawn: u64,
     /// Outlier reaches by the rule of section V-D.
     pub outlier: Vec<Classified>,
-    /// The same by the chosen thresholds, if there are any.
+    /// The same reaches by the chosen thresholds, if there are any.
     pub outlier_by_chosen: Option<(Decision, Vec<Classified>)>,
     /// Outlier reaches drawn.
     pub outlier_drawn: u64,
 }
 
-/// Shares of the taxels with ground truth, per cent, over all frames.
+/// Fractions of the taxels with ground truth, per cent, over all frames.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shares {
     /// Correct verdicts.
@@ -67,12 +68,12 @@ pub struct Shares {
     pub uncertain_percent: f64,
     /// Taxels in contact with ground truth, summed over frames.
     pub taxel_frames: usize,
-    /// Taxels in contact that nothing presses on, summed over frames; they are in no share.
+    /// Taxels in contact that nothing presses on, summed over frames. They are not in the fractions.
     pub without_truth: usize,
 }
 
 impl Shares {
-    /// Shares of a tally; `None` where nothing was judged.
+    /// Fractions of a tally; `None` if nothing was judged.
     pub fn of(tally: &Tally) -> Option<Self> {
         let judged = tally.judged();
         let percent = |count: usize| 100.0 * count as f64 / judged as f64;
@@ -100,7 +101,7 @@ pub fn uncertain_rule(experiment: &Experiment) -> Rule {
     }
 }
 
-/// How models of an experiment classify online.
+/// Options for online classification in an experiment.
 pub fn options(experiment: &Experiment, rule: Rule) -> OnlineOptions {
     let cut = experiment.trial_options();
     OnlineOptions {
@@ -115,7 +116,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
     let reaches = session.once(reaches::run)?;
     let (models, thresholds) = (session.once(models::run)?, session.once(thresholds::run)?);
     let (experiment, models) = (session.experiment, &models.0);
-    // One reach after the other: the time per frame is measured.
+    // One reach after the other, because the time per frame is measured.
     let classify = |found: &Found, rule: Rule, truth: StreamTruth| {
         let options = options(experiment, rule);
         let one = |recording: &Recording| {
@@ -139,7 +140,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
     let drawn = |found: &Option<Found>| found.as_ref().map_or(0, |found| found.drawn);
     session.stage("Online verdicts", || {
         let uncertain = uncertain_rule(experiment);
-        // First, and alone on the machine: its time is shown.
+        // First, and without other work on the machine, because its time is shown.
         let general = classify_some(&reaches.general, uncertain)?;
         let engineered = |(category, found): &(Category, Found)| {
             Ok(Engineered {

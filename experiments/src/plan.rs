@@ -1,4 +1,4 @@
-//! The folder of a run. It holds the results of one plan: experiment, seed and size.
+//! The folder of a run, which holds the results of one plan: experiment, seed and size.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::files;
 
-/// What decides the reaches of a run.
+/// Everything that decides the reaches of a run.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Version, with a hash of the sources that decide data.
@@ -25,7 +25,7 @@ pub struct Plan {
 }
 
 const FILE: &str = "plan.json";
-/// Folders and files that a run makes. Nothing else in its folder is ever removed.
+/// Folders and files that a run creates. Nothing else in its folder is ever removed.
 const FOLDERS: [&str; 4] = ["dataset", "reaches", "campaigns", "report"];
 const FILES: [&str; 5] = [
     FILE,
@@ -77,7 +77,7 @@ impl Plan {
         files::write_json(&path, self)
     }
 
-    /// The first thing in which a stored plan differs.
+    /// The first difference from a stored plan.
     fn difference(&self, stored: &Plan) -> Option<String> {
         let differs = |what: &str, was: &dyn std::fmt::Display, now: &dyn std::fmt::Display| {
             (was.to_string() != now.to_string()).then(|| format!("{what} was {was}, now {now}"))

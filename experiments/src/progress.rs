@@ -1,25 +1,25 @@
-//! What a run tells while it works. This crate prints nothing itself; whoever calls it decides what to show.
+//! Progress of a run. This crate prints nothing itself; the caller decides what to show.
 
 use underbrush_recording::GoalOutcomes;
 
-/// Told how a run goes on. All of it may be ignored.
+/// Receives the progress of a run. All calls may be ignored.
 pub trait Progress: Sync {
     /// A stage begins.
     fn stage(&self, name: &str);
 
-    /// Something that a person should know.
+    /// A remark that the user should see.
     fn remark(&self, text: &str);
 
-    /// Some things are about to be done one by one, of which `done` were done before. Dropping the counter ends this.
+    /// A task of several steps begins, of which `done` are already complete. Dropping the counter ends the task.
     fn count(&self, things: &str, total: u64, done: u64) -> Box<dyn Counter>;
 }
 
-/// Counts things done.
+/// Counts completed steps.
 pub trait Counter: Send + Sync {
-    /// One more is done.
+    /// One more step is complete.
     fn advance(&self);
 
-    /// One more reach is done, and its goals ended so.
+    /// One more reach is complete, with these outcomes of its goals.
     fn reach(&self, goals: GoalOutcomes);
 }
 

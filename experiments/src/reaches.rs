@@ -1,5 +1,5 @@
-//! Reaches to test models on. They are drawn one after the other until enough of them do what the experiment asks for,
-//! which ground truth decides.
+//! Reaches on which models are tested. They are drawn one after the other until enough of them meet the experiment's
+//! requirement, which is checked by ground truth.
 
 use std::path::{Path, PathBuf};
 
@@ -17,10 +17,10 @@ use crate::kept::{self, Run};
 use crate::progress::Progress;
 use crate::session::Session;
 
-/// What is asked of a reach.
+/// The requirement on a reach.
 #[derive(Clone)]
 enum Wanted {
-    /// The patch touches this category, feels it, and touches nothing else.
+    /// The patch touches this category and senses it, and touches nothing else.
     Only(Category),
     /// The patch touches all of these.
     All(Vec<Category>),
@@ -28,19 +28,19 @@ enum Wanted {
     OutlierFirst(Vec<Category>),
 }
 
-/// Reaches of one scene that do what is asked.
+/// Reaches of one scene that meet the requirement.
 pub struct Found {
     /// Name of the scene.
     pub scene: String,
     /// Its path in the experiment file.
     pub source: String,
-    /// Reaches drawn until enough were found, or no more were to be drawn.
+    /// Number of reaches drawn until enough were found or the limit was reached.
     pub drawn: u64,
     /// The reaches.
     pub reaches: Vec<Recording>,
 }
 
-/// All that models are tested on.
+/// All reaches on which models are tested.
 pub struct TestReaches {
     /// Reaches that touch one category alone.
     pub engineered: Vec<(Category, Found)>,
@@ -59,7 +59,7 @@ struct Search<'a> {
     max_draws: u64,
 }
 
-/// Written when a search is over, so that it need not be done again.
+/// Written when a search is complete, so that it need not be repeated.
 #[derive(Serialize, Deserialize)]
 struct Index {
     drawn: u64,
@@ -93,7 +93,7 @@ impl Wanted {
 }
 
 impl Search<'_> {
-    /// Draws, or reads what an earlier run has kept in `folder`.
+    /// Draws the reaches, or reads those that an earlier run has cached in `folder`.
     fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, ExperimentError> {
         let scene = self.plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
@@ -161,7 +161,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
             max_draws,
         })
     };
-    // The longest reaches first, so that no thread waits for them in the end.
+    // The longest reaches first, so that no thread waits for them at the end.
     let mut searches = Vec::new();
     for (own, wanted) in [
         (&file.outlier, Wanted::OutlierFirst(known.clone())),

@@ -1,4 +1,4 @@
-//! Everything that a run finds: `summary.json`, and what the report is made from.
+//! All results of a run: `summary.json`, and the input of the report.
 
 use serde::Serialize;
 
@@ -19,17 +19,17 @@ pub struct Results {
     pub seed: u64,
     /// Whether it was a quick run.
     pub quick: bool,
-    /// What the experiments found.
+    /// The outcomes of the experiments.
     #[serde(flatten)]
     pub outcomes: Outcomes,
-    /// How long it took.
+    /// Wall times.
     pub timing: Timing,
     /// The experiment.
     #[serde(skip)]
     pub definition: Experiment,
 }
 
-/// What depends on the machine.
+/// Figures that depend on the machine.
 #[derive(Clone, Serialize)]
 pub struct Timing {
     /// Cores of the machine.
@@ -38,9 +38,9 @@ pub struct Timing {
     pub threads: usize,
     /// Its processor.
     pub processor: String,
-    /// Wall time of each stage, s, in their order.
+    /// Wall time of each stage, s, in order.
     pub stages: Vec<(&'static str, f64)>,
-    /// Wall time in all, s.
+    /// Total wall time, s.
     pub wall_s: f64,
     /// Fig. 8: of the reach shown, s per 100 taxels in contact.
     pub figure_8_seconds_per_100_taxels: Option<f64>,

@@ -1,5 +1,5 @@
-//! JSON files that a later run takes up again, with a hash of their content: one that was edited or damaged is not
-//! taken.
+//! JSON files that a later run reads again, with a hash of their content. A file that was edited or damaged is not
+//! used.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ pub fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), ExperimentErr
     files::write(path, &serde_json::to_vec_pretty(&sealed).map_err(fault)?)
 }
 
-/// The content of a file that [`write()`] has written. A file that is damaged is as good as none, and is remarked on.
+/// The content of a file that [`write()`] has written. A damaged file counts as missing, with a warning.
 pub fn read<T: DeserializeOwned>(path: &Path, progress: &dyn Progress) -> Option<T> {
     let bytes = std::fs::read(path).ok()?;
     let sealed = serde_json::from_slice::<Sealed>(&bytes)
@@ -58,7 +58,7 @@ mod tests {
         super::read(path, &Silent)
     }
 
-    /// Pins that content comes back as it was written, and that a file with an edited number or any one bit flipped
+    /// Pins that content is read back as it was written, and that a file with an edited number or a single flipped bit
     /// never gives other content.
     #[test]
     fn an_edited_file_is_not_taken() {

@@ -1,4 +1,4 @@
-//! One run of an experiment: what was asked for, where results are kept, and what was computed so far.
+//! One run of an experiment: its options, the folder of its results, and the results computed so far.
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
@@ -25,9 +25,9 @@ pub struct Session<'a> {
     pub quick: bool,
     /// Number of independent campaigns, of this seed and the next ones.
     pub campaigns: u64,
-    /// The folder that data and finished results are kept in.
+    /// The folder for data and finished results.
     pub folder: &'a Path,
-    /// Told how the run goes on.
+    /// Receives the progress.
     pub progress: &'a dyn Progress,
     start: Instant,
     stages: RefCell<Vec<(&'static str, f64)>>,
@@ -55,7 +55,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The result of a function of this session, which is called once, however often its result is asked for.
+    /// The result of a function of this session. The function is called only once, however often its result is needed.
     ///
     /// # Errors
     /// Those of the function.
@@ -73,7 +73,7 @@ impl<'a> Session<'a> {
         Ok(made)
     }
 
-    /// Does a stage of the work and notes how long it takes.
+    /// Runs a stage of the work and measures its wall time.
     ///
     /// # Errors
     /// Those of the work.
@@ -99,7 +99,7 @@ impl<'a> Session<'a> {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// What a kept result of a seed depends on.
+    /// Everything that a cached result of a seed depends on.
     pub fn run_of(&self, seed: u64) -> Run {
         Run {
             seed,
@@ -108,10 +108,10 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// A result of a seed that an earlier run has kept, or that is made now and kept.
+    /// The result of a seed: cached by an earlier run, or computed now and then cached.
     ///
     /// # Errors
-    /// Those of making it, or a file that cannot be written.
+    /// Those of computing it, or a file that cannot be written.
     pub fn kept<T: Serialize + DeserializeOwned>(
         &self,
         name: &str,

@@ -1,4 +1,4 @@
-//! Decision thresholds chosen from the training data, and what any threshold would do.
+//! Decision thresholds chosen from the training data, and the curves over all thresholds.
 
 use std::collections::BTreeMap;
 
@@ -17,15 +17,15 @@ use crate::training::{self, Trials};
 
 /// Chosen thresholds and the curves.
 pub struct Thresholds {
-    /// The error is a sentence that says why there are none.
+    /// The error is a sentence with the reason why there are none.
     pub chosen: Result<ChosenThresholds, String>,
     /// The first label against the others, on held-out training trials.
     pub category_roc: Option<RocCurve>,
-    /// Outliers against known categories, on the trials of the outlier reaches. It plays no part in any choice.
+    /// Outliers against known categories, on the trials of the outlier reaches. No choice depends on it.
     pub outlier_roc: Option<RocCurve>,
 }
 
-/// Chooses thresholds on taxel trials that are held out by whole reaches. The outlier reaches only show what they do.
+/// Chooses thresholds on taxel trials that are held out by whole reaches. The outlier reaches only show their effect.
 pub fn run(session: &Session) -> Result<Thresholds, ExperimentError> {
     let (data, models) = (session.once(training::run)?, session.once(models::run)?);
     let tested = session.once(reaches::run)?;

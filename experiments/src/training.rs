@@ -17,20 +17,20 @@ use crate::session::Session;
 /// Trials of all reaches of a campaign.
 #[derive(Default)]
 pub struct Trials {
-    /// One a connected component of taxels.
+    /// One per connected component of taxels.
     pub component: Vec<Trial>,
-    /// One a taxel.
+    /// One per taxel.
     pub taxel: Vec<Trial>,
 }
 
-/// Which reaches of a campaign are of which training scene.
+/// The training scene of each reach of a campaign.
 pub struct Labelled {
     /// Number of reaches and label of each scene, in the order of the reaches.
     scenes: Vec<(u64, String)>,
 }
 
 impl Labelled {
-    /// The label of the reach at a place of the campaign.
+    /// The label of the reach at a position of the campaign.
     fn label(&self, place: usize) -> Option<&str> {
         let mut end = 0;
         let scene = self.scenes.iter().find(|(reaches, _)| {
@@ -51,7 +51,7 @@ pub struct TrainingData {
     pub contacts: Vec<Trial>,
 }
 
-/// Makes the training reaches, or takes those that are finished in the run's folder, and cuts trials from them.
+/// Simulates the training reaches, except those already finished in the run's folder, and extracts trials from them.
 pub fn run(session: &Session) -> Result<TrainingData, ExperimentError> {
     let (experiment, progress) = (session.experiment, session.progress);
     let dataset = session.stage("Training reaches", || {
@@ -83,8 +83,8 @@ pub fn reaches(experiment: &Experiment, quick: bool) -> Vec<u64> {
     training.map(|training| training.reaches(quick)).collect()
 }
 
-/// So many reaches of each training scene, with something changed. A data set stores the text of a scene and so would not
-/// tell of a change: use changed campaigns only for [`Trials::of_campaign`].
+/// A campaign with these numbers of reaches of each training scene and a change. A data set stores the text of a scene
+/// and would not show the change, so use changed campaigns only for [`Trials::of_campaign`].
 pub fn campaign(
     experiment: &Experiment,
     seed: u64,
@@ -128,7 +128,7 @@ impl Trials {
         })
     }
 
-    /// Appends the trials of the reach at a place of the campaign and numbers them on.
+    /// Appends the trials of the reach at a position of the campaign and continues their numbers.
     pub fn append(&mut self, place: usize, label: Option<&str>, other: Trials) {
         for (all, more) in [(&mut self.component, other.component), (&mut self.taxel, other.taxel)] {
             for trial in more {
@@ -143,7 +143,7 @@ impl Trials {
         }
     }
 
-    /// The trials of the run's training reaches, cut in another way.
+    /// The trials of the run's training reaches, extracted in another way.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, ExperimentError> {
         let (_, labelled) = campaign(
             session.experiment,
@@ -163,7 +163,7 @@ impl Trials {
         Ok(trials)
     }
 
-    /// Runs a campaign and keeps its trials alone: the frames of twenty campaigns would fill a disk.
+    /// Runs a campaign and keeps only its trials, because the frames of twenty campaigns would fill a disk.
     pub fn of_campaign(
         experiment: &Experiment,
         (campaign, labelled): &(Campaign, Labelled),
@@ -187,7 +187,7 @@ impl Trials {
         Ok(trials)
     }
 
-    /// The trials of at least so many samples, numbered anew: the same as cut with [`TrialOptions::min_samples`].
+    /// The trials of at least this many samples, renumbered: the same as extracted with [`TrialOptions::min_samples`].
     pub fn lasting(&self, min_samples: usize) -> Self {
         let renumbered = |trials: &[Trial]| {
             let long = trials.iter().filter(|trial| trial.samples.len() >= min_samples);

@@ -1,4 +1,4 @@
-//! How the cells of a cross-validation table agree with published ones, in words and as charts: for one campaign and for
+//! How the cells of a cross-validation table agree with published ones, as text and as charts: for one campaign and for
 //! the mean of several.
 
 use underbrush_classifier::feature::FeatureSet;
@@ -12,7 +12,7 @@ use crate::style::{self, PUBLISHED};
 /// A difference that counts as agreement, points: the target for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;
 
-/// A cell as it is compared.
+/// A cell to be compared.
 pub struct Compared<'a> {
     /// Which cell.
     pub key: &'a CellKey,
@@ -20,7 +20,7 @@ pub struct Compared<'a> {
     pub accuracy: f64,
     /// Its interval, or its spread over campaigns.
     pub interval: Option<(f64, f64)>,
-    /// Whether the interval is one in which the published figure should lie.
+    /// Whether the published figure should lie in this interval.
     pub covers: bool,
     /// Balanced accuracy, per cent.
     pub balanced_accuracy: f64,
@@ -30,14 +30,15 @@ pub struct Compared<'a> {
     pub published: Option<f64>,
 }
 
-/// The recipes of some cells, in their order.
+/// The recipes of some cells, in order.
 pub fn recipes(cells: &[Compared]) -> Vec<String> {
     let mut recipes: Vec<String> = cells.iter().map(|cell| cell.key.recipe.clone()).collect();
     recipes.dedup();
     recipes
 }
 
-/// Agreement with the published cells, and which cells lie below the majority baseline. `what` begins the sentence.
+/// A sentence, beginning with `what`, on the agreement with the published cells and on cells below the majority
+/// baseline.
 pub fn sentences(what: &str, cells: &[&Compared]) -> String {
     let below: Vec<String> = cells
         .iter()
@@ -92,7 +93,7 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
     Some(text)
 }
 
-/// Which cells a constant verdict would beat.
+/// The cells in which a constant verdict would be more accurate.
 fn below_majority(below: &[String], cells: usize) -> String {
     if below.is_empty() {
         return format!("All {cells} cells are at or above the majority baseline.");
@@ -236,7 +237,7 @@ fn chart(table: &str, title: String, cells: &[&Compared], lowest: f64) -> String
     chart.svg()
 }
 
-/// Where the axes of accuracy begin, per cent: at 40, or lower where an interval does.
+/// Lower end of the axes of accuracy, per cent: 40, or less if an interval begins lower.
 fn lowest(cells: &[Compared]) -> f64 {
     let values = cells
         .iter()

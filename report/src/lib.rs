@@ -1,4 +1,4 @@
-//! Charts, tables, sentences and pictures of what the simulator and the experiments give.
+//! Charts, tables, sentences and pictures of the results of simulator and experiments.
 //!
 //! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, [`drawing`] the
 //! charts, tables and pages they are made of. [`picture`] draws arm and clutter, [`portrait`] objects pressed on the skin.
@@ -30,7 +30,7 @@ pub struct Written {
 pub struct File {
     /// Its path below the report's folder.
     pub path: String,
-    /// What it holds.
+    /// Its content.
     pub text: String,
 }
 
@@ -90,7 +90,7 @@ fn what_was_run(report: &mut Report) {
     report.table(table);
 }
 
-/// What a terminal shows: the reaches, the most important tables, and how far all this is from what is published.
+/// The text for a terminal: the reaches, the most important tables, and the difference from the published figures.
 fn terminal(report: &Report) -> String {
     let outcomes = &report.results.outcomes;
     let reaches = &outcomes.training_data.reaches;

@@ -1,4 +1,4 @@
-//! A report in the making: the page, its tables, and what of it goes to the terminal.
+//! A report that is being written: the page, its tables, and the text for the terminal.
 
 use underbrush_experiments::accuracy::{Accuracy, Part};
 use underbrush_experiments::definition::{Published, PublishedSection};
@@ -8,9 +8,9 @@ use underbrush_experiments::results::Results;
 use crate::drawing::{Cell, Page, Table};
 use crate::text;
 
-/// What sections add to.
+/// A report to which sections are added.
 pub struct Report<'a> {
-    /// What is reported.
+    /// The results.
     pub results: &'a Results,
     /// The page.
     pub page: Page,
@@ -31,7 +31,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// What is published, if anything.
+    /// The published figures, if any.
     pub fn published(&self) -> Option<&'a Published> {
         self.results.definition.published()
     }
@@ -47,7 +47,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// The published number of the subject, for captions: `Fig. 13`, or the heading where nothing is published.
+    /// The published number of the subject, for captions: `Fig. 13`, or the heading if nothing is published.
     pub fn figure_name(&self, name: &str, heading: &str) -> String {
         let own = self.published().and_then(|published| published.sections.get(name));
         own.and_then(|own| own.figure.clone())
@@ -78,7 +78,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// A heading that no figure's number precedes.
+/// A heading without the number of a figure before it.
 fn capitalized(heading: &str) -> String {
     let mut letters = heading.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);

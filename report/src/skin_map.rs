@@ -9,8 +9,8 @@ use underbrush_recording::Grid;
 
 use crate::style::{self, UNTOUCHED};
 
-/// Colour and shape of a verdict: the paper's colours, with a shape for those who do not see them. A taxel that nothing
-/// presses on keeps the shape of its verdict and is grey.
+/// Colour and shape of a verdict: the paper's colours, with a shape for readers who cannot distinguish them. A taxel
+/// that nothing presses on keeps the shape of its verdict and is grey.
 pub fn mark_of(verdict: &Verdict, pressed: bool) -> (&'static str, Mark) {
     let (colour, mark) = style::category(verdict.name(), verdict.name().len());
     (if pressed { colour } else { UNTOUCHED }, mark)

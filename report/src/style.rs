@@ -11,7 +11,7 @@ pub const TRUNK: &str = "#6b4423";
 pub const OUTLIER: &str = "#c8102e";
 /// Taxels without a verdict.
 pub const UNCERTAIN: &str = "#1f5fbf";
-/// Taxels that read a force though nothing presses on them.
+/// Taxels that read a force although nothing presses on them.
 pub const UNTOUCHED: &str = "#8a939c";
 /// Correct verdicts.
 pub const CORRECT: &str = "#009e73";
@@ -26,7 +26,7 @@ pub const PUBLISHED: Style = Style::marked(INK, Dash::Dotted, Mark::Diamond);
 /// The majority baseline: a line without marks.
 pub const MAJORITY: Style = Style::line("#7a828a", Dash::Dashed);
 
-/// Series of a chart, in their order.
+/// Series of a chart, in order.
 const SERIES: [Style; 7] = [
     FIRST,
     Style::marked("#56b4e9", Dash::Dashed, Mark::Circle),
@@ -37,26 +37,26 @@ const SERIES: [Style; 7] = [
     Style::marked(CORRECT, Dash::Solid, Mark::Triangle),
 ];
 
-/// Series beside each other, in two styles that differ most.
+/// Two series beside each other, in the two most different styles.
 const PAIRED: [Style; 2] = [FIRST, Style::marked(WRONG, Dash::Dashed, Mark::Square)];
 
-/// The style of a series by its place; more series than styles begin again.
+/// The style of a series by its position; styles repeat if there are more series.
 pub fn series(place: usize) -> Style {
     SERIES[place % SERIES.len()]
 }
 
-/// The style of one of few series by its place.
+/// The style of one of a few series by its position.
 pub fn paired(place: usize) -> Style {
     PAIRED.get(place).copied().unwrap_or_else(|| series(place + 1))
 }
 
-/// How far beside its place on an axis of names a point of one of several series stands.
+/// Offset of a point of one of several series from its position on an axis of names.
 pub fn aside(place: usize, of: usize) -> f64 {
     let centred = place as f64 - (of.max(1) - 1) as f64 / 2.0;
     0.14 * centred
 }
 
-/// Colour and mark of a category by its name; the paper's colours for its own. `place` tells others apart.
+/// Colour and mark of a category by its name; the paper's colours for its own. `place` distinguishes others.
 pub fn category(name: &str, place: usize) -> (&'static str, Mark) {
     match name {
         "leaf" => (LEAF, Mark::Triangle),
@@ -90,7 +90,7 @@ pub fn majority_layer(percent: f64, places: usize) -> Layer {
     Layer::new("majority", MAJORITY, Shape::Line(ends.to_vec()))
 }
 
-/// Points over named places in words, for readers who do not see them.
+/// Points over named positions as text, for readers who cannot see them.
 pub fn told(names: &[String], points: &[Point]) -> String {
     let pairs = names.iter().zip(points);
     let values: Vec<String> = pairs.map(|(name, point)| format!("{name}: {:.1}", point.y)).collect();

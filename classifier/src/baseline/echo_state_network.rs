@@ -46,9 +46,9 @@ const PENALTY: Limits = Limits::new(1e-12, 1e6, "");
 /// Schrauwen 2012, Neural Computation 24), for which the mean of a Gaussian process is ridge regression.
 ///
 /// The state x follows the features u of each sample, x ← (1 − a) x + a tanh(W x + V u). The readout is fitted to the
-/// category (one or zero) at every sample; all categories weigh alike, and so do the trials of a category. The score is
-/// the logarithm of the readout's mean since contact, an estimate of the posterior. Samples are assumed to come at the
-/// rate of the training data, since the network's memory is measured in samples.
+/// category (one or zero) at every sample; all categories have equal weight, and so do the trials of a category. The
+/// score is the logarithm of the readout's mean since contact, an estimate of the posterior. Samples are assumed to
+/// come at the rate of the training data, since the network's memory is measured in samples.
 ///
 /// ```
 /// use underbrush_classifier::baseline::EchoStateNetwork;
@@ -105,7 +105,7 @@ impl Default for EchoStateNetwork {
     }
 }
 
-/// Spectral radius of the recurrent weights for many units; below 1, so that the past fades.
+/// Spectral radius of the recurrent weights for many units; below 1, so that the past is forgotten.
 const RADIUS: f64 = 0.9;
 /// Readouts are not probabilities. They are clamped to this minimum before taking the logarithm.
 const MIN_POSTERIOR: f64 = 1e-3;
@@ -176,7 +176,8 @@ impl Network {
         let mut draw = |rows: usize, columns: usize, max: f64| {
             DMatrix::from_fn(rows, columns, |_, _| max * (2.0 * rng.random::<f64>() - 1.0))
         };
-        // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform ones have σ = most / √3.
+        // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform ones have σ = max /
+        // √3.
         let max = RADIUS * (3.0 / options.units as f64).sqrt();
         Network {
             options: *options,
@@ -211,7 +212,7 @@ struct Fitted {
     readout: DMatrix<f64>,
 }
 
-/// The random weights are stored, too: then a file does not depend on how a program draws them.
+/// The random weights are stored, too, so that a file does not depend on how a program draws them.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Parameters {

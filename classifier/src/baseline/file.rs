@@ -1,4 +1,4 @@
-//! What model files of the baselines have in common.
+//! What the model files of all baselines have in common.
 
 use nalgebra::DMatrix;
 use serde::de::DeserializeOwned;
@@ -9,7 +9,7 @@ use underbrush_recording::{InputError, Limits};
 use crate::document::Document;
 use crate::error::{Fault, check_limits};
 
-/// Fitted numbers of any kind. Choice: standardized features and forces stay far below; a number beyond is damage.
+/// Fitted numbers of any kind. Choice: standardized features and forces stay far below; a larger number means damage.
 pub(super) const FITTED: Limits = Limits::new(-1e12, 1e12, "");
 
 /// Numbers that are divided by, such as variances. Choice, as [`FITTED`].

@@ -7,8 +7,8 @@
 //! | [`EchoStateNetwork`] | Soh et al. \[3\]: an online recursive kernel method | force and motion of the taxel, sample by sample |
 //! | [`Logistic`] | no paper; chosen by its accuracy on held-out reaches | stream features of taxel and contact region |
 //!
-//! Numbers in brackets are the paper's references. Of \[4\] the paper says only that naive Bayes classified shape and pose
-//! while a finger explored; the features are ours.
+//! Numbers in brackets are the paper's references. About \[4\] the paper says only that naive Bayes classified shape
+//! and pose while a finger explored. The features are ours.
 
 pub(crate) mod echo_state_network;
 mod file;

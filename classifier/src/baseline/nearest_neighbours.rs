@@ -263,8 +263,8 @@ fn check(options: &NearestNeighbours, categories: usize, parameters: &Parameters
 }
 
 impl Fitted {
-    /// The logarithm of votes per training trial of the category: frequent categories offer more neighbours. All
-    /// categories share one more vote, so that none is impossible.
+    /// The logarithm of votes per training trial of the category: frequent categories have more neighbours. One
+    /// additional vote is divided among all categories, so that none is impossible.
     fn scores(&self, mut channels: Vec<f64>, scores: &mut [f64]) {
         for (d, value) in channels.iter_mut().enumerate() {
             *value = (*value - self.mean[d]) * self.scale[d / self.options.window];

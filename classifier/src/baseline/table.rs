@@ -12,7 +12,7 @@ use crate::stream_feature::{SAMPLE_COUNTS, Selection};
 pub(super) struct Table {
     /// Alphabetical.
     pub(super) categories: Vec<String>,
-    /// One a row, in the order of the trials.
+    /// One per row, in the order of the trials.
     pub(super) rows: Vec<Row>,
 }
 
@@ -20,8 +20,8 @@ pub(super) struct Table {
 pub(super) struct Row {
     /// Index of the category.
     pub(super) category: usize,
-    /// Rows of a trial weigh alike, and so do the trials of a category. The weights of each category sum to
-    /// 1 / number of categories, so that fits do not depend on how frequent categories are.
+    /// The rows of a trial have equal weight, and so do the trials of a category. The weights of each category sum to 1
+    /// / number of categories, so that fits do not depend on how frequent categories are.
     pub(super) weight: f64,
     /// The features, standardized.
     pub(super) features: Vec<f64>,

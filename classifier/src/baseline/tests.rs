@@ -61,8 +61,9 @@ fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
 
 #[test]
 fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
-    // Pins, for all that implement the trait: new presses are told apart; the scores after k samples are those of a trial
-    // that ended there, and counts beyond the end are the whole; the order of training trials does not matter much.
+    // Pins, for all that implement the trait: new presses are told apart; the scores after k samples are those of a
+    // trial that ended there, and larger counts mean the whole trial; the order of training trials does not matter
+    // much.
     let trials = trials();
     let known: Vec<&Trial> = trials.iter().collect();
     for (name, estimator) in estimators() {
@@ -146,8 +147,8 @@ fn logistic_regression_is_at_its_minimum() {
 
 #[test]
 fn windows_are_padded_with_their_last_sample() {
-    // Pins the fixed window: a press that stopped for good after 10 samples and one that went on unchanged are alike, and
-    // what comes after the window does not count.
+    // Pins the fixed window: a press that stopped for good after 10 samples and one that went on unchanged are alike,
+    // and samples after the window are ignored.
     let trials = trials();
     let classifier = NearestNeighbours::default()
         .fit(&trials.iter().collect::<Vec<_>>())

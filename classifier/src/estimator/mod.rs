@@ -23,12 +23,12 @@ pub use scorer::{ContactScorer, Independent, OnlineScorer};
 
 /// Options of a classifier that can be fitted to labelled trials.
 pub trait Estimator: Sync {
-    /// Fits a classifier to these trials. The result is the same to the bit for any number of threads.
+    /// Fits a classifier to these trials. The result is the same bit for bit for any number of threads.
     ///
     /// Trials without a category, blocks and outliers are skipped ([`is_trained`]).
     ///
     /// # Errors
-    /// [`ModelError`] where an option is outside its range, no trial has a category, or a trial lacks a feature.
+    /// [`ModelError`] if an option is outside its range, no trial has a category, or a trial lacks a feature.
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError>;
 }
 
@@ -43,20 +43,20 @@ pub trait Classifier: Any + Debug + Send + Sync {
     /// The categories in alphabetical order: the order of all scores.
     fn categories(&self) -> Vec<String>;
 
-    /// Scores up to so many contacts at once, sample by sample.
+    /// A scorer for up to this many contacts at once, sample by sample.
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer>;
 
-    /// What the model file of this classifier holds besides format, name, decision and provenance, by key.
+    /// The entries of this classifier's model file besides format, name, decision and provenance, by key.
     fn file_entries(&self) -> Vec<(&'static str, Value)>;
 
-    /// For each number of samples, ascending and from 1, one score per category for that many first samples of the trial:
-    /// a log-likelihood, or a log-posterior under equal priors, in nats, so that priors can be added and differences are
-    /// margins. A number greater than the trial's length stands for the whole trial.
+    /// For each number of samples, ascending and from 1, one score per category for that many first samples of the
+    /// trial: a log-likelihood, or a log-posterior under equal priors, in nats, so that priors can be added and
+    /// differences are margins. A number greater than the trial's length means the whole trial.
     ///
     /// Later samples have no influence on a score, so scores are available while a contact lasts.
     ///
     /// # Errors
-    /// [`ModelError`] where the trial is empty or lacks a feature.
+    /// [`ModelError`] if the trial is empty or lacks a feature.
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
         if trial.samples.is_empty() {
             return Err(FeatureError::Empty { trial: trial.trial }.into());
@@ -100,7 +100,7 @@ pub trait Classifier: Any + Debug + Send + Sync {
         trials.iter().map(of_trial).collect()
     }
 
-    /// How the training of each category went, for classifiers that are trained iteratively.
+    /// The training report of each category, for classifiers that are trained iteratively.
     fn training(&self) -> Option<&BTreeMap<String, TrainingHistory>> {
         None
     }
@@ -125,7 +125,7 @@ pub struct ClassifierKind {
     pub aliases: &'static [&'static str],
     /// One line for the help.
     pub summary: &'static str,
-    /// The default options, with other features where they are given.
+    /// The default options, with these features if any are given.
     pub estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,
     /// Reads and checks what [`Classifier::file_entries`] of this kind wrote.
     pub load: fn(&Document) -> Result<Box<dyn Classifier>, InputError>,
@@ -139,7 +139,7 @@ pub fn is_trained(category: &str) -> bool {
 /// The trials of each category that classifiers are fitted to, in the order of the table.
 ///
 /// # Errors
-/// [`ModelError::NoCategories`] where there are none.
+/// [`ModelError::NoCategories`] if there are none.
 pub fn trials_by_category<'a>(
     trials: impl IntoIterator<Item = &'a Trial>,
 ) -> Result<BTreeMap<String, Vec<&'a Trial>>, ModelError> {

@@ -11,17 +11,17 @@ use crate::feature::SampleFault;
 ///
 /// After k samples of a contact its scores equal [`super::Classifier::scores_after`] k samples of a trial, bit for bit.
 pub trait OnlineScorer: Debug + Send {
-    /// Starts a contact anew; its earlier samples are forgotten. Contacts count from 0.
+    /// Restarts a contact; its earlier samples are forgotten. Contacts are numbered from 0.
     ///
     /// # Panics
-    /// Where there are not that many contacts; so do the other methods.
+    /// If there are not that many contacts. The other methods panic likewise.
     fn begin(&mut self, contact: usize);
 
     /// Takes in the next sample of a contact. `false` means that the sample has no influence, as after a fixed window:
-    /// the scores stay as they were, and the scorer need not know them any more.
+    /// the scores stay as they were, and need not be read again.
     ///
     /// # Errors
-    /// [`SampleFault`] where the sample lacks a feature or has a number that is not finite.
+    /// [`SampleFault`] if the sample lacks a feature or has a number that is not finite.
     fn push(&mut self, contact: usize, sample: &Sample) -> Result<bool, SampleFault>;
 
     /// Processes the samples pushed since the last call.
@@ -32,7 +32,8 @@ pub trait OnlineScorer: Debug + Send {
     fn scores(&self, contact: usize, scores: &mut [f64]);
 }
 
-/// Scores one contact, for classifiers that treat each contact by itself; [`Independent`] makes a [`OnlineScorer`] of it.
+/// Scores one contact, for classifiers that treat each contact by itself. [`Independent`] makes an [`OnlineScorer`]
+/// from it.
 pub trait ContactScorer: Clone + Debug + Send + 'static {
     /// As [`OnlineScorer::push`].
     ///
@@ -52,7 +53,7 @@ pub struct Independent<S> {
 }
 
 impl<S: ContactScorer> Independent<S> {
-    /// So many contacts, each of which begins as `fresh`.
+    /// This many contacts, each of which starts as a copy of `fresh`.
     pub fn new(fresh: S, contacts: usize) -> Self {
         let contacts = vec![fresh.clone(); contacts];
         Independent { fresh, contacts }

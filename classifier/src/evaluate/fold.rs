@@ -82,7 +82,7 @@ impl Folds {
     /// The fold of each trial, in the same order. Every category is in every fold.
     ///
     /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋. A reach
-    /// counts for the category of most of its trials, and in a tie for the first of them by name.
+    /// counts as the category of most of its trials, and in a tie as the first of them by name.
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });

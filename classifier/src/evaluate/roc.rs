@@ -10,7 +10,7 @@ use crate::estimator::is_trained;
 /// The rates at one threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RocPoint {
-    /// The smallest score classified as positive, or the largest margin (see [`outlier_roc`]); `None` where nothing is
+    /// The smallest score classified as positive, or the largest margin (see [`outlier_roc`]); `None` if nothing is
     /// classified as positive.
     pub threshold: Option<f64>,
     /// Fraction of the negatives classified as positive.

@@ -97,7 +97,7 @@ struct Last {
 /// Classifies a recorded reach frame by frame, as online while the arm moves.
 ///
 /// # Errors
-/// [`OnlineError`] where patch, classifier, rule or a frame do not fit.
+/// [`OnlineError`] if patch, classifier, rule or a frame do not fit.
 pub fn classify_stream(
     classifier: &dyn Classifier,
     recording: &Recording,

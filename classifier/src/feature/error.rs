@@ -1,4 +1,4 @@
-//! What can be wrong with trials as input of a classifier.
+//! Errors in trials as input of a classifier.
 
 use thiserror::Error;
 
@@ -88,7 +88,7 @@ pub enum FeatureError {
     NoFeatures,
 }
 
-/// The names of all features, as a sentence lists them.
+/// The names of all features, as a list in a sentence.
 fn known() -> String {
     FEATURES.map(|feature| feature.name).join(", ")
 }

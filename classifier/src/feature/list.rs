@@ -1,4 +1,4 @@
-//! The list of features: what a classifier can see of each sample.
+//! The list of features that a classifier can use of each sample.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -10,17 +10,17 @@ use underbrush_recording::{Region, Sample};
 pub struct Feature {
     /// Name on the command line.
     pub name: &'static str,
-    /// Column in trial tables, and name in model files. It ends in the unit where there is one.
+    /// Column in trial tables, and name in model files. It ends in the unit, if there is one.
     pub column: &'static str,
     /// What it is, in one line.
     pub description: &'static str,
-    /// The values that are possible, and their unit.
+    /// The possible values, and their unit.
     pub limits: Limits,
-    /// Brings typical values to the order of one, for classifiers that do not standardize their input.
+    /// Factor that scales typical values to about one, for classifiers that do not standardize their input.
     pub to_order_one: f64,
-    /// Reads it from a sample; `None` where the sample has no such value.
+    /// Reads it from a sample; `None` if the sample has no such value.
     pub read: fn(&Sample) -> Option<f64>,
-    /// Whether it describes the contact region. Then live data need a patch whose taxels form a grid.
+    /// Whether it describes the contact region. If so, live data need a patch whose taxels form a grid.
     pub of_region: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Features: what a classifier sees of each sample.
+//! Features: the numbers that a classifier uses of each sample.
 //!
 //! [`FEATURES`] lists all of them, with name, unit and how each is read. A [`FeatureSet`] is an ordered choice from that
 //! list. All classifiers read samples through [`FeatureSet::read`], which checks them.

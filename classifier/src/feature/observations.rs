@@ -13,7 +13,7 @@ impl Observations {
     /// Observations from a row-major matrix with `dimension` numbers per sample.
     ///
     /// # Errors
-    /// [`FeatureError::BadMatrix`] where it is empty, ragged or not finite.
+    /// [`FeatureError::BadMatrix`] if it is empty, ragged or not finite.
     pub fn new(dimension: usize, values: Vec<f64>) -> Result<Self, FeatureError> {
         let found = if dimension == 0 || values.is_empty() || !values.len().is_multiple_of(dimension) {
             format!("{} numbers", values.len())

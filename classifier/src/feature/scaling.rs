@@ -21,7 +21,7 @@ impl Scaling {
     /// The scaling of these sequences' samples, all weighted alike.
     ///
     /// # Errors
-    /// [`FeatureError::Constant`] where a feature never varies.
+    /// [`FeatureError::Constant`] if a feature never varies.
     pub fn fit<'a>(
         features: FeatureSet,
         sequences: impl Iterator<Item = &'a Observations> + Clone,

@@ -11,7 +11,7 @@ use super::error::{FeatureError, SampleFault};
 use super::list::{FEATURES, FORCE, Feature, MOTION};
 use super::observations::Observations;
 
-/// The features that a classifier sees, in the order of its numbers: one or more, none twice.
+/// The features that a classifier uses, in order: one or more, none twice.
 ///
 /// As text the names are joined by `+`, such as `force+motion`; commas are read, too.
 ///
@@ -35,7 +35,7 @@ impl FeatureSet {
     /// Force, N, and contact motion, m (paper, section IV-C and IV-D).
     pub const FORCE_AND_MOTION: FeatureSet = FeatureSet::new([&FORCE, &MOTION]);
 
-    /// A set that is known when the program is compiled. The caller sees to it that no feature is listed twice.
+    /// A set that is known when the program is compiled. The caller makes sure that no feature is listed twice.
     pub(crate) const fn new<const N: usize>(listed: [&'static Feature; N]) -> Self {
         let mut features = [None; FEATURES.len()];
         let mut index = 0;
@@ -49,13 +49,13 @@ impl FeatureSet {
     /// The set of features with these names or columns, in this order.
     ///
     /// # Errors
-    /// [`FeatureError`] where a name is unknown or given twice, or there is none.
+    /// [`FeatureError`] if a name is unknown or given twice, or there is none.
     pub fn from_names<S: AsRef<str>>(names: &[S]) -> Result<FeatureSet, FeatureError> {
         let mut features = [None; FEATURES.len()];
         for (index, name) in names.iter().enumerate() {
             let name = name.as_ref();
             let feature = Feature::find(name).ok_or_else(|| FeatureError::Unknown { found: name.to_owned() })?;
-            // A list longer than that of all features repeats one, so there is room for every other.
+            // A list longer than that of all features must repeat one, so every valid list fits.
             if features.contains(&Some(feature)) {
                 return Err(FeatureError::Repeated { found: feature.name });
             }
@@ -101,7 +101,7 @@ impl FeatureSet {
     /// its samples here. Nothing is allocated.
     ///
     /// # Errors
-    /// [`SampleFault`] where the sample lacks a feature, or one is NaN or infinite.
+    /// [`SampleFault`] if the sample lacks a feature, or one is NaN or infinite.
     pub fn read(&self, sample: &Sample, values: &mut [f64]) -> Result<(), SampleFault> {
         for (feature, place) in self.iter().zip(values) {
             let value = (feature.read)(sample).ok_or(SampleFault::Missing(feature))?;
@@ -117,7 +117,7 @@ impl FeatureSet {
     /// The observation matrix of a trial, or of its first `max_samples` samples (paper, section V-C).
     ///
     /// # Errors
-    /// [`FeatureError`] where the trial is empty, lacks a feature, or holds NaN or infinity.
+    /// [`FeatureError`] if the trial is empty, lacks a feature, or holds NaN or infinity.
     pub fn observations(&self, trial: &Trial, max_samples: Option<usize>) -> Result<Observations, FeatureError> {
         let count = trial.samples.len().min(max_samples.unwrap_or(usize::MAX));
         if count == 0 {

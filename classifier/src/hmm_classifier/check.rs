@@ -1,4 +1,5 @@
-//! The range of every number in a file of hidden Markov models, with its reason, and what its parts must agree on.
+//! The range of every number in a file of hidden Markov models, with its reason, and the rules that its parts must
+//! agree on.
 
 use std::collections::BTreeMap;
 
@@ -96,7 +97,7 @@ fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), 
     Ok(())
 }
 
-/// A recipe says how the models were made, so it must agree with them.
+/// The recipe describes how the models were made, so it must agree with them.
 fn agreement(classifier: &HmmClassifier) -> Result<(), Fault> {
     let Some(recipe) = &classifier.recipe else {
         return Ok(());

@@ -12,7 +12,7 @@ use crate::feature::{FEATURES, FeatureSet, Scaling};
 use crate::hmm::{GaussianHmm, HmmParameters, Scorer, TrainingHistory};
 use crate::recipe::Recipe;
 
-/// The keys of these models. Only the first two are required.
+/// The keys of hidden Markov models in a file. Only the first two are required.
 #[derive(Deserialize)]
 struct HmmFile {
     features: Vec<String>,

@@ -13,7 +13,7 @@ use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
 use crate::hmm::{GaussianHmm, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
 use crate::recipe::{Recipe, ScalingKind};
 
-/// How training went.
+/// The report of a training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrainingReport {
     /// By category.
@@ -28,7 +28,7 @@ impl HmmClassifier {
     /// Trials without a category, blocks and outliers are skipped.
     ///
     /// # Errors
-    /// [`ModelError`] where the recipe is outside its ranges, no trial has a category, a trial lacks a feature, or
+    /// [`ModelError`] if the recipe is outside its ranges, no trial has a category, a trial lacks a feature, or
     /// training fails.
     pub fn train(trials: &[Trial], recipe: &Recipe) -> Result<(Self, TrainingReport), ModelError> {
         Self::train_on(trials, recipe)
@@ -88,7 +88,7 @@ impl HmmClassifier {
     /// Features, scaling and truncation stay those of `start`; trials of other categories are skipped.
     ///
     /// # Errors
-    /// [`ModelError`] as for [`HmmClassifier::train`], and where a category of `start` has no trials.
+    /// [`ModelError`] as for [`HmmClassifier::train`], and if a category of `start` has no trials.
     pub fn train_from(
         start: HmmClassifier,
         trials: &[Trial],
@@ -144,7 +144,7 @@ fn with_category(
     }
 }
 
-/// Models and report, or the first error in alphabetical order of categories.
+/// The models and the report, or the first error in alphabetical order of categories.
 fn collect(
     trained: Vec<Result<Trained, ModelError>>,
     trials: usize,

@@ -79,20 +79,20 @@ pub struct HmmClassifier {
     scaling: Option<Scaling>,
     /// Chosen instead of the recipe's.
     score: Option<ScoreKind>,
-    /// What made the models, where known; foreign models have none.
+    /// The recipe of the models, if known; models made elsewhere have none.
     pub recipe: Option<Recipe>,
-    /// How the training of each category went, where known.
+    /// The training report of each category, if known.
     pub training: BTreeMap<String, TrainingHistory>,
 }
 
-/// Choice: trials that one thread scores together, enough to find fours of similar length.
+/// Number of trials that one thread scores together. Choice: enough to find groups of four with similar length.
 const TOGETHER: usize = 64;
 
 impl HmmClassifier {
     /// Models made elsewhere, without scaling, history or recipe.
     ///
     /// # Errors
-    /// [`ModelError::Mismatch`] where there are no models or one has another number of features.
+    /// [`ModelError::Mismatch`] if there are no models or one has another number of features.
     pub fn new(features: FeatureSet, models: BTreeMap<String, GaussianHmm>) -> Result<Self, ModelError> {
         if models.is_empty() {
             return Err(ModelError::Mismatch {
@@ -133,7 +133,7 @@ impl HmmClassifier {
         &self.models
     }
 
-    /// The scaling of the features, where the models were trained on scaled ones.
+    /// The scaling of the features, if the models were trained on scaled ones.
     pub fn scaling(&self) -> Option<&Scaling> {
         self.scaling.as_ref()
     }
@@ -148,7 +148,7 @@ impl HmmClassifier {
         self.score.unwrap_or_else(|| self.own_score_kind())
     }
 
-    /// The kind of score of the recipe; forward (eq. 2) where no recipe is known. Thresholds in the model file were chosen
+    /// The kind of score of the recipe; forward (eq. 2) if no recipe is known. Thresholds in the model file were chosen
     /// for scores of this kind.
     pub fn own_score_kind(&self) -> ScoreKind {
         self.recipe.as_ref().map_or(ScoreKind::Forward, |recipe| recipe.score)
@@ -159,27 +159,28 @@ impl HmmClassifier {
         self.score = Some(kind);
     }
 
-    /// Number of first samples of a trial that are used; `None`: all.
+    /// Number of samples used at the start of each trial; `None` for all.
     pub(crate) fn max_samples(&self) -> Option<usize> {
         self.recipe.as_ref().and_then(|recipe| recipe.max_samples)
     }
 
     /// The score of a trial under each category's model, in nats, by category in alphabetical order.
     ///
-    /// With scaling these are densities of the scaled features: differences between categories do not depend on it.
+    /// If features are scaled, these are densities of the scaled features. Differences between categories do not depend
+    /// on it.
     ///
     /// # Errors
-    /// [`ModelError::Feature`] where the trial does not give the models' features.
+    /// [`ModelError::Feature`] if the trial does not give the models' features.
     pub fn score(&self, trial: &Trial, kind: ScoreKind) -> Result<Vec<(String, f64)>, ModelError> {
         let scores = self.score_all(&[trial], kind)?.pop().unwrap_or_default();
         Ok(self.models.keys().cloned().zip(scores).collect())
     }
 
-    /// What [`HmmClassifier::score`] gives for each of many trials, in the order of [`HmmClassifier::categories`]: several times as
-    /// fast as one by one, on all threads.
+    /// What [`HmmClassifier::score`] gives for each of many trials, in the order of [`HmmClassifier::categories`]. This
+    /// uses all threads and is several times as fast as one by one.
     ///
     /// # Errors
-    /// [`ModelError::Feature`] where a trial does not give the models' features.
+    /// [`ModelError::Feature`] if a trial does not give the models' features.
     pub fn score_all(&self, trials: &[&Trial], kind: ScoreKind) -> Result<Vec<Vec<f64>>, ModelError> {
         let score = |trials: &[&Trial]| {
             let sequences = trials.iter().map(|trial| self.sequence(trial, None));
@@ -192,7 +193,8 @@ impl HmmClassifier {
             }
             Ok(scores)
         };
-        // Of several errors the first in the order of the trials, whatever the number of threads.
+        // If there are several errors, the first in the order of the trials is returned, whatever the number of
+        // threads.
         let parts: Vec<Result<_, ModelError>> = trials.par_chunks(TOGETHER).map(score).collect();
         Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }

@@ -31,7 +31,7 @@ fn fault(from: &str, to: &str) -> InputError {
 
 #[test]
 fn three_keys_are_enough_and_unknown_ones_are_passed_over() {
-    // Pins that foreign models load, with more keys or without.
+    // Pins that models made elsewhere load, with and without additional keys.
     let minimal = read(MINIMAL).unwrap();
     assert_eq!(minimal.categories(), ["leaf"]);
     assert_eq!(minimal.recipe, None);
@@ -120,7 +120,7 @@ fn faults_name_field_and_line() {
     assert_eq!(fault("[0.1]", "[1e999]").line, Some(8));
 }
 
-/// Pins that a recipe which says otherwise than the models is refused, whatever part of it contradicts them.
+/// Pins that a recipe that contradicts the models is refused, whichever part of it does.
 #[test]
 fn recipes_that_contradict_the_models_are_refused() {
     let recipe = Recipe {
@@ -150,7 +150,7 @@ fn recipes_that_contradict_the_models_are_refused() {
 }
 
 proptest::proptest! {
-    // Pins that no text makes the reader panic, however near to a model file it is.
+    // Pins that no text makes the reader panic, however similar to a model file.
     #[test]
     fn damaged_files_never_panic(position in 0usize..300, junk in "[0-9eE+.,\\[\\]{}\":a-z-]{0,6}", cut in 0usize..8) {
         let start = position.min(MINIMAL.len());

@@ -6,7 +6,7 @@ use crate::decision::{Decision, Rule};
 use crate::document::Document;
 use crate::error::{Fault, check_limits};
 
-/// Priors in a common unit. At a thousand million to one there is nothing left to decide.
+/// Priors in a common unit. At a thousand million to one nothing is left to decide.
 const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 
 /// Margins: days at 100 Hz with a hundred nats per sample.

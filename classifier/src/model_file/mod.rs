@@ -61,7 +61,7 @@ use crate::registry::{self, CLASSIFIERS};
 pub struct Model {
     /// The fitted classifier.
     pub classifier: Box<dyn Classifier>,
-    /// Priors and thresholds to classify with, where the file has them.
+    /// Priors and thresholds for classification, if the file has them.
     pub decision: Option<Decision>,
     /// Where the model comes from, as free text by key (program, data set, seed).
     pub provenance: BTreeMap<String, String>,
@@ -77,7 +77,7 @@ struct Head {
     provenance: BTreeMap<String, String>,
 }
 
-/// The order of keys in a file; a person reads the short ones first.
+/// The order of keys in a file: short ones first, for readability.
 const ORDER: [&str; 12] = [
     "format",
     "classifier",
@@ -107,7 +107,7 @@ impl Model {
     /// Reads and checks a model file.
     ///
     /// # Errors
-    /// [`ModelError::Input`] with the field, such as `models.leaf.transition[2]`, and with the line where a value has the
+    /// [`ModelError::Input`] with the field, such as `models.leaf.transition[2]`, and with the line if a value has the
     /// wrong type or the file is not JSON.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, ModelError> {
         let path = path.as_ref();
@@ -148,11 +148,11 @@ impl Model {
     /// The text of the model file. It is read back here, to make sure that it gives the same model bit for bit.
     ///
     /// # Errors
-    /// [`ModelError`] where a number set by hand, such as a threshold, is not finite or outside the range that model files
+    /// [`ModelError`] if a number set by hand, such as a threshold, is not finite or outside the range that model files
     /// allow.
     pub fn save_string(&self) -> Result<String, ModelError> {
         let text = self.text();
-        // JSON numbers are the shortest that read back as the same double, so equal texts are equal numbers.
+        // JSON numbers are the shortest that read back as the same double, so equal text means equal numbers.
         if Self::from_json("the model to be written", &text)?.text() == text {
             return Ok(text);
         }
@@ -165,7 +165,7 @@ impl Model {
     fn text(&self) -> String {
         let mut entries = self.classifier.file_entries();
         let name = self.classifier.name();
-        // Files of hidden Markov models are older than the key, and stay as they were.
+        // Files of hidden Markov models existed before this key, and stay as they were.
         if name != hmm_classifier::KIND.name {
             entries.push(("classifier", json!(name)));
         }
@@ -186,10 +186,10 @@ impl Model {
         (&*self.classifier as &dyn Any).downcast_ref()
     }
 
-    /// As [`Model::as_hmm`], without the rest of the model.
+    /// Like [`Model::as_hmm`], but consumes the model.
     ///
     /// # Errors
-    /// [`ModelError::Mismatch`] where the classifier is of another kind.
+    /// [`ModelError::Mismatch`] if the classifier is of another kind.
     pub fn into_hmm(self) -> Result<HmmClassifier, ModelError> {
         let name = self.classifier.name();
         let classifier: Box<dyn Any> = self.classifier;
@@ -199,7 +199,7 @@ impl Model {
     /// Chooses the kind of score of hidden Markov models.
     ///
     /// # Errors
-    /// [`ModelError::Mismatch`] where the classifier is of another kind.
+    /// [`ModelError::Mismatch`] if the classifier is of another kind.
     pub fn score_by(&mut self, kind: ScoreKind) -> Result<(), ModelError> {
         let name = self.classifier.name();
         match (&mut *self.classifier as &mut dyn Any).downcast_mut::<HmmClassifier>() {

@@ -54,7 +54,7 @@ fn options() -> OnlineOptions {
     }
 }
 
-/// Demands that at every sample of every contact the online scores are those of the trial so far, bit for bit.
+/// Asserts that at every sample of every contact the online scores are those of the trial so far, bit for bit.
 #[track_caller]
 fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, options: &OnlineOptions) {
     let trials = taxel_trials(recording, &any_force()).unwrap();
@@ -137,7 +137,7 @@ fn every_classifier_runs_online_as_offline() {
     }
 }
 
-/// Pins that a feature of the contact region is refused, by name, where the taxels form no grid.
+/// Pins that a feature of the contact region is refused, by name, if the taxels form no grid.
 #[test]
 fn regions_need_a_grid() {
     let mut recording = reach();
@@ -161,8 +161,8 @@ fn regions_need_a_grid() {
 
 #[test]
 fn a_frame_allocates_nothing() {
-    // Pins that contacts beginning, going on and ending cost no allocation, from the first frame on. A change of verdict
-    // copies the category's name, so here all verdicts stay uncertain.
+    // Pins that nothing is allocated when contacts begin, continue and end, from the first frame on. A change of
+    // verdict copies the category's name, so here all verdicts stay uncertain.
     let recording = reach();
     let mut models = models(
         &recording,

@@ -98,7 +98,7 @@ impl Selection {
     /// Adds the next sample of a contact.
     ///
     /// # Errors
-    /// [`SampleFault`] where the sample lacks a feature or has a number that is not finite; `state` then stays as it was.
+    /// [`SampleFault`] if the sample lacks a feature or has a number that is not finite; `state` then stays as it was.
     pub fn push(&self, state: &mut StreamFeatures, sample: &Sample) -> Result<(), SampleFault> {
         let mut values = [0.0; STREAM_FEATURES.len()];
         self.inputs.read(sample, &mut values)?;
@@ -117,10 +117,10 @@ impl Selection {
     }
 
     /// The values for a trial after each of these numbers of samples, ascending and from 1. A number greater than the
-    /// trial's length stands for the whole trial.
+    /// trial's length means the whole trial.
     ///
     /// # Errors
-    /// [`FeatureError`] where the trial is empty, lacks a feature, or holds NaN or infinity.
+    /// [`FeatureError`] if the trial is empty, lacks a feature, or holds NaN or infinity.
     pub fn after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, FeatureError> {
         if trial.samples.is_empty() {
             return Err(FeatureError::Empty { trial: trial.trial });

@@ -84,8 +84,8 @@ fn features_are_those_of_the_whole_computed_at_once() {
 
 #[test]
 fn nothing_looks_ahead() {
-    // Pins that the features after k samples are those of a trial of k samples, and that counts beyond the end are the
-    // whole.
+    // Pins that the features after k samples are those of a trial of k samples, and that larger counts mean the whole
+    // trial.
     let rows = [
         (0.00, 0.2, 0.0, 1, 0.2, 0.2),
         (0.01, 0.5, 0.001, 3, 1.0, 1.7),

@@ -18,7 +18,7 @@ impl Regions {
     /// Regions of the patch of an image; `wrap` as in [`super::TrialOptions::wrap`].
     ///
     /// # Errors
-    /// [`TrialError::NoGrid`] where the patch has no grid.
+    /// [`TrialError::NoGrid`] if the patch has no grid.
     pub(crate) fn new(image: &PatchImage, wrap: Option<bool>) -> Result<Self, TrialError> {
         Ok(Regions {
             grid: grid(image, wrap)?,
@@ -37,7 +37,7 @@ impl Regions {
         }
     }
 
-    /// The region that a taxel is part of; `None` where it is not in contact.
+    /// The region that a taxel is part of; `None` if it is not in contact.
     pub(crate) fn of(&self, taxel: usize) -> Option<Region> {
         self.of_taxel.get(taxel).copied().flatten()
     }

@@ -1,4 +1,4 @@
-//! What the types of an experiment file's keys leave open.
+//! Rules for an experiment file that the types of its keys do not express.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,7 +8,7 @@ use underbrush_sim::scene::Scene;
 use super::file::{ClassifierEntry, ExperimentFile};
 use super::source::Source;
 
-/// Checks what the types of the keys leave open.
+/// Checks the rules that the types of the keys do not express.
 pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     let fault = |name: &str, value: &str, allowed: &str| Err(source.field(name, value).fault(value, allowed));
     let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
@@ -81,7 +81,7 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Checks that labels are categories of objects where verdicts are held against objects.
+/// Checks that labels are categories of objects if verdicts are compared with objects.
 pub fn check_labels(
     file: &ExperimentFile,
     scenes: &BTreeMap<String, Scene>,
@@ -107,7 +107,7 @@ pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category
     Category::from_name(name).or_else(|| own.find(|category| category.name() == name))
 }
 
-/// Whether an entry is one of hidden Markov models, which follow the experiment's recipe.
+/// Whether an entry describes hidden Markov models, which follow the experiment's recipe.
 pub fn is_hmm(entry: &ClassifierEntry) -> bool {
     entry.method.name == "hmm"
 }

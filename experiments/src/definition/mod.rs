@@ -25,16 +25,16 @@ pub use check::is_hmm;
 use check::{category, check, check_labels};
 use source::{Field, Source};
 
-/// An experiment whose file was checked and whose scenes were read.
+/// An experiment with its checked file and its scenes.
 #[derive(Clone, Debug)]
 pub struct Experiment {
     /// Name: the file's stem.
     pub name: String,
-    /// What the file says.
+    /// The content of the file.
     pub file: ExperimentFile,
     /// Scenes by the path that the file gives.
     scenes: BTreeMap<String, Scene>,
-    /// The arm of all scenes, where the file names one.
+    /// The arm of all scenes, if the file names one.
     arm: Option<Arm>,
     /// Hash of everything that decides results: file, scenes, arms.
     hash: String,
@@ -73,7 +73,7 @@ impl Experiment {
     /// The experiment that ships: the paper's.
     ///
     /// # Errors
-    /// None, unless the shipped files are wrong.
+    /// Only if the shipped files are invalid.
     pub fn paper() -> Result<Self, InputError> {
         let text = include_str!("../../paper.toml");
         Self::parse(Path::new("paper.toml"), text, |name, field| {
@@ -164,7 +164,7 @@ impl Experiment {
         })
     }
 
-    /// The scene that the file names so; every name in the file was read.
+    /// The scene with this name in the file; every scene that the file names was read.
     pub fn scene(&self, name: &str) -> Option<&Scene> {
         self.scenes.get(name)
     }
@@ -174,17 +174,17 @@ impl Experiment {
         self.scenes.iter().map(|(name, scene)| (name.as_str(), scene))
     }
 
-    /// The arm of all scenes, where the file names one.
+    /// The arm of all scenes, if the file names one.
     pub fn arm(&self) -> Option<&Arm> {
         self.arm.as_ref()
     }
 
-    /// The controller of all scenes, where the file names one.
+    /// The controller of all scenes, if the file names one.
     pub fn controller(&self) -> Option<ControllerKind> {
         self.file.controller
     }
 
-    /// The category of a label, where it is that of an object.
+    /// The category of a label, if it is that of an object.
     pub fn category(&self, label: &str) -> Option<Category> {
         category(&self.scenes, label)
     }
@@ -194,7 +194,7 @@ impl Experiment {
         &self.hash
     }
 
-    /// How trials are cut: labelled by their scene, and of at least the file's number of samples.
+    /// The options for extracting trials: labelled by their scene, with at least the file's number of samples.
     pub fn trial_options(&self) -> TrialOptions {
         TrialOptions {
             patch: self.file.trials.patch.clone(),
@@ -205,7 +205,7 @@ impl Experiment {
         }
     }
 
-    /// The same with contacts of any length.
+    /// The same for trials of any length.
     pub fn any_length_options(&self) -> TrialOptions {
         TrialOptions {
             min_samples: 1,
@@ -224,7 +224,7 @@ impl Experiment {
         labels
     }
 
-    /// What is published, where the file says so.
+    /// The published figures, if the file gives any.
     pub fn published(&self) -> Option<&Published> {
         self.file.published.as_ref()
     }

@@ -1,4 +1,4 @@
-//! Where the keys of an experiment file stand, for errors.
+//! Finds the lines of keys in an experiment file, for errors.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ pub struct Source<'a> {
     pub text: &'a str,
 }
 
-/// A key of the file with the line on which it stands.
+/// A key of the file with its line.
 pub struct Field {
     path: PathBuf,
     name: String,

@@ -27,16 +27,16 @@ pub struct Outcome {
 pub struct Ablated {
     /// Name of the change.
     pub change: String,
-    /// From the published cells, points; nothing where none are published.
+    /// Mean absolute difference from the published cells, points; `None` if none are published.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_absolute_difference_points: Option<f64>,
-    /// Published statements that hold in all their pairs of cells, and how many there are.
+    /// Number of published statements that hold in all their pairs of cells.
     pub orderings_holding: usize,
-    /// How many statements there are.
+    /// Number of statements.
     pub orderings: usize,
     /// Pairs of cells in the published order.
     pub pairs_holding: usize,
-    /// How many pairs there are.
+    /// Number of pairs.
     pub pairs: usize,
     /// Means over the component cells, per cent.
     pub component: Option<MeanAccuracy>,
@@ -59,18 +59,18 @@ pub struct MeanAccuracy {
     pub majority_baseline: f64,
 }
 
-/// The name of the row in which nothing is changed.
+/// Name of the row without a change.
 pub const AS_IS: &str = "as is";
 
-/// What a change does.
+/// The effect of a change.
 enum Change {
-    /// The same reaches are cut into trials in another way.
+    /// Trials are extracted from the same reaches in another way.
     Cut(fn(TrialOptions) -> TrialOptions),
     /// Something else is simulated.
     Scene(fn(&mut SceneFile)),
 }
 
-/// Name of a change in tables, and what it is.
+/// Name of a change in tables, and its effect.
 pub fn described(name: AblationName) -> (&'static str, &'static str) {
     match name {
         AblationName::LabelsByContact => (
@@ -150,7 +150,7 @@ impl Ablated {
     }
 }
 
-/// The table as it is, and with each of the experiment's changes. A quick run has too few reaches for it.
+/// The table without a change, and with each of the experiment's changes. A quick run has too few reaches for it.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let experiment = session.experiment;
     if session.quick || experiment.file.ablation.is_empty() {

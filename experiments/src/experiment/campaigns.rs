@@ -16,7 +16,7 @@ use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::training::{self, Trials};
 
-/// The campaigns; `None` where only one was asked for.
+/// The campaigns; `None` if only one was requested.
 #[derive(Serialize)]
 pub struct Outcome {
     /// Means and spreads.
@@ -30,7 +30,7 @@ pub struct Campaigns {
     pub seeds: Vec<u64>,
     /// The cross-validation table.
     pub table_1: Vec<CampaignCell>,
-    /// By recipe: of the mean cells from the published ones.
+    /// By recipe: mean absolute difference of the mean cells from the published ones.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
     /// Published statements on the mean cells.
     pub orderings: Vec<Ordering>,
@@ -49,9 +49,9 @@ pub struct CampaignFigures {
     pub balanced_accuracy: Spread,
     /// Majority baseline.
     pub majority_baseline: Spread,
-    /// Of the trials in which something truly touched the skin; `None` where no campaign has any.
+    /// Of the trials in which something truly touched the skin; `None` if no campaign has any.
     pub touched: Option<CampaignPart>,
-    /// Of the others.
+    /// Of the other trials.
     pub untouched: Option<CampaignPart>,
 }
 
@@ -104,7 +104,7 @@ pub struct CampaignTrials {
     pub paper: Option<f64>,
 }
 
-/// What of one campaign enters the mean of many.
+/// The results of one campaign that enter the mean of many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OneOfMany {
     /// Trials per reach.
@@ -139,7 +139,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
-/// One campaign of a seed.
+/// The campaign of a seed.
 fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
     let experiment = session.experiment;
     let reaches = training::reaches(experiment, session.quick);
@@ -154,7 +154,7 @@ fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
 }
 
 impl Campaigns {
-    /// Means and spreads over campaigns, each with its seed; `None` of none. Figures are matched by name.
+    /// Means and spreads over campaigns, each with its seed; `None` without campaigns. Figures are matched by name.
     pub fn of(experiment: &Experiment, campaigns: &[(u64, OneOfMany)]) -> Result<Option<Self>, ExperimentError> {
         let Some((_, first)) = campaigns.first() else {
             return Ok(None);

@@ -21,7 +21,7 @@ use crate::training;
 pub struct Outcome {
     /// On whole trials.
     pub classifiers: Vec<Compared>,
-    /// After more and more samples.
+    /// After increasing numbers of samples.
     pub speeds: Vec<Speed>,
 }
 
@@ -41,7 +41,7 @@ pub struct Speed {
     /// Its name.
     pub classifier: String,
     /// On the trials of the cross-validation table, all of which last a minimum number of samples. Online, nobody knows
-    /// this of a contact that still lasts.
+    /// this while a contact lasts.
     pub lasting_contacts: Vec<AccuracyBySamples>,
     /// On all contacts, including the shorter ones, as they would be met online.
     pub all_contacts: Vec<AccuracyBySamples>,
@@ -90,7 +90,7 @@ pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Co
     })
 }
 
-/// Does the same with each classifier, in parallel.
+/// Applies a function to each classifier, in parallel.
 fn each<T: Send>(
     experiment: &Experiment,
     work: impl Fn(&ClassifierEntry, &dyn Estimator) -> Result<T, ExperimentError> + Sync,

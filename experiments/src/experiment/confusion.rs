@@ -22,7 +22,7 @@ pub struct Outcome {
     pub states: usize,
 }
 
-/// Takes both from the cross-validation table.
+/// Reads both from the cross-validation table.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let table = session.once(table_one::run)?;
     let recipe = estimators::recipe_name(estimators::main_recipe_name(session.experiment));

@@ -21,19 +21,21 @@ pub struct Engineered {
     pub scene: String,
     /// The category that it touches.
     pub category: &'static str,
-    /// Which draw of the scene it is, from 0. The draws before touched something else, or nothing.
+    /// Which draw of the scene it is, from 0. Earlier draws touched something else, or nothing.
     pub reach_index: Option<u64>,
     /// Reaches drawn.
     pub drawn: u64,
-    /// By the category of the scene. `None` where no draw did what it should, or the skin felt nothing.
+    /// Verdicts compared with the category of the scene. `None` if no draw met the requirement, or the skin sensed
+    /// nothing.
     pub shares: Option<Shares>,
-    /// Share of these taxel frames in which nothing presses on the taxel (spurious readings, creep, crosstalk), per cent.
+    /// Fraction of these taxel frames in which nothing presses on the taxel (spurious readings, creep, crosstalk), per
+    /// cent.
     pub untouched_percent: Option<f64>,
     /// Mean number of samples that a verdict used.
     pub mean_samples_used: Option<f64>,
 }
 
-/// Sums up the verdicts of each reach.
+/// Summarizes the verdicts of each reach.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let online = session.once(online::run)?;
     let one = |reach: &online::Engineered| {

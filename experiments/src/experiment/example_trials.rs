@@ -1,4 +1,4 @@
-//! Force and motion of ordinary trials (paper, Fig. 5).
+//! Force and motion of typical trials (paper, Fig. 5).
 
 use serde::Serialize;
 use underbrush_recording::Trial;
@@ -12,11 +12,11 @@ use crate::training;
 pub struct Outcome {
     /// One trial of each label.
     pub figure_5: Vec<Example>,
-    /// What is typical of the trials that the examples are taken from.
+    /// Medians of the trials that the examples are taken from.
     pub figure_5_medians: Vec<Typical>,
 }
 
-/// Picks them from the taxel trials.
+/// Chooses them from the taxel trials.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let labels = session.experiment.labels();
@@ -35,11 +35,11 @@ pub struct Example {
     pub trial: u64,
     /// The taxel.
     pub taxel: Option<u32>,
-    /// How many samples the trial has.
+    /// Number of samples.
     pub samples: usize,
     /// The largest sensed force, N.
     pub peak_force_n: f64,
-    /// The longest motion, m.
+    /// The largest motion, m.
     pub farthest_motion_m: f64,
     /// The trial.
     #[serde(skip)]
@@ -51,9 +51,9 @@ pub struct Example {
 pub struct Typical {
     /// The label.
     pub category: String,
-    /// How many trials there are.
+    /// Number of trials.
     pub trials: usize,
-    /// 0.1 s after contact: how fast the force rises.
+    /// Force 0.1 s after contact, which shows how fast it rises.
     pub force_after_100_ms_n: f64,
     /// The largest sensed force of a trial, N.
     pub peak_force_n: f64,
@@ -76,8 +76,8 @@ fn touched_trials<'a>(label: &str, taxel_trials: &'a [Trial]) -> Vec<&'a Trial> 
     taxel_trials.iter().filter(own).collect()
 }
 
-/// One trial of each label: among those of a touched taxel that last a second or more (or all, if none lasts that long),
-/// the one with the median peak force. It is an ordinary trial, and long enough to look at.
+/// One trial of each label: among those of a touched taxel that last a second or more (or all, if none lasts that
+/// long), the one with the median peak force. It is a typical trial, and long enough to look at.
 fn examples(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Example> {
     let example = |label: &&str| {
         let mut trials = touched_trials(label, taxel_trials);
@@ -104,7 +104,7 @@ fn medians(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Typical> {
     let typical = |label: &&str| {
         let trials = touched_trials(label, taxel_trials);
         let over = |value: fn(&Trial) -> f64| median(trials.iter().map(|trial| value(trial)).collect());
-        // At 100 Hz; the first sample is the contact itself. Shorter trials have no such sample.
+        // At 100 Hz; the first sample is the start of the contact. Shorter trials have no such sample.
         let early = |trial: &Trial| trial.samples.get(10).map_or(f64::NAN, |sample| sample.force_n);
         (!trials.is_empty()).then(|| Typical {
             category: (*label).to_owned(),
@@ -117,7 +117,7 @@ fn medians(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Typical> {
     labels.iter().filter_map(typical).collect()
 }
 
-/// The mean of the two in the middle, where the count is even.
+/// The mean of the two middle values if the count is even.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

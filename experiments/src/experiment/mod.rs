@@ -1,5 +1,5 @@
-//! All experiments, one file each: `run` gives a typed, serializable `Outcome`. `for_each_experiment` is their one list;
-//! the report's sections come from the same list.
+//! All experiments, one file each: `run` returns a typed, serializable `Outcome`. `for_each_experiment` lists them; the
+//! report's sections come from the same list.
 
 use std::rc::Rc;
 
@@ -62,7 +62,8 @@ macro_rules! declare {
 }
 for_each_experiment!(declare);
 
-/// An outcome as it is; serde's own feature for shared values would be on for all crates.
+/// Serializes a shared outcome like the outcome itself. Serde has a feature for shared values, but it would be enabled
+/// in all crates.
 fn shared<T: Serialize, S: Serializer>(outcome: &Rc<T>, serializer: S) -> Result<S::Ok, S::Error> {
     outcome.serialize(serializer)
 }

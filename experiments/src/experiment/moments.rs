@@ -15,18 +15,18 @@ use crate::online::{self, Classified};
 use crate::reaches;
 use crate::session::Session;
 
-/// Both moments, where there are such reaches. They are for pictures; there is nothing to write down.
+/// Both moments, if there are such reaches. They are for pictures, so nothing is serialized.
 #[derive(Serialize)]
 pub struct Outcome {
-    /// Of the general reach that figures show.
+    /// The moment of the general reach that figures show.
     #[serde(skip)]
     pub general: Option<Moment>,
-    /// Of the first outlier reach.
+    /// The moment of the first outlier reach.
     #[serde(skip)]
     pub outlier: Option<Moment>,
 }
 
-/// Takes both.
+/// Takes both snapshots.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let (online, models) = (session.once(online::run)?, session.once(models::run)?);
     session.stage("Moments of a general and of an outlier reach", || {
@@ -60,8 +60,8 @@ pub struct Moment {
     pub reach_index: u64,
 }
 
-/// Runs a classified reach once more and stops it where most taxels are in contact: the moment is chosen by how much there
-/// is to see, not by how well it is classified. `None` where there is no such reach.
+/// Runs a classified reach again and stops it when the most taxels are in contact. The moment is thus chosen by how
+/// much there is to see, not by how well it is classified. `None` if there is no such reach.
 fn take(
     session: &Session,
     models: &HmmClassifier,

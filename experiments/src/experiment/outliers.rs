@@ -1,4 +1,5 @@
-//! Outliers: what the paper's thresholds, chosen thresholds, and any threshold make of the outlier reaches (Fig. 15).
+//! Outliers: verdicts in the outlier reaches by the paper's thresholds, by chosen thresholds, and for any threshold
+//! (Fig. 15).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -13,12 +14,12 @@ use crate::online::{self, Classified, Online};
 use crate::session::Session;
 use crate::thresholds::{self, Thresholds};
 
-/// What the thresholds do.
+/// The effect of the thresholds.
 #[derive(Serialize)]
 pub struct Outcome {
     /// Verdicts in the outlier reaches.
     pub figure_15: Outliers,
-    /// Thresholds chosen from the training data; `None` where none hold what is asked for.
+    /// Thresholds chosen from the training data; `None` if none meet the requested rates.
     pub thresholds: Option<ChosenThresholds>,
     /// Areas under the receiver operating characteristics.
     pub roc: Areas,
@@ -28,7 +29,7 @@ pub struct Outcome {
     /// All reaches.
     #[serde(skip)]
     pub online: Rc<Online>,
-    /// The label that is held against the others.
+    /// The label that the first curve compares with the others.
     #[serde(skip)]
     pub first_label: String,
 }
@@ -38,13 +39,13 @@ pub struct Outcome {
 pub struct Outliers {
     /// Reaches drawn.
     pub drawn: u64,
-    /// Reaches that do what they should.
+    /// Reaches that meet the requirement.
     pub reaches: usize,
-    /// By rule and by what truly presses.
+    /// By rule and by category of the object that truly presses.
     pub detection: Vec<Detection>,
 }
 
-/// What one decision rule makes of the taxels that truly touch something (section V-D).
+/// Verdicts of one decision rule on the taxels that truly touch something (section V-D).
 #[derive(Clone, Debug, Serialize)]
 pub struct Detection {
     /// The rule.
@@ -74,7 +75,7 @@ impl Detection {
     }
 }
 
-/// How the names of the chosen thresholds begin.
+/// Prefix of the names of the chosen thresholds.
 pub const CHOSEN: &str = "chosen";
 
 /// Counts verdicts by both rules.

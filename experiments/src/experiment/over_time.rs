@@ -8,12 +8,12 @@ use crate::error::ExperimentError;
 use crate::online::{self, Classified, Online, Shares};
 use crate::session::Session;
 
-/// What one general reach shows.
+/// The figures of one general reach.
 #[derive(Serialize)]
 pub struct Outcome {
-    /// How many samples a verdict used.
+    /// Number of samples that a verdict used.
     pub figure_9: SamplesUsed,
-    /// Shares of correct, wrong and uncertain verdicts.
+    /// Fractions of correct, wrong and uncertain verdicts.
     pub figure_10: Option<Shares>,
     /// Computation time of a new sample for 100 taxels in contact, s: the mean over the reach.
     #[serde(skip)]
@@ -26,21 +26,21 @@ pub struct Outcome {
     pub online: Rc<Online>,
 }
 
-/// How many samples of its contact a verdict used.
+/// Number of samples of its contact that a verdict used.
 #[derive(Serialize)]
 pub struct SamplesUsed {
-    /// Of the reach shown, mean over its frames with contact.
+    /// Mean over the frames with contact of the reach shown.
     pub mean_samples_used: Option<f64>,
     /// Mean of that over all engineered and general reaches with contact.
     pub mean_over_reaches: Option<f64>,
-    /// How many these are.
+    /// Number of these reaches.
     pub reaches: usize,
     /// The published mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<f64>,
 }
 
-/// Sums up the verdicts.
+/// Summarizes the verdicts.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let online = session.once(online::run)?;
     let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());

@@ -22,7 +22,7 @@ pub struct Outcome {
     pub splits: Vec<Split>,
 }
 
-/// How a classifier that was trained at one setting does at another.
+/// The accuracy of a classifier that was trained at one setting and tested at another.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Split {
     /// The classifier.
@@ -48,7 +48,7 @@ pub struct Folded {
 }
 
 impl Outcome {
-    /// Names of the classifiers, in their order.
+    /// Names of the classifiers, in order.
     pub fn classifiers(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.splits.iter().map(|split| split.classifier.as_str()).collect();
         names.dedup();
@@ -110,8 +110,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     Ok(Outcome { splits })
 }
 
-/// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half. So
-/// no clutter occurs in both, and all are trained on equally many reaches.
+/// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half.
+/// So no clutter occurs in both halves, and all are trained on the same number of reaches.
 pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, ExperimentError> {
     let recipe = estimators::main_recipe(experiment);
     let entries = experiment.file.setting_classifiers.iter();

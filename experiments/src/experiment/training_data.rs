@@ -23,16 +23,16 @@ pub struct Outcome {
 /// The training reaches.
 #[derive(Serialize)]
 pub struct Reaches {
-    /// How many there are.
+    /// Number of reaches.
     pub count: usize,
-    /// Their frames.
+    /// Number of frames.
     pub frames: usize,
     /// Simulated time, s.
     pub simulated_s: f64,
     /// How they ended.
     #[serde(flatten)]
     pub ends: Ends,
-    /// The worst figures of their audit.
+    /// The worst residuals of their audit.
     pub audit: std::collections::BTreeMap<&'static str, Worst>,
 }
 
@@ -43,7 +43,7 @@ pub struct TrialsPerReach {
     pub by: TableOneUnit,
     /// The label.
     pub category: String,
-    /// How many trials there are.
+    /// Number of trials.
     pub trials: usize,
     /// Trials in which nothing truly touched the skin.
     pub untouched: usize,
@@ -54,7 +54,7 @@ pub struct TrialsPerReach {
     pub paper: Option<f64>,
 }
 
-/// Makes the data and counts it.
+/// Generates the data and counts it.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let (episodes, layout) = (data.dataset.episodes(), data.dataset.layout());
@@ -72,7 +72,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
-/// Trials per reach, of a campaign of so many reaches of each training scene.
+/// Trials per reach, for a campaign with these numbers of reaches of each training scene.
 pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> Vec<TrialsPerReach> {
     let row = |by: TableOneUnit, trials: &[Trial], label: &str| {
         let scenes = experiment.file.training.iter().zip(reaches);

@@ -24,7 +24,7 @@ pub struct Outcome {
 pub struct Truncated {
     /// Number of hidden states.
     pub states: usize,
-    /// Length, samples; `None`: whole trials.
+    /// Length, samples; `None` for whole trials.
     pub max_samples: Option<usize>,
     /// The accuracy.
     #[serde(flatten)]

@@ -157,7 +157,8 @@ fn campaigns_are_matched_by_name() {
     assert!(double.contains("several results"), "{double}");
 }
 
-/// Pins the row of an ablation on the paper's own Table I, and on the same moved by 2 points up and down in turn.
+/// Pins the row of an ablation on the paper's own Table I, and on the same table with cells alternately 2 points higher
+/// and lower.
 #[test]
 fn the_papers_own_table_is_no_distance_from_itself() {
     let table = |shift: f64| {

@@ -121,8 +121,8 @@ fn faults_of_scenes_name_the_scene() {
     assert!(missing.file.ends_with("nowhere.toml"), "{missing}");
 }
 
-/// Pins that labels without an object of that name are refused where verdicts are held against objects, and allowed
-/// elsewhere.
+/// Pins that labels without an object of that name are refused if verdicts are compared with objects, and allowed
+/// otherwise.
 #[test]
 fn labels_are_categories_where_reaches_are_judged_by_objects() {
     let bamboo = SMALL.replace("\"trunk\"", "\"bamboo\"");

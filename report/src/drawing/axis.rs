@@ -1,32 +1,32 @@
-//! Axes: from values to places, and the ticks between.
+//! Axes: positions of values, and ticks.
 
 /// One axis of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What is shown, with its unit: `force / N`.
+    /// The quantity with its unit, such as `force / N`.
     pub label: String,
-    /// From values to places.
+    /// How values are placed.
     pub scale: Scale,
 }
 
-/// How values lie along an axis.
+/// How values are placed along an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scale {
-    /// Evenly, over all data; wider where an end is given.
+    /// Linear, over all data; extended to the ends that are given.
     Linear {
-        /// An end that is shown in any case.
+        /// A low end that is always shown.
         low: Option<f64>,
-        /// The other.
+        /// A high end that is always shown.
         high: Option<f64>,
     },
-    /// By powers of ten; values not above 0 are left out.
+    /// Logarithmic; values not above 0 are left out.
     Logarithmic,
     /// Names, at 0, 1, 2, …
     Names(Vec<String>),
 }
 
 impl Axis {
-    /// An even axis over all data.
+    /// A linear axis over all data.
     pub fn linear(label: impl Into<String>) -> Self {
         Axis {
             label: label.into(),
@@ -34,7 +34,7 @@ impl Axis {
         }
     }
 
-    /// An even axis that shows these values at least.
+    /// A linear axis that shows at least these values.
     pub fn spanning(label: impl Into<String>, low: f64, high: f64) -> Self {
         Axis {
             label: label.into(),
@@ -45,7 +45,7 @@ impl Axis {
         }
     }
 
-    /// An even axis that begins at 0.
+    /// A linear axis that begins at 0.
     pub fn from_zero(label: impl Into<String>) -> Self {
         Axis {
             label: label.into(),
@@ -56,7 +56,7 @@ impl Axis {
         }
     }
 
-    /// An axis by powers of ten.
+    /// A logarithmic axis.
     pub fn logarithmic(label: impl Into<String>) -> Self {
         Axis {
             label: label.into(),
@@ -78,15 +78,15 @@ impl Axis {
 pub(super) struct Fitted {
     low: f64,
     high: f64,
-    /// The end that the data need.
+    /// The largest value of the data.
     max: f64,
     logarithmic: bool,
-    /// Values with their labels.
+    /// Values of the ticks with their labels.
     pub(super) ticks: Vec<(f64, String)>,
 }
 
 impl Fitted {
-    /// Fits a scale to values; those that are not finite do not count. About `steps` steps between ticks.
+    /// Fits a scale to values, without those that are not finite, with about `steps` intervals between ticks.
     pub(super) fn new(scale: &Scale, values: impl Iterator<Item = f64>, steps: f64) -> Self {
         let logarithmic = *scale == Scale::Logarithmic;
         let usable = values.filter(|value| value.is_finite() && (!logarithmic || *value > 0.0));
@@ -143,7 +143,7 @@ impl Fitted {
         }
     }
 
-    /// The same, ending where the data do and not at the next tick.
+    /// The same, ending with the data and not at the next tick.
     pub(super) fn tight(mut self) -> Self {
         if self.max < self.high {
             self.high = self.max;
@@ -152,7 +152,7 @@ impl Fitted {
         self
     }
 
-    /// Where a value lies, 0 at the low end and 1 at the high; `None` for what the scale cannot show.
+    /// The position of a value, 0 at the low end and 1 at the high end; `None` for what the scale cannot show.
     pub(super) fn share(&self, value: f64) -> Option<f64> {
         let value = if self.logarithmic { value.log10() } else { value };
         let share = (value - self.low) / (self.high - self.low);

@@ -1,4 +1,4 @@
-//! Where a chart's data are drawn: from values to px, and each shape as SVG.
+//! The data area of a chart: converts values to px, and shapes to SVG.
 
 use std::fmt::Write;
 
@@ -6,16 +6,16 @@ use super::axis::Fitted;
 use super::layer::{Layer, Mark, Point, Shape, Style};
 use super::markup::escape;
 
-/// px of the drawing, which is scaled to its place, and of what lies around the data.
+/// Sizes of the drawing and of the margins around the data, px. The drawing is scaled to the available width.
 pub(super) const WIDTH: f64 = 540.0;
 pub(super) const PLOT_HEIGHT: f64 = 230.0;
 pub(super) const LEFT: f64 = 58.0;
 pub(super) const RIGHT: f64 = 16.0;
 pub(super) const MARK_RADIUS: f64 = 5.0;
-/// Height that a strip of bands takes, of which it fills all but a gap.
+/// Height of a strip of bands with the gap below it.
 const STRIP: f64 = 19.0;
 const STRIP_GAP: f64 = 5.0;
-/// Under the x axis, where its ticks' marks are and the lowest tick of y hangs down, the first strip begins.
+/// Distance of the first strip from the x axis, which leaves room for tick marks and for the lowest tick label of y.
 const TICK: f64 = 10.0;
 
 /// The chart's data area in px, and the scales that fill it.
@@ -38,7 +38,7 @@ impl Plot {
         self.top + PLOT_HEIGHT
     }
 
-    /// The points that can be shown, in px; a point that cannot ends a run of them.
+    /// Runs of points that can be shown, in px; a point that cannot be shown ends a run.
     fn runs(&self, points: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
         let mut runs = vec![Vec::new()];
         for (x, y) in points {
@@ -52,16 +52,16 @@ impl Plot {
     }
 }
 
-/// How far so many strips push the names of ticks down.
+/// How far this many strips push the tick labels down.
 pub(super) fn strips_height(count: usize) -> f64 {
     if count == 0 { 0.0 } else { count as f64 * STRIP + 4.0 }
 }
 
-/// The drawing under way.
+/// The drawing so far.
 pub(super) struct Canvas<'a> {
     svg: &'a mut String,
     plot: &'a Plot,
-    /// How high bars and areas stand already, by their places.
+    /// Height of the bars and areas so far, by position.
     stacked: Vec<f64>,
     strips: usize,
 }
@@ -76,7 +76,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Draws a layer upon those before; what is filled is filled with `fill`.
+    /// Draws a layer over the previous ones. Filled shapes are filled with `fill`.
     pub(super) fn layer(&mut self, layer: &Layer, fill: &str) {
         let style = &layer.style;
         match &layer.shape {
@@ -174,7 +174,7 @@ impl<'a> Canvas<'a> {
         );
     }
 
-    /// On a line of its own beside its name, so that nothing lies upon the data and a strip without bands is seen to be
+    /// On a line of its own beside its name, so that nothing covers the data and a strip without bands is visibly
     /// empty.
     fn strip(&mut self, name: &str, bands: &[(f64, f64)], style: &Style, fill: &str) {
         let top = self.plot.bottom() + TICK + self.strips as f64 * STRIP;
@@ -203,7 +203,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// The corners of steps: each y is kept until the next x.
+/// The corners of steps: each y holds until the next x.
 fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let pairs = points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
     pairs.chain(points.last().copied()).collect()
@@ -214,8 +214,8 @@ fn listed(points: &[(f64, f64)]) -> String {
     points.join(" ")
 }
 
-/// Of points in ascending x that fall on the same half pixel the first, the lowest, the highest and the last: a minute
-/// at 100 Hz has more points than a screen has columns, and no peak may be lost.
+/// Thins points in ascending x: of those that fall on the same half pixel, the first, the lowest, the highest and the
+/// last are kept. A minute at 100 Hz has more points than a screen has columns, and no peak may be lost.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let column = |point: &(f64, f64)| (2.0 * point.0).round();
     let mut thin = Vec::new();

@@ -7,31 +7,31 @@ use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, strips_height
 use super::layer::{Dash, Layer, Shape, Style};
 use super::markup::{escape, slug};
 
-/// A chart with its words. Layers are drawn in their order.
+/// A chart with its text. Layers are drawn in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// Unique on its page.
     pub name: String,
-    /// One line over the chart.
+    /// One line above the chart.
     pub title: String,
-    /// What there is to see, for those who cannot see it: computed from the data.
+    /// A description for readers who cannot see the chart, computed from the data.
     pub description: String,
-    /// To the right.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Up.
+    /// The vertical axis.
     pub y: Axis,
     /// The data.
     pub layers: Vec<Layer>,
 }
 
-/// px: shown 360 px wide on a phone, text of 15 px is still 10 px tall.
+/// Width, px. Shown 360 px wide on a phone, text of 15 px is still 10 px tall.
 const FONT: f64 = 15.0;
 const LINE: f64 = 21.0;
-/// Mean width of a letter of a sans-serif font, as a share of its size.
+/// Mean width of a letter of a sans-serif font, relative to the font size.
 const LETTER: f64 = 0.54;
 
 impl Chart {
-    /// The chart as an SVG element that takes the width it is given.
+    /// The chart as an SVG element that fills the available width.
     pub fn svg(&self) -> String {
         let mut legend = String::new();
         let legend_rows = self.legend(&mut legend);
@@ -69,7 +69,7 @@ impl Chart {
         svg + "</svg>\n"
     }
 
-    /// All y, with the heights that bars and areas reach.
+    /// All y, with the heights of stacked bars and areas.
     fn values(&self) -> impl Iterator<Item = f64> {
         let mut values: Vec<f64> = self.layers.iter().flat_map(Layer::ys).collect();
         let mut stacked: Vec<f64> = Vec::new();
@@ -87,7 +87,7 @@ impl Chart {
         values.into_iter()
     }
 
-    /// Hatching of what is filled; names carry the chart's, as they are shared by the whole page.
+    /// Hatching of filled shapes. Its names contain the chart's name, because names must be unique on a page.
     fn patterns(&self, svg: &mut String) {
         for (index, layer) in self.layers.iter().enumerate() {
             let colour = layer.style.colour;
@@ -118,7 +118,7 @@ impl Chart {
         }
     }
 
-    /// Writes the legend, wrapped to the width; gives the number of its rows.
+    /// Writes the legend, wrapped to the width, and returns its number of rows.
     fn legend(&self, svg: &mut String) -> f64 {
         let (mut x, mut row) = (2.0, 1.0);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.in_legend()) {
@@ -159,7 +159,7 @@ impl Chart {
         }
     }
 
-    /// Lines and words of both axes; the names of the ticks of x below `ticks_top`.
+    /// Lines and labels of both axes, with the tick labels of x below `ticks_top`.
     fn axes(&self, svg: &mut String, plot: &Plot, ticks_top: f64) {
         let (top, bottom) = (plot.top, plot.bottom());
         for (value, label) in &plot.y.ticks {

@@ -1,17 +1,17 @@
-//! What a chart shows: lines, steps, points with intervals, bars and bands, and how each looks.
+//! The layers of a chart: lines, steps, points with intervals, bars and bands, and their styles.
 
-/// How a layer looks. Two layers of a chart should differ in more than colour.
+/// The style of a layer. Two layers of a chart should differ in more than colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     /// CSS colour.
     pub colour: &'static str,
-    /// Of lines, and the hatching of bars.
+    /// Dashes of lines, and hatching of bars.
     pub dash: Dash,
     /// Of points; lines have none where it is `None`.
     pub mark: Option<Mark>,
 }
 
-/// How a line is drawn, or a bar, area or band filled.
+/// The dashes of a line, or the filling of a bar, area or band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
     /// Unbroken; a bar is filled.
@@ -42,11 +42,11 @@ pub enum Mark {
 /// One set of data in a chart, with its entry in the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// Name in the legend; of bands, beside their strip.
+    /// Name in the legend; for bands, beside their strip.
     pub name: String,
-    /// How it looks.
+    /// Its style.
     pub style: Style,
-    /// What is drawn.
+    /// Its data.
     pub shape: Shape,
 }
 
@@ -61,20 +61,20 @@ pub struct Point {
     pub interval: Option<(f64, f64)>,
 }
 
-/// What is drawn; values that are not finite are left out.
+/// The data of a layer; values that are not finite are left out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Points (x, y) joined by straight lines.
     Line(Vec<(f64, f64)>),
-    /// y keeps its value until the next x.
+    /// y holds its value until the next x.
     Steps(Vec<(f64, f64)>),
-    /// Marks, with intervals as whiskers, joined by a line where the style is not dotted.
+    /// Marks, with intervals as whiskers, joined by a line unless the style is dotted.
     Points(Vec<Point>),
-    /// One bar a name of the x axis, upon the bars of earlier layers.
+    /// One bar per name of the x axis, stacked on the bars of earlier layers.
     Bars(Vec<f64>),
-    /// Filled upon the areas of earlier layers, which have the same x; y keeps its value until the next x.
+    /// Filled upon the areas of earlier layers, which have the same x; y holds its value until the next x.
     Areas(Vec<(f64, f64)>),
-    /// Intervals of x, in a strip under the x axis beside the layer's name: one strip a layer.
+    /// Intervals of x, in a strip below the x axis beside the layer's name: one strip per layer.
     Bands(Vec<(f64, f64)>),
 }
 
@@ -88,7 +88,7 @@ impl Layer {
         }
     }
 
-    /// Whether the legend has an entry of it.
+    /// Whether it has an entry in the legend.
     pub(super) fn in_legend(&self) -> bool {
         !self.name.is_empty() && !matches!(self.shape, Shape::Bands(_))
     }
@@ -110,7 +110,7 @@ impl Layer {
         }
     }
 
-    /// All y that the axis must hold, but those of bars and areas, which stand on each other.
+    /// All y that the axis must hold, except those of bars and areas, which are stacked.
     pub(super) fn ys(&self) -> Vec<f64> {
         match &self.shape {
             Shape::Line(points) | Shape::Steps(points) => points.iter().map(|point| point.1).collect(),

@@ -1,7 +1,7 @@
 //! What SVG and HTML have in common.
 
-/// Text with the characters that mean something in SVG and HTML written as entities; control characters, which XML does
-/// not admit, become spaces.
+/// Text with the special characters of SVG and HTML as entities. Control characters, which XML does not allow, become
+/// spaces.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -25,7 +25,7 @@ pub fn slug(text: &str) -> String {
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
 }
 
-/// A picture that stands alone: an SVG document on white, as wide as its place but no wider than `width` pixels.
+/// A picture of its own: an SVG document on white, as wide as the available space but no wider than `width` pixels.
 pub fn svg_document(width: f64, height: f64, font_px: f64, title: &str, body: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \

@@ -1,8 +1,8 @@
 //! Tables, charts as SVG, and a report as one HTML page: no scripts, no fonts, nothing from the network.
 //!
-//! A [`Chart`] is drawn for a screen as narrow as a phone's, says in words what it shows (`<title>`, `<desc>`), and tells
-//! its layers apart by mark, dash or hatching too, never by colour alone. A [`Table`] is text, HTML and CSV at once, so
-//! that the page and the numbers behind it cannot differ.
+//! A [`Chart`] can be read on a screen as narrow as a phone's, has a description in words (`<title>`, `<desc>`), and
+//! distinguishes its layers by mark, dash or hatching, never by colour alone. A [`Table`] can be written as text, HTML
+//! and CSV, so that the page and the numbers behind it cannot differ.
 
 mod axis;
 mod canvas;

@@ -1,11 +1,11 @@
-//! A page of HTML that needs nothing beside it.
+//! An HTML page in a single file.
 
 use std::fmt::Write;
 
 use super::markup::{escape, slug};
 use super::table::Table;
 
-/// A page in the making. All text is escaped; SVG is taken as it is.
+/// A page that is being written. All text is escaped; SVG is copied unchanged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
     title: String,
@@ -13,8 +13,8 @@ pub struct Page {
     body: String,
 }
 
-/// One column as wide as a line can be read, figures in as many columns as there is room for; a section is kept
-/// together in print where it fits. A table too wide for the page scrolls, its caption does not.
+/// One column of readable width, with figures in as many columns as there is room for. In print, a section is kept
+/// together if it fits. A table that is too wide for the page scrolls; its caption does not.
 const STYLE: &str = "\
 :root { color-scheme: light }
 body { font: 1rem/1.5 system-ui, sans-serif; color: #1d2126; background: #ffffff; margin: 0 auto; padding: 1rem; max-width: 64rem }
@@ -44,7 +44,7 @@ impl Page {
         }
     }
 
-    /// Begins a section, which the contents at the top name.
+    /// Begins a section, which is listed in the contents at the top.
     pub fn section(&mut self, heading: &str) {
         let name = slug(heading);
         let _ = writeln!(self.body, "<h2 id=\"{name}\">{}</h2>", escape(heading));
@@ -56,7 +56,7 @@ impl Page {
         let _ = writeln!(self.body, "<p>{}</p>", escape(text));
     }
 
-    /// What the publication says, set apart from what was found here.
+    /// A quotation of the publication, set apart from the results.
     pub fn published(&mut self, text: &str) {
         let _ = writeln!(self.body, "<p class=\"paper\">In the paper: {}</p>", escape(text));
     }
@@ -79,7 +79,7 @@ impl Page {
         let _ = writeln!(self.body, "<p>Numbers: <a href=\"csv/{name}.csv\">{name}.csv</a></p>");
     }
 
-    /// Charts that belong together over one caption, side by side where there is room.
+    /// Related charts above one caption, side by side if there is room.
     pub fn figure(&mut self, caption: &str, charts: &[String]) {
         let class = if charts.len() == 1 { "charts one" } else { "charts" };
         let charts: Vec<String> = charts.iter().map(|chart| format!("<div>{chart}</div>")).collect();

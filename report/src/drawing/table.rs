@@ -1,4 +1,4 @@
-//! Tables: for a page with rounded numbers, for other programs with all digits.
+//! Tables, with rounded numbers for people and all digits for other programs.
 
 use std::fmt::Write;
 
@@ -7,26 +7,26 @@ use super::markup::escape;
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Words.
+    /// Text.
     Text(String),
     /// A count.
     Count(usize),
-    /// A number, with the decimals that a person is shown.
+    /// A number, with the number of decimals shown to people.
     Number(f64, usize),
-    /// A difference, always with its sign, with the decimals that a person is shown.
+    /// A difference, always with its sign, with the number of decimals shown to people.
     Difference(f64, usize),
-    /// Nothing known.
+    /// An unknown value.
     Missing,
 }
 
 /// A table with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Name of its CSV file, without the ending.
+    /// Name of its CSV file, without the extension.
     pub name: String,
-    /// One line over it.
+    /// One line above it.
     pub caption: String,
-    /// What stands in the columns, with units.
+    /// Headings of the columns, with units.
     pub columns: Vec<String>,
     /// The entries, row by row.
     pub rows: Vec<Vec<Cell>>,
@@ -56,7 +56,7 @@ impl Cell {
         value.map_or(Cell::Missing, |value| Cell::Number(value, decimals))
     }
 
-    /// For a person.
+    /// The text shown to people.
     pub fn text(&self) -> String {
         match self {
             Cell::Text(text) => text.clone(),
@@ -89,7 +89,7 @@ impl Table {
         }
     }
 
-    /// The rows as a person is shown them.
+    /// The rows as shown to people.
     pub fn texts(&self) -> Vec<Vec<String>> {
         self.rows
             .iter()
@@ -97,7 +97,7 @@ impl Table {
             .collect()
     }
 
-    /// As CSV (RFC 4180), with a header and all digits; what is missing or not finite is empty.
+    /// As CSV (RFC 4180), with a header and all digits. Missing values and those that are not finite are empty.
     pub fn csv(&self) -> String {
         let header = self.columns.iter().map(|column| Cell::from(column.as_str()));
         let mut csv = String::new();
@@ -114,13 +114,14 @@ impl Table {
         cells.any(|cell| !matches!(cell, Cell::Text(_) | Cell::Missing))
     }
 
-    /// As HTML, which scrolls sideways where it does not fit.
+    /// As HTML, which scrolls sideways if it does not fit.
     pub fn html(&self) -> String {
         let mut html = format!(
             "<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>",
             escape(&self.caption)
         );
-        // Numbers stand right, with what heads them and with a word among them; columns of words stand left.
+        // Columns of numbers are aligned right, with their headings and any words in them; columns of text are aligned
+        // left.
         let class = |column: usize| match self.is_numeric(column) {
             true => " class=\"number\"",
             false => "",

@@ -6,7 +6,7 @@ use super::*;
 /// Name, attributes and own text.
 type Element = (String, Vec<(String, String)>, String);
 
-/// Elements of a document in order, with attributes and own text, as a foreign parser reads it.
+/// Elements of a document in order, with attributes and own text, as an independent parser reads it.
 fn elements(document: &str) -> Vec<Element> {
     let mut found: Vec<Element> = Vec::new();
     let mut open = Vec::new();
@@ -48,7 +48,7 @@ const STYLES: [Style; 3] = [
     Style::marked("#0072b2", Dash::Dotted, Mark::Ring),
 ];
 
-/// Any number at all, with ordinary ones in the majority.
+/// Any number, mostly ordinary ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![4 => -100.0..100.0_f64, 1 => any::<f64>(), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY), 1 => Just(0.0)]
 }
@@ -87,7 +87,7 @@ proptest! {
     fn any_data_make_well_formed_svg(
         x in axis(), y in axis(), shapes in prop::collection::vec((shape(), 0..3_usize, "\\PC{0,12}"), 0..4)
     ) {
-        // Pins: whatever the data (none, NaN, infinity, huge), a chart is XML that a foreign parser reads, no
+        // Pins that whatever the data (none, NaN, infinity, huge), a chart is XML that an independent parser reads, no
         // coordinate is NaN or infinite, and everything lies within the view box.
         let layers = shapes.into_iter().map(|(shape, style, name)| Layer::new(name, STYLES[style], shape)).collect();
         let svg = chart(x, y, layers).svg();
@@ -105,7 +105,8 @@ proptest! {
 
     #[test]
     fn csv_is_read_back(texts in prop::collection::vec("[ -~\\n]{0,9}", 1..5), value in number()) {
-        // Pins: a foreign reader (the csv crate's rules: RFC 4180) finds the same words and the same number, bit for bit.
+        // Pins that an independent reader (the csv crate, RFC 4180) finds the same words and the same number, bit for
+        // bit.
         let columns: Vec<&str> = texts.iter().map(String::as_str).chain(["value"]).collect();
         let mut table = Table::new("t", "caption", &columns);
         table.rows.push(texts.iter().map(|text| text.as_str().into()).chain([Cell::Number(value, 2)]).collect());
@@ -181,7 +182,7 @@ fn a_line_lies_where_its_axes_say() {
 
 #[test]
 fn bars_stand_on_each_other() {
-    // Pins stacking: the second layer's bars begin where the first's end, and heights are as their values.
+    // Pins stacking: the second layer's bars begin where the first layer's end, and heights match values.
     let bars = |heights: [f64; 2]| Layer::new("share", STYLES[0], Shape::Bars(heights.to_vec()));
     let svg = chart(
         Axis::names("reach", ["1", "2"]),
@@ -204,8 +205,8 @@ fn bars_stand_on_each_other() {
 
 #[test]
 fn areas_stand_on_each_other_and_bands_under_them() {
-    // Pins: the lower outline of the second area is the upper one of the first, as high as its values say; the strips of two
-    // layers of bands overlap neither the areas nor each other, and lie where their times are.
+    // Pins that the lower outline of the second area is the upper one of the first, at the height of its values; and
+    // that the strips of two layers of bands overlap neither the areas nor each other, and are at the right times.
     let area = |heights: [f64; 3]| {
         let points = heights.into_iter().enumerate().map(|(x, y)| (x as f64, y));
         Layer::new("", STYLES[0], Shape::Areas(points.collect()))
@@ -255,7 +256,8 @@ fn areas_stand_on_each_other_and_bands_under_them() {
 
 #[test]
 fn a_column_of_numbers_stands_right() {
-    // Pins: the heading, the numbers and a word among them stand right; a column of words, or of nothing known, left.
+    // Pins that a heading, its numbers and a word among them are aligned right; a column of words, or of unknown
+    // values, left.
     let mut table = Table::new("t", "caption", &["words", "numbers", "nothing"]);
     table.rows.push(vec!["a".into(), "all".into(), Cell::Missing]);
     table.rows.push(vec!["b".into(), Cell::Number(0.5, 1), Cell::Missing]);
@@ -296,7 +298,7 @@ fn no_peak_is_lost() {
 
 #[test]
 fn a_page_is_well_formed_and_escapes() {
-    // Pins: text cannot break out of the page, every section is in the contents, tables link to their numbers.
+    // Pins that text cannot break out of the page, every section is in the contents, and tables link to their numbers.
     let mut page = Page::new("Leaf <or> trunk");
     page.section("Table I & more");
     page.paragraph("a < b");

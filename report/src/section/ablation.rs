@@ -30,7 +30,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.table(table);
 }
 
-/// What the changes do to the difference from the published table.
+/// The effect of the changes on the difference from the published table.
 fn sentence(rows: &[Ablated]) -> Option<String> {
     let (as_is, changed): (Vec<&Ablated>, Vec<&Ablated>) = rows.iter().partition(|row| row.change == AS_IS);
     let as_is = as_is.first()?;

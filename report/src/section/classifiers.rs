@@ -1,4 +1,4 @@
-//! Other classifiers, and how fast they decide.
+//! Other classifiers, and their accuracy after few samples.
 
 use underbrush_classifier::evaluate::AccuracyBySamples;
 use underbrush_experiments::definition::ClassifierEntry;
@@ -81,7 +81,7 @@ fn best_of(classifiers: &[Compared], published: Option<f64>) -> String {
     )
 }
 
-/// Compares classifiers that see the same, and the same method with more features.
+/// Compares classifiers with the same features, and the same method with more features.
 pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Option<String> {
     let accuracy = |entry: &ClassifierEntry| {
         let own = accuracies.iter().find(|(name, _)| *name == entry.name);
@@ -123,7 +123,7 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
     (!sentences.is_empty()).then(|| sentences.join(" "))
 }
 
-/// How much accuracy after a few samples depends on knowing that a contact goes on.
+/// How much the accuracy after a few samples depends on knowing that a contact will last.
 fn speeds(speeds: &[Speed], min_samples: usize) -> String {
     let after = |points: &[AccuracyBySamples], samples| {
         let own = points.iter().find(|point| point.samples == samples);
@@ -230,7 +230,7 @@ fn table(classifiers: &[Compared], published: Option<f64>) -> Table {
     table
 }
 
-/// Accuracy after more and more samples, of contacts that last and of all.
+/// Accuracy after increasing numbers of samples, on lasting contacts and on all.
 fn by_samples(speeds: &[Speed], min_samples: usize) -> Table {
     let columns = [
         "contacts",

@@ -1,4 +1,4 @@
-//! Force and motion of one ordinary trial of each category (Fig. 5).
+//! Force and motion of one typical trial of each category (Fig. 5).
 
 use underbrush_experiments::experiment::example_trials::{Outcome, Typical};
 use underbrush_recording::Sample;

@@ -1,4 +1,4 @@
-//! Outliers: what thresholds make of the outlier reaches (Fig. 15).
+//! Outliers: the effect of thresholds on the outlier reaches (Fig. 15).
 
 use underbrush_classifier::decision::Rule;
 use underbrush_classifier::evaluate::{RocCurve, RocPoint, StreamFrame};
@@ -56,7 +56,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
 }
 
-/// Which thresholds were chosen, and what they do on held-out trials.
+/// The chosen thresholds and their effect on held-out trials.
 fn thresholds(thresholds: &Thresholds) -> String {
     let chosen = match &thresholds.chosen {
         Ok(chosen) => chosen,
@@ -117,7 +117,7 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
     })
 }
 
-/// How well outliers are found by their small margin, whatever the threshold.
+/// How well outliers are found by their small margin, over all thresholds.
 fn roc(area: f64) -> String {
     let worth = match area {
         _ if area > 0.55 => "better than",

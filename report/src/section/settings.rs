@@ -31,7 +31,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.tables.push(all(outcome));
 }
 
-/// How one classifier does where it was trained, and elsewhere.
+/// The accuracy of one classifier at the setting where it was trained, and at the others.
 fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
     let mean =
         |splits: &[&Split]| splits.iter().map(|split| split.accuracy.accuracy).sum::<f64>() / splits.len() as f64;

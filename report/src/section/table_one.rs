@@ -72,7 +72,7 @@ fn compared(cell: &Cell) -> Compared<'_> {
     }
 }
 
-/// That agreement is not a prediction, and whether parameters were chosen on this run's seeds.
+/// A note that agreement is not a prediction, and whether parameters were chosen on this run's seeds.
 pub fn choices(report: &Report) -> Option<String> {
     report.published()?;
     let chosen_on = &report.results.definition.file.chosen_on;
@@ -97,7 +97,7 @@ pub fn choices(report: &Report) -> Option<String> {
     ))
 }
 
-/// The majority baselines here, and in the paper by its trial counts.
+/// The majority baselines here, and in the paper, from its trial counts.
 fn baselines(report: &Report, cells: &[Cell]) -> String {
     let of = |by: TableOneUnit| {
         let cell = cells.iter().find(|cell| cell.key.by == by)?;

@@ -59,7 +59,7 @@ fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
     (!parts.is_empty()).then(|| format!("Trials per reach, {}.", parts.join("; ")))
 }
 
-/// How many trials came from the sensor alone.
+/// How many trials came from the sensor alone, without contact.
 pub fn untouched(rows: &[TrialsPerReach]) -> String {
     let with_trials = rows.iter().filter(|row| row.trials > 0);
     let parts: Vec<String> = with_trials

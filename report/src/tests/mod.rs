@@ -93,7 +93,7 @@ fn report(experiment: &Experiment, folder: &Path) -> Results {
 /// Name, attributes and own text.
 type Element = (String, Vec<(String, String)>, String);
 
-/// All elements of a document, as a foreign parser reads it.
+/// All elements of a document, as an independent parser reads it.
 fn elements(document: &str) -> Vec<Element> {
     let (mut found, mut open): (Vec<Element>, Vec<usize>) = Default::default();
     for event in EventReader::from_str(document) {
@@ -111,7 +111,7 @@ fn elements(document: &str) -> Vec<Element> {
     found
 }
 
-/// What no page may hold: numbers that are none, and links to other sites. The only addresses are those that name SVG.
+/// Faults that no page may have: values such as NaN, and links to other sites. The only addresses are SVG namespaces.
 fn faults(html: &str) -> Vec<&str> {
     let outside_svg = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     let bad = ["NaN", "inf %", "inf N", "http://", "https://"];
@@ -129,10 +129,10 @@ fn the_check_of_a_page_can_fail() {
     assert_eq!(faults("<img src=\"https://example.org/a.png\">"), ["https://"]);
 }
 
-/// Pins, on a report of small reaches: the page is XML; every figure is an image with words; all that it links to is there;
-/// all CSV files parse, with equal columns in every row, and are the same bytes when all is made again by three threads, but
-/// for the two files of wall times; the cells of the table lie within their intervals; the keys of the summary that other
-/// programs rely on.
+/// Pins, on a report of small reaches: the page is XML; every figure is an image with words; all linked files exist;
+/// all CSV files parse, with equal columns in every row, and are the same bytes when everything is made again by three
+/// threads, except the two files of wall times; the cells of the table lie within their intervals; and the summary has
+/// the keys that other programs rely on.
 #[test]
 fn a_report_is_whole() {
     let (scenes, folder, again) = (
@@ -185,7 +185,7 @@ fn a_report_is_whole() {
     for file in std::fs::read_dir(folder.path().join("csv")).unwrap() {
         let path = file.unwrap().path();
         let mut reader = csv::Reader::from_path(&path).unwrap();
-        // The reader refuses rows of another length than the header's.
+        // The reader refuses rows whose length differs from the header's.
         reader.records().for_each(|row| drop(row.unwrap()));
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         if std::fs::read(&path).unwrap() != std::fs::read(again.path().join("csv").join(&name)).unwrap() {
@@ -231,7 +231,7 @@ fn a_report_is_whole() {
             assert!(cell[key].is_string(), "{cell}");
         }
         assert!(number("states") >= 5.0);
-        // No accuracy stands alone: two categories make the majority half at least.
+        // An accuracy is never shown alone. With two categories the majority baseline is at least one half.
         assert!(number("majority_baseline") >= 50.0 && (0.0..=100.0).contains(&number("balanced_accuracy")));
     }
 }

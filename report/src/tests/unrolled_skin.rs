@@ -40,8 +40,8 @@ fn heights(svg: &str, label: &str) -> (f64, Vec<f64>) {
     (y.parse().unwrap(), marks.collect())
 }
 
-/// Pins that the taxel nearest the hand is drawn nearest the word hand: of Cody's forearm the row whose taxels are
-/// farthest along the arm, by the positions in the skin file and not by the numbers of rows.
+/// Pins that the taxels nearest to the hand are drawn nearest to the word "hand": on Cody's forearm the row farthest
+/// along the arm, by the positions in the skin file and not by row numbers.
 #[test]
 fn the_hand_is_where_the_picture_says() {
     let scene = Scene::parse("any.toml", super::scenes::LEAVES_AT_FOREARM.into()).unwrap();
