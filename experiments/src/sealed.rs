@@ -44,7 +44,7 @@ pub fn read<T: DeserializeOwned>(path: &Path, progress: &dyn Progress) -> Option
         .filter(|sealed| hash(&sealed.content) == sealed.blake3);
     if sealed.is_none() {
         let path = path.display();
-        progress.remark(&format!("{path}: does not match its checksum, so it is made again"));
+        progress.remark(&format!("{path}: does not match its checksum, so it is computed again"));
     }
     serde_json::from_value(sealed?.content).ok()
 }

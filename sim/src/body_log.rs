@@ -1,4 +1,4 @@
-//! Where every link and every body of an object is while a reach runs, as a recording stores it.
+//! The poses of all links and bodies during a reach, as a recording stores them.
 
 use underbrush_recording::{Body, BodyOwner, BodyPart};
 
@@ -13,7 +13,7 @@ pub struct BodyLog {
 }
 
 impl BodyLog {
-    /// The bodies of a simulation that is at its start.
+    /// The bodies of a simulation at its start.
     pub fn new(simulation: &Simulation) -> Self {
         let (arm, report) = (simulation.arm(), simulation.report());
         let links = arm.links.iter().zip(&report.link_pose_world);
@@ -36,7 +36,7 @@ impl BodyLog {
         for object in 0..simulation.clutter().objects.len() {
             let rest = simulation.rest_pose_world(object).iter();
             for (number, (body, pose)) in simulation.structure(object).bodies.iter().zip(rest).enumerate() {
-                // What has no shape can be neither touched nor drawn.
+                // A body without a shape can be neither touched nor drawn.
                 if body.parts.is_empty() {
                     continue;
                 }
@@ -52,7 +52,7 @@ impl BodyLog {
         BodyLog { bodies, places }
     }
 
-    /// Takes the poses in a frame.
+    /// Records the poses in a frame.
     pub fn observe(&mut self, report: &FrameReport) {
         let places = self.places.iter();
         let of_objects = places.map(|(object, body)| &report.objects[*object].body_pose_world[*body]);
@@ -62,7 +62,7 @@ impl BodyLog {
         }
     }
 
-    /// All bodies with where they were.
+    /// All bodies with their poses.
     pub fn finish(self) -> Vec<Body> {
         self.bodies
     }

@@ -16,7 +16,7 @@ pub struct Job {
     pub reach_index: u64,
 }
 
-/// Why a campaign ended early; `E` is what the receiver of the recordings may fail with.
+/// Why a campaign ended early; `E` is the error of the receiver of the recordings.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError<E: std::error::Error + 'static> {
     /// A scene cannot be drawn.

@@ -210,8 +210,8 @@ mod tests {
         p.distance(a + along * share)
     }
 
-    /// Distance between two segments as the least of five: from each end to the other segment, and, where the common
-    /// perpendicular of the two lines meets both segments within them, its length.
+    /// Distance between two segments as the minimum of five: from each end to the other segment, and the length of the
+    /// common perpendicular of the two lines if it meets both segments.
     fn min_of_five(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
         let ends = [
             point_distance(a, c, d),
@@ -246,8 +246,8 @@ mod tests {
     }
 
     proptest! {
-        /// Pins the distance between segments, also where either is a point and where they are parallel or overlap, against
-        /// the least of five elementary distances, in either order.
+        /// Pins the distance between segments, also if one is a point and if they are parallel or overlap, against the
+        /// minimum of five elementary distances, in either order.
         #[test]
         fn segment_distance_is_the_minimum(
             (a, b) in (point(), point()),
@@ -259,8 +259,8 @@ mod tests {
             let b = if first_is_a_point { a } else { b };
             let (c, d) = second(a, b, kind, c, d, s);
             let expected = min_of_five(a, b, c, d);
-            // Parry takes segments whose squared lengths' product is within 2e-16 of parallel as such: for lengths around
-            // 1 m that is an angle of 1.5e-8 rad, and an error of as many metres.
+            // Parry treats segments as parallel if the product of their squared lengths is within 2e-16 of parallel.
+            // For lengths around 1 m that is an angle of 1.5e-8 rad, and an error of as many metres.
             prop_assert!((segment_distance(a, b, c, d) - expected).abs() < 1e-6, "{expected}");
             prop_assert!((segment_distance(c, d, a, b) - expected).abs() < 1e-6, "{expected}");
         }
@@ -278,8 +278,8 @@ mod tests {
         assert!((between + 0.025).abs() < 1e-12);
     }
 
-    /// Pins that the room around a link is measured from its true shape: the rim of a cylinder and the corner of a box,
-    /// which stick out of the capsule along them, included.
+    /// Pins that the clearance of a link is measured from its true shape, including the rim of a cylinder and the
+    /// corner of a box, which extend beyond the capsule around them.
     #[test]
     fn placed_shapes_are_measured_with_their_corners() {
         let wall = |x: f64| Capsule {
@@ -298,7 +298,7 @@ mod tests {
         assert!((corner.extent_m(DVec3::Z) - 0.03).abs() < 1e-9);
     }
 
-    /// Pins overlap of rectangles and discs on cases drawn by hand.
+    /// Pins the overlap of rectangles and discs on hand-made cases.
     #[test]
     fn footprints_overlap_where_they_do() {
         let rectangle = |x, y, yaw_rad| LaidFootprint {

@@ -3,11 +3,11 @@
 /// Shortest share of a Newton step that is tried: 2⁻¹⁹, about 2·10⁻⁶.
 const MAX_HALVINGS: i32 = 19;
 
-/// Minimizes from `start`. A state is a point together with whatever the function's value and slope are needed for.
+/// Minimizes from `start`. A state is a point with the function's value and slope there.
 ///
 /// `step` computes the Newton step from a state and returns `None` to stop there, because the slope has vanished or the
-/// curvature is singular. `moved` is the state after a share of that step. The step is halved until `is_lower(moved, state)`
-/// accepts it; the search also ends where no share is accepted, or after `max_steps`.
+/// curvature is singular. `moved` is the state after a share of that step. The step is halved until `is_lower(moved,
+/// state)` accepts it; the search also ends if no share is accepted, or after `max_steps`.
 pub(crate) fn minimize<State, Step>(
     start: State,
     max_steps: usize,
@@ -30,7 +30,8 @@ pub(crate) fn minimize<State, Step>(
 mod tests {
     use super::minimize;
 
-    /// Minimizes ln cosh x from a start, by its value, slope tanh x and curvature 1 / cosh² x; counts the points looked at.
+    /// Minimizes ln cosh x from a start, by its value, slope tanh x and curvature 1 / cosh² x; counts the points
+    /// evaluated.
     fn log_cosh(start: f64) -> (f64, usize) {
         let looked = std::cell::Cell::new(0);
         let found = minimize(
@@ -41,25 +42,25 @@ mod tests {
                 looked.set(looked.get() + 1);
                 x - share * step
             },
-            // ln cosh grows with |x|; compared itself, it is lost in rounding near the minimum.
+            // Compares |x|, with which ln cosh grows, because ln cosh itself is lost in rounding near the minimum.
             |trial, x| trial.abs() < x.abs(),
         );
         (found, looked.get())
     }
 
     /// Pins that the line search leads to the minimum from where the undamped method diverges: for ln cosh x that is
-    /// |x| > 1.09, from where each full step leads farther away.
+    /// |x| > 1.09, where each full step goes farther away.
     #[test]
     fn a_step_that_overshoots_is_shortened() {
         for start in [0.5, 1.0, 2.0, -3.0] {
             let (found, looked) = log_cosh(start);
             assert!(found.abs() < 1e-12, "{found} from {start}");
-            // Close by no step is shortened: convergence is cubic here.
+            // Near the minimum no step is shortened, and convergence is cubic.
             assert!(start.abs() > 1.09 || looked <= 6, "{looked} points from {start}");
         }
     }
 
-    /// Pins where the search ends: at once where the slope is none, where no share of a step is lower, and at the limit.
+    /// Pins when the search ends: at once if the slope is zero, if no share of a step is lower, and at the limit.
     #[test]
     fn the_search_ends() {
         assert_eq!(log_cosh(0.0), (0.0, 0));

@@ -1,18 +1,18 @@
-//! Where everything is at one moment, as plain capsules: for pictures.
+//! Arm and clutter at one instant, as plain capsules for pictures.
 
 use underbrush_recording::{BodyShape, Category, Frame, Pose};
 
 use crate::geometry::{Capsule, engine_shape};
 use crate::simulation::Simulation;
 
-/// The arm and the clutter at one moment.
+/// The arm and the clutter at one instant.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     /// The shapes of the links, base first.
     pub arm: Vec<Capsule>,
     /// The shapes of the objects with their categories; a bent leaf is a chain of thin ones.
     pub objects: Vec<(Category, Vec<Capsule>)>,
-    /// What arm and skin felt.
+    /// The frame with the state of arm and skin.
     pub frame: Frame,
 }
 

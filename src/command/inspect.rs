@@ -107,7 +107,7 @@ fn dataset(path: &Path) -> Result<Value, Failure> {
         .iter()
         .map(|patch| (patch.name.as_str(), patch.taxels.len()))
         .collect();
-    // Twelve digits tell files apart; the whole hashes stand in meta/provenance.json.
+    // Twelve digits are enough to distinguish files. The full hashes are in meta/provenance.json.
     let named = |file: &FileText| format!("{} (BLAKE3 {:.12})", file.name, file.blake3);
     let arms = provenance.arms.iter().map(|arm| {
         let files: Vec<String> = arm.files.iter().map(named).collect();

@@ -7,7 +7,7 @@ pub struct Style {
     pub colour: &'static str,
     /// Dashes of lines, and hatching of bars.
     pub dash: Dash,
-    /// Of points; lines have none where it is `None`.
+    /// Mark of points; `None` for lines without marks.
     pub mark: Option<Mark>,
 }
 

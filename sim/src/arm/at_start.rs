@@ -1,4 +1,4 @@
-//! An arm in its start posture, as the clutter needs to know it.
+//! An arm in its start posture: what is needed to draw a clutter.
 
 use glam::DVec3;
 use underbrush_recording::Pose;

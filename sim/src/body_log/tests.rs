@@ -33,7 +33,7 @@ fn watched(scene: &str) -> (ReachPlan, Recording, Vec<ObjectPoses>) {
 /// How far a stored pose is from the true one: m and rad.
 fn difference(stored: &Pose, truth: &Pose) -> (f64, f64) {
     let cosine = stored.orientation.dot(truth.orientation).abs().min(1.0);
-    // The sine of half the angle keeps its digits where the angle is small.
+    // The sine of half the angle is accurate for small angles.
     let sine = (stored.orientation * truth.orientation.inverse()).xyz().length();
     let angle = if cosine > 0.9 {
         2.0 * sine.asin()
@@ -55,8 +55,8 @@ fn bodies_of(recording: &Recording, object: usize) -> Vec<&Body> {
     recording.bodies.iter().filter(own).collect()
 }
 
-/// Pins that the stored pose of every body equals the engine's in every frame, within the tolerances, in the scenes with
-/// leaves, foam and a foam roll; and that what is left out of the engine stands as it was built.
+/// Pins that the stored pose of every body equals the engine's in every frame, within the tolerances, in the scenes
+/// with leaves, foam and a foam roll; and that objects that are left out of the engine stay as they were built.
 #[test]
 fn stored_poses_are_the_engines() {
     for scene in ["leaf.toml", "outlier.toml"] {
@@ -76,7 +76,7 @@ fn stored_poses_are_the_engines() {
     }
 }
 
-/// Pins that the stored poses of the links are what forward kinematics makes of the stored joint angles.
+/// Pins that the stored poses of the links equal the forward kinematics of the stored joint angles.
 #[test]
 fn stored_link_poses_follow_from_the_joint_angles() {
     let (plan, recording, _) = watched("trunk.toml");
@@ -91,8 +91,8 @@ fn stored_link_poses_follow_from_the_joint_angles() {
     assert!(recording.bodies[1].track.len() > 10, "the arm moves");
 }
 
-/// Pins what the table of bodies says of the objects: as many pieces as a leaf has, a trunk that is one fixed capsule of
-/// its height and diameter, a block as one box of its size.
+/// Pins the objects in the table of bodies: as many pieces as a leaf has, a trunk that is one fixed capsule of its
+/// height and diameter, a block as one box of its size.
 #[test]
 fn bodies_have_the_shapes_of_their_objects() {
     let (_, recording, _) = watched("mixed.toml");

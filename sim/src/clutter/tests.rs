@@ -1,4 +1,4 @@
-//! Placement, goals and their refusals, on scenes and arms made by hand.
+//! Placement, goals and their errors, on made-up scenes and arms.
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
@@ -45,7 +45,8 @@ fn goal_beside_a_trunk(x_m: f64) -> String {
     )
 }
 
-/// Pins the clearance of goals at its border, beside the middle of a trunk: 2 cm of trunk, 4 cm of hand, 2 cm of room.
+/// Pins the clearance of goals at its limit, beside the middle of a trunk: 2 cm of trunk, 4 cm of hand, 2 cm of
+/// clearance.
 #[test]
 fn goals_keep_their_distance_from_a_trunk() {
     let clutter = draw(&goal_beside_a_trunk(0.581), &arm()).unwrap();
@@ -65,11 +66,11 @@ fn goals_keep_their_distance_from_a_trunk() {
 }
 
 /// Pins that a goal must bring the skin to a plant: with the trunk 8.1 cm behind the end effector, skin that begins
-/// farther back, or passes by at more than its radius, does not do.
+/// farther back, or passes by at more than its radius, is not enough.
 #[test]
 fn goals_bring_the_skin_to_a_plant() {
     let skin = |behind_end_effector_m, radius_m| ArmAtStart {
-        // A start from which the way itself passes no trunk.
+        // A start from which the path itself passes no trunk.
         end_effector_world: DVec3::new(0.581, 0.0, 0.0),
         skin: SkinAlongArm {
             behind_end_effector_m,
@@ -95,7 +96,7 @@ fn goals_are_within_reach() {
     assert!(error.contains("5000 of 5000 were out of the arm's reach"), "{error}");
 }
 
-/// Pins the room between objects and the arm's start at its border: 2 cm from the true shape.
+/// Pins the clearance between objects and the arm's start at its limit: 2 cm from the true shape.
 #[test]
 fn objects_keep_their_distance_from_the_arm() {
     // A ball of 5 cm, 2 cm of room and 2 cm of trunk make 9 cm from the trunk's axis at x = 0.5.
@@ -129,7 +130,8 @@ fn on_a_block(other: &str) -> String {
     )
 }
 
-/// Pins who may share ground: leaves stand in foam and trunks go through it, a roll stands on the bare table.
+/// Pins which objects may share ground: leaves stand in foam, trunks go through it, and a roll stands on the bare
+/// table.
 #[test]
 fn leaves_and_trunks_stand_in_foam() {
     let slim = ArmAtStart {
@@ -153,7 +155,7 @@ fn leaves_and_trunks_stand_in_foam() {
     assert!(error.contains("1000 overlapped another object"), "{error}");
 }
 
-/// Pins the refusals of a group without room and of leaves without foam, each with its numbers.
+/// Pins the errors for a group without room and for leaves without foam, each with its numbers.
 #[test]
 fn groups_without_room_are_refused() {
     let crowd = "[workspace]\ntable_height_m = -0.3\n[[objects.trunk]]\ncount = 40\ndiameter_m = 0.04\nheight_m = 0.6\n\
@@ -173,8 +175,8 @@ fn groups_without_room_are_refused() {
     assert!(error.contains("1000 had no foam to stand in"), "{error}");
 }
 
-/// Pins the random streams: seed, scene name and index of the reach each change the clutter, what is asked of goals does
-/// not change the objects, and more goals begin with the same ones.
+/// Pins the random streams: seed, scene name and index of the reach each change the clutter, options of goals do not
+/// change the objects, and a larger number of goals begins with the same ones.
 #[test]
 fn streams_are_apart() {
     let text = |goals: u32| {
@@ -202,9 +204,9 @@ fn streams_are_apart() {
     assert_eq!((more.0, more.1[0], more.1.len()), (first.0, first.1[0], 3));
 }
 
-/// Pins what goals take from the arm. Cody's forearm skin, from its files: rows 94.2 to 256.2 mm from the elbow axis,
-/// which is 278.53 mm from the wrist, 270 mm behind the end effector, at a radius of 46.04 mm; a flipper of 41 mm half
-/// thickness.
+/// Pins the properties of the arm on which goals depend. Cody's forearm skin, from its files: rows 94.2 to 256.2 mm
+/// from the elbow axis, which is 278.53 mm from the wrist, 270 mm behind the end effector, at a radius of 46.04 mm; a
+/// flipper of 41 mm half thickness.
 #[test]
 fn goals_know_the_arm_and_its_skin() {
     let cody = Arm::cody().unwrap();

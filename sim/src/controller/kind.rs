@@ -16,18 +16,18 @@ pub enum ControllerKind {
     Cody2013,
     /// The same with the parameters of [`Preset::ijrr_foliage`].
     IjrrFoliage,
-    /// `Cody2013` without its skin: it moves as if it felt nothing.
+    /// `Cody2013` without tactile feedback.
     Blind,
 }
 
-/// The one list of names.
+/// The list of names.
 const NAMED: [(&str, ControllerKind); 3] = [
     ("cody-2013", ControllerKind::Cody2013),
     ("ijrr-foliage", ControllerKind::IjrrFoliage),
     ("blind", ControllerKind::Blind),
 ];
 
-/// A name that no controller has.
+/// The error for an unknown name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown controller `{0}`, expected one of {list}", list = ControllerKind::names().join(", "))]
 pub struct UnknownController(String);

@@ -12,7 +12,7 @@ mod closed_loop;
 mod quadratic_program;
 mod single_step;
 
-/// An arm at one instant, with what a controller must know of it.
+/// An arm at one instant, with everything that a controller needs.
 struct Situation<'a> {
     arm: &'a Arm,
     angle: Vec<f64>,

@@ -59,10 +59,10 @@ impl FoamRoll {
 
     /// The roll's weight as a share of the load under which it would topple once its foam has relaxed.
     ///
-    /// When the core leans by θ and slice i slides by x_i, the energy to second order is
-    /// ½ k θ² + Σ ½ s x_i² − Σ m g (½ h_i θ² + x_i θ), where m is a slice's mass, h_i its height, and k and s are the
-    /// relaxed stiffness of hinge and slice. At its minimum over the x_i it is ½ θ² (k − M g H / 2 − (M g)² / Σ s), so the
-    /// roll comes back upright where k is larger than the two terms of the weight M g.
+    /// When the core leans by θ and slice i slides by x_i, the energy to second order is ½ k θ² + Σ ½ s x_i² − Σ m g (½
+    /// h_i θ² + x_i θ), where m is a slice's mass, h_i its height, and k and s are the relaxed stiffness of hinge and
+    /// slice. At its minimum over the x_i it is ½ θ² (k − M g H / 2 − (M g)² / Σ s), so the roll returns upright if k
+    /// is larger than the two terms of the weight M g.
     pub fn load_share(&self) -> f64 {
         let relaxed = 1.0 - self.relaxing_share;
         let area_m2 = PI * self.diameter_m.powi(2) / 4.0;
@@ -72,7 +72,7 @@ impl FoamRoll {
         tilting_nm_per_rad / (self.lean_stiffness_nm_per_rad() * relaxed)
     }
 
-    /// Whether the roll carries its own weight and returns upright however long it was pushed.
+    /// Whether the roll carries its own weight and returns upright after any push, however long.
     pub fn stands_by_itself(&self) -> bool {
         self.load_share() <= LARGEST_LOAD_SHARE
     }

@@ -1,5 +1,5 @@
-//! What an object is made of, as plain data: rigid bodies, the joints between them, and the springs on those joints.
-//! The simulation builds it into its engine; an object file needs to know nothing of the engine.
+//! The mechanical structure of an object, as plain data: rigid bodies, the joints between them, and the springs on
+//! those joints. The simulation builds it into its engine; an object file needs to know nothing of the engine.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,7 @@ pub struct Spring {
     pub damping: f64,
     /// Inertia added on the degree of freedom itself, kg m² or kg. It keeps stacks of massless hinges well conditioned.
     pub armature: f64,
-    /// The relaxing branch of a standard linear solid, where the material has one.
+    /// The relaxing branch of a standard linear solid, if the material has one.
     pub maxwell: Option<Maxwell>,
 }
 

@@ -13,9 +13,9 @@ pub(super) const TIME_S: f64 = 2.0;
 pub(super) enum Way {
     /// To the goal.
     ToGoal,
-    /// Backwards from where it got stuck.
+    /// Back from the point where the arm got stuck.
     Back,
-    /// From there to one side.
+    /// To one side from there.
     Aside,
 }
 
@@ -52,7 +52,7 @@ mod tests {
     use Outcome::{Aborted, Reached, Stuck, TimedOut};
     use Way::{Aside, Back, ToGoal};
 
-    /// The ways taken and the outcome, where they end one after the other so.
+    /// The legs driven and the outcome, for legs that end with these outcomes one after the other.
     fn ways(retries: u32, ends: &[Outcome]) -> (Vec<Way>, Outcome) {
         let mut taken = Vec::new();
         let outcome = pursue(retries, |way| {
@@ -63,7 +63,8 @@ mod tests {
         (taken, outcome)
     }
 
-    /// Pins that only a stuck arm tries again, as often as allowed, whether or not it reached the points behind and aside.
+    /// Pins that only a stuck arm tries again, as often as allowed, whether or not it reached the points behind and
+    /// beside.
     #[test]
     fn a_stuck_arm_tries_again() {
         for end in [Reached, TimedOut, Aborted] {
@@ -78,7 +79,7 @@ mod tests {
         assert_eq!(ways(2, &ends), (thrice, TimedOut));
     }
 
-    /// Pins that an abort on the way back or aside ends the whole.
+    /// Pins that an abort on the way back or to the side ends the reach.
     #[test]
     fn an_abort_while_backing_off_ends_all() {
         assert_eq!(ways(2, &[Stuck, Aborted]), (vec![ToGoal, Back], Aborted));

@@ -1,4 +1,4 @@
-//! What a reach leaves behind: its recording, frame by frame.
+//! The recording of a reach, frame by frame.
 
 use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Recording};
 
@@ -11,7 +11,7 @@ use crate::body_log::BodyLog;
 use crate::contact_log::ContactLog;
 use crate::simulation::{Simulation, StepReport};
 
-/// The recording of a reach under way.
+/// The recording of a running reach.
 pub(super) struct ReachLog {
     recording: Recording,
     contacts: ContactLog,
@@ -75,7 +75,7 @@ impl ReachLog {
         self.auditor.observe_step(step);
     }
 
-    /// Takes down how the pursuit of a goal ended.
+    /// Records how an attempt at a goal ended.
     pub(super) fn goal_ended(&mut self, goal: GoalRecord) {
         self.recording.goals.push(goal);
     }

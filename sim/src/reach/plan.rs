@@ -29,7 +29,7 @@ pub struct ReachPlan {
     pub seed: u64,
 }
 
-/// Makes a controller for an arm.
+/// A function that makes a controller for an arm.
 pub type MakeController = Arc<dyn Fn(&Arm) -> Box<dyn Controller> + Send + Sync>;
 
 /// The controller of a plan.
@@ -112,7 +112,7 @@ impl ReachPlan {
         self
     }
 
-    /// The controller's name, as recordings have it.
+    /// The controller's name, as in recordings.
     pub fn controller_name(&self) -> String {
         self.controller.make(&self.arm).name().to_string()
     }

@@ -1,4 +1,4 @@
-//! The controller within a reach: when it is called, what it is told, and what it answered.
+//! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
 use underbrush_recording::FRAME_PERIOD_S;
@@ -102,8 +102,8 @@ fn is_due(frame: u32, rate_hz: f64) -> bool {
 mod tests {
     use super::is_due;
 
-    /// Pins in which frames controllers of several rates are called: also where a period is no whole number of frames, and
-    /// at most once per frame.
+    /// Pins in which frames controllers of several rates are called, also if the period is not a whole number of
+    /// frames: at most once per frame.
     #[test]
     fn controllers_are_called_at_their_rate() {
         let due = |rate_hz: f64| -> Vec<u32> { (0..12).filter(|frame| is_due(*frame, rate_hz)).collect() };

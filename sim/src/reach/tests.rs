@@ -33,8 +33,8 @@ fn a_stiffer_arm_keeps_its_damping_ratio() {
 
 #[test]
 fn a_free_hand_moves_as_fast_as_it_is_told() {
-    // Pins that the mean speed of a hand with nothing in its way, from start to goal, goes with `hand_speed_scale`; within
-    // a tenth, because the arm's lag behind its equilibrium angles takes the same time at each speed.
+    // Pins that the mean speed of a free hand, from start to goal, is proportional to `hand_speed_scale` within a
+    // tenth: the arm's lag behind its equilibrium angles takes the same time at each speed.
     let mean_speed = |scale: f64| {
         let recording = plan(&format!("hand_speed_scale = {scale:?}"))
             .run(0, &mut |_, _| {})
@@ -57,7 +57,7 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
 
 #[test]
 fn scales_have_limits() {
-    // Pins that a scale outside 0.1 to 10, or no number, is refused with its key and line.
+    // Pins that a scale outside 0.1 to 10, or one that is not a number, is refused with its key and line.
     for (key, value) in [
         ("stiffness_scale", "0.0"),
         ("hand_speed_scale", "11.0"),

@@ -1,4 +1,4 @@
-//! Tests of the layer: conservation, friction cones, and the likeness to a stored frame of the real skin.
+//! Tests of the layer: conservation, friction cones, and the similarity to a stored frame of the real skin.
 
 use parry3d::shape::{Capsule, Cuboid};
 use proptest::prelude::*;
@@ -56,9 +56,9 @@ fn largest_slip(skin: &SkinPatch, forces: &[TaxelForce]) -> f64 {
 }
 
 proptest! {
-    /// Pins, for a trunk anyhow on the sleeve with any friction inside its cone: the force is kept to 1e-9, its moment
-    /// to half a pitch (a taxel tells how much presses on it, not where), and every taxel stays in its own cone to 1e-6
-    /// where there are taxels on both sides of the contact's normal.
+    /// Pins, for a trunk in any pose on the sleeve with any friction inside its cone: the force is conserved to 1e-9,
+    /// its moment to half a pitch (a taxel measures how much presses on it, not where), and every taxel stays in its
+    /// own cone to 1e-6 if there are taxels on both sides of the contact's normal.
     #[test]
     fn a_trunk_is_spread_without_loss(
         along_m in -0.005..0.005f64,
@@ -78,7 +78,7 @@ proptest! {
         let moment: DVec3 = forces.iter().map(|taxel| skin.centers_link[taxel.taxel].cross(force(&skin, taxel))).sum();
         let missed = (moment - contact.position_link.cross(contact.force_link)).length() / contact.force_link.length();
         prop_assert!(missed < HALF_PITCH_M, "{missed} m off");
-        // Then the cones together hold the contact's: their hull reaches as far out on both sides.
+        // Then the taxels' cones together contain the contact's cone, because they extend beyond it on both sides.
         let side = |taxel: &TaxelForce| skin.normals_link[taxel.taxel].cross(-contact.inward_link).z;
         if forces.iter().any(|taxel| side(taxel) > 0.0) && forces.iter().any(|taxel| side(taxel) < 0.0) {
             let slip = largest_slip(&skin, &forces);
@@ -87,9 +87,9 @@ proptest! {
     }
 }
 
-/// Pins the likeness to a stored frame of the real skin, one broad contact of 8.99 N on 4 × 2 taxels of 0.56 to 1.53 N:
-/// a trunk of 4 cm across the forearm with the same force lights as many taxels and as strong a one within a factor of
-/// two. (What touched the real skin is not told.)
+/// Pins the similarity to a stored frame of the real skin, one broad contact of 8.99 N on 4 × 2 taxels of 0.56 to 1.53
+/// N: for a trunk of 4 cm across the forearm with the same force, the number of pressed taxels and the largest force
+/// agree within a factor of two. (The frame does not say what touched the skin.)
 #[test]
 fn a_broad_contact_looks_like_the_real_one() {
     let skin = forearm();
@@ -107,8 +107,8 @@ fn a_broad_contact_looks_like_the_real_one() {
     assert!((1.53 / 2.0..=1.53 * 2.0).contains(&strongest), "{strongest} N: {lit:?}");
 }
 
-/// Pins that objects look different on the skin: the edge of a leaf lights a line one taxel wide, its face and a trunk
-/// a patch that is wider, and a trunk under more force a larger one.
+/// Pins that objects look different on the skin: the edge of a leaf presses a line one taxel wide, its face and a trunk
+/// a wider patch, and a trunk under more force a larger patch.
 #[test]
 fn edge_and_round_differ() {
     let skin = forearm();
@@ -137,8 +137,8 @@ fn edge_and_round_differ() {
     assert!(round(1.0).iter().product::<usize>() < rows * columns);
 }
 
-/// Pins that a patch of one taxel feels: a contact over its middle and one near its corner are on it, and it takes the whole
-/// force of both; one beside it is on the bare link.
+/// Pins that a patch of one taxel works: contacts over its middle and near its corner are on it, and it takes the whole
+/// force of both; a contact beside it is on the bare link.
 #[test]
 fn a_lone_taxel_feels_the_whole_force() {
     let mut arm = Arm::cody().unwrap();

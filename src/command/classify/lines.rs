@@ -50,7 +50,7 @@ impl<R: BufRead> Lines<R> {
         let text = result.and_then(|()| {
             std::str::from_utf8(self.buffer.trim_ascii()).map_err(|error| LineError {
                 field: "line".into(),
-                found: format!("bytes that are no UTF-8 after byte {}", error.valid_up_to()),
+                found: format!("bytes that are not UTF-8 after byte {}", error.valid_up_to()),
                 allowed: "JSON in UTF-8".into(),
             })
         });
@@ -96,7 +96,7 @@ mod tests {
             [
                 (1, Ok("12345".to_owned())),
                 (2, too_long()),
-                (3, Err("bytes that are no UTF-8 after byte 0".to_owned())),
+                (3, Err("bytes that are not UTF-8 after byte 0".to_owned())),
                 (4, too_long()),
                 (5, Ok("end".to_owned())),
             ]

@@ -8,7 +8,7 @@ use super::altered_cody;
 
 #[test]
 fn cody_from_disk_is_cody() {
-    // Pins that a user's files take the same way as the embedded ones.
+    // Pins that a user's files are read like the embedded ones.
     let folder = tempfile::tempdir().unwrap();
     for name in ["cody.toml", "cody.urdf", "cody.skin.toml"] {
         fs::write(folder.path().join(name), cody_file(Path::new(name)).unwrap()).unwrap();
@@ -43,8 +43,8 @@ fn earlier_keys_are_still_read() {
 
 #[test]
 fn bad_values_are_refused_with_their_place() {
-    // Pins that every kind of bad value ends in an error that names its file, its field and, where it can, its line.
-    // File, what is there, what is put in its place, a part of the error's field, a part of its text.
+    // Pins that every kind of bad value gives an error that names its file, its field and, if possible, its line. File,
+    // original text, its replacement, a part of the error's field, a part of its text.
     #[rustfmt::skip]
     let cases = [
         ("cody.toml", "name = \"cody\"\n", "name = \"cody\"\ncolour = 1\n", "TOML", "colour"),
@@ -153,7 +153,8 @@ fn errors_name_the_line() {
     }
 }
 
-/// Pins that a fault in a URDF names the line of the very element, in tags over many lines and in a second shape, too.
+/// Pins that a fault in a URDF is reported with the line of its element, also in tags over many lines and in a second
+/// shape.
 #[test]
 fn urdf_faults_name_the_line_of_the_element() {
     let second = "<collision>\n<geometry><sphere radius=\"0.035\"/></geometry>\n</collision>\n";
@@ -172,7 +173,7 @@ fn urdf_faults_name_the_line_of_the_element() {
     }
 }
 
-/// Pins that a URDF of many nested elements is refused with its line, not by a full stack.
+/// Pins that a URDF with many nested elements is refused with its line and does not overflow the stack.
 #[test]
 fn deeply_nested_elements_are_refused() {
     let nested = format!("{}{}</robot>", "<a>".repeat(40_000), "</a>".repeat(40_000));
@@ -190,8 +191,9 @@ fn skins_of_too_many_taxels_are_refused() {
     }
 }
 
-/// Pins that a skin that cannot feel is refused where it is read: under the surface, off it, facing inwards, or on a link
-/// without a collision shape; and that a patch a little off is called doubtful, Cody's own skin is not.
+/// Pins that a skin that cannot sense contact is refused when it is read: under the surface, off it, facing inwards, or
+/// on a link without a collision shape. Also pins that a patch that is slightly off is called doubtful, and Cody's own
+/// skin is not.
 #[test]
 fn skins_that_cannot_feel_are_refused() {
     let forearm = "<geometry><cylinder radius=\"0.04604\" length=\"0.237\"/></geometry>";
@@ -274,7 +276,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
     #[test]
     fn damaged_files_never_panic(which in 0usize..3, at in 0.0..1.0f64, length in 0usize..40, insert in ".{0,6}") {
-        // Pins that any damage to a file ends in an error or in an arm, whatever the damage.
+        // Pins that a file with any damage gives an error or an arm, never a panic.
         let name = ["cody.toml", "cody.urdf", "cody.skin.toml"][which];
         let result = file::assemble(Path::new("cody.toml"), &|path: &Path| {
             let text = cody_file(path)?;

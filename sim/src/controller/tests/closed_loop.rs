@@ -19,7 +19,7 @@ fn reaches_goals_in_free_space() {
         let mut controller = ModelPredictive::new(preset.clone(), &arm);
         let mut random = ChaCha8Rng::seed_from_u64(11);
         for _ in 0..10 {
-            // What the arm reaches from near this posture.
+            // A goal that the arm can reach from near this posture.
             let near: Vec<f64> = middle()
                 .iter()
                 .map(|angle| angle + random.random_range(-0.4..0.4))
@@ -32,7 +32,7 @@ fn reaches_goals_in_free_space() {
                 let mut situation = Situation::at(&arm, &angle);
                 situation.goal_position_world = goal;
                 let position = situation.end_effector().position;
-                // The step is planned on the tangent: its length is off by the square of half a degree.
+                // The step is planned on the tangent, so its length is off by the square of half a degree.
                 assert!(position.distance(last) < preset.end_effector_step_m * 1.02);
                 last = position;
                 let output = situation.step(&mut controller);
@@ -45,7 +45,7 @@ fn reaches_goals_in_free_space() {
     }
 }
 
-/// A frictionless wall with a spring, felt by one taxel of an arm at rest on its springs.
+/// A frictionless wall with a spring, pressed by one taxel of an arm at rest on its springs.
 struct Wall {
     patch: usize,
     taxel: usize,
@@ -70,8 +70,8 @@ impl Wall {
         )
     }
 
-    /// Moves the equilibrium angles from `from` to `to` in small steps and lets the arm come to rest after each:
-    /// K (φ − q) + Jᵀ f = 0, by Newton's method from `angle`. Gives the force, N.
+    /// Moves the equilibrium angles from `from` to `to` in small steps and lets the arm come to rest after each: K (φ −
+    /// q) + Jᵀ f = 0, by Newton's method from `angle`. Returns the force, N.
     fn settle(&self, arm: &Arm, from: &[f64], to: &[f64], angle: &mut [f64]) -> f64 {
         let spring = DVector::from_iterator(7, arm.joints.iter().map(|joint| joint.model_stiffness_nm_per_rad));
         let (from, to) = (DVector::from_column_slice(from), DVector::from_column_slice(to));
@@ -109,7 +109,7 @@ fn push(
     goal_ahead: f64,
     steps: usize,
 ) -> Vec<f64> {
-    // A wall across the way of the taxel, in the middle of the sleeve, that faces forward most.
+    // A wall in front of the taxel that faces forward most, in the middle of the sleeve.
     let start = POSTURE_DEG.map(f64::to_radians).to_vec();
     let situation = Situation::at(arm, &start);
     let link = arm.skin.surfaces[0].link;
@@ -173,8 +173,8 @@ fn forces_over_the_limit_fall_below_it() {
 
 #[test]
 fn goals_behind_a_wall_are_pushed_for_within_the_limit() {
-    // Pins the purpose: towards a goal behind a wall as stiff as assumed the force comes near the limit and stays
-    // there, where a controller without skin pushes on.
+    // Pins the controller's purpose: on the way to a goal behind a wall as stiff as assumed, the force approaches the
+    // limit and stays there, while a controller without skin keeps pushing.
     let arm = Arm::cody().unwrap();
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
         let stiffness = preset.contact_stiffness_n_per_m;

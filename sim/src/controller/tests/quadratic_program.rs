@@ -155,7 +155,7 @@ proptest! {
 
 #[test]
 fn example_by_hand() {
-    // Pins a program solved on paper: nearest point to (3, 4) with x + y ≤ 4, x ≤ 1 is (1, 3).
+    // Pins a program solved by hand: nearest point to (3, 4) with x + y ≤ 4, x ≤ 1 is (1, 3).
     let solution = optimum(&program(
         DMatrix::identity(2, 2),
         &[-3.0, -4.0],
@@ -197,7 +197,7 @@ fn empty_boxes_are_infeasible() {
 
 #[test]
 fn degenerate_vertices_end() {
-    // Pins termination and optimality where many constraints, doubled and redundant, meet in the minimum.
+    // Pins termination and optimality if many constraints, doubled and redundant, meet in the minimum.
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for step in 0..60 {
         let angle = f64::from(step % 30) * std::f64::consts::PI / 30.0;
@@ -212,7 +212,7 @@ fn degenerate_vertices_end() {
 
 #[test]
 fn bad_programs_are_told_apart() {
-    // Pins the outcomes that are not answers: an indefinite or singular hessian, numbers that are none, wrong sizes.
+    // Pins the outcomes without a solution: an indefinite or singular Hessian, NaN, wrong sizes.
     let indefinite = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]);
     assert_eq!(
         program(indefinite, &[0.0, 0.0], &[], &[]).solve(),

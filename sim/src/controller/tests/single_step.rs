@@ -61,7 +61,7 @@ fn cost(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) -> f6
     position + preset.torque_change_weight * torque + preset.force_weight * force / over.len().max(1) as f64
 }
 
-/// By how much a step leaves the published bounds.
+/// By how much a step violates the published bounds.
 fn violation(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) -> f64 {
     let (response, rows) = model(situation, preset);
     let mut worst = f64::NEG_INFINITY;
@@ -136,7 +136,7 @@ fn steps_are_the_constrained_minimum_of_the_published_cost() {
             if status != ControlStatus::Solved {
                 assert_eq!(status, ControlStatus::Infeasible);
                 assert_eq!(change.amax(), 0.0, "φ must stay");
-                // Zero keeps all bounds unless a force must fall.
+                // A step of zero keeps all bounds unless a force must fall.
                 assert!(preset.over_limit_force_change_n < 0.0);
                 continue;
             }
@@ -190,7 +190,7 @@ fn numbers_that_are_none_leave_the_arm_where_it_is() {
 
 #[test]
 fn faint_forces_are_no_contacts() {
-    // Pins the threshold of 1.0 N: below it a taxel changes nothing, from it on it does.
+    // Pins the threshold of 1.0 N: a taxel below it has no effect; one at or above it has.
     let arm = Arm::cody().unwrap();
     for preset in presets() {
         let mut controller = ModelPredictive::new(preset, &arm);
@@ -240,8 +240,8 @@ fn far_equilibrium_angles_are_reset() {
 
 #[test]
 fn joints_beyond_their_limits_do_not_stop_the_arm() {
-    // Pins that limits are clamped so that standing still is allowed: an elbow pushed past its limit may come back but
-    // not go on, and the other joints still move.
+    // Pins that limits are clamped so that standing still is allowed: an elbow pushed past its limit may move back but
+    // not farther, and the other joints still move.
     let arm = Arm::cody().unwrap();
     for preset in presets() {
         let mut posture = middle();
@@ -257,7 +257,7 @@ fn joints_beyond_their_limits_do_not_stop_the_arm() {
 
 #[test]
 fn blind_is_the_same_controller_without_skin() {
-    // Pins the baseline, and that every name gives the controller that bears it.
+    // Pins the baseline, and that every name gives the controller of that name.
     let arm = Arm::cody().unwrap();
     let mut situation = Situation::at(&arm, &middle());
     situation.goal_position_world += DVec3::new(0.1, 0.0, 0.1);

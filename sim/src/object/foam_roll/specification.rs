@@ -1,4 +1,4 @@
-//! What a scene file says of foam rolls, and a roll drawn from it.
+//! Foam rolls in a scene file, and a roll drawn from them.
 
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;

@@ -3,8 +3,8 @@
 use super::*;
 use crate::object::{Footing, Specification};
 
-/// Pins that a group whose rolls would all topple is refused with the modulus that it takes, that of a mixed group only
-/// rolls that stand are drawn, and that all rolls of the default ranges stand.
+/// Pins that a group whose rolls would all topple is refused with the modulus that is needed, that only rolls that
+/// stand are drawn from a mixed group, and that all rolls of the default ranges stand.
 #[test]
 fn only_rolls_that_stand_are_drawn() {
     let footing = Footing {

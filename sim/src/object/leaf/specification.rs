@@ -1,4 +1,4 @@
-//! What a scene file says of leaves, and a leaf drawn from it.
+//! Leaves in a scene file, and a leaf drawn from them.
 
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;

@@ -1,8 +1,9 @@
-//! The rules that end an attempt, each at its border, on made-up paths of the end effector.
+//! The rules that end an attempt, each at its limit, on made-up paths of the end effector.
 
 use super::*;
 
-/// Rules with numbers that are sums of few powers of two, so that borders are met exactly: stuck under 2⁻¹⁰ m in 8 frames.
+/// Rules with numbers that are sums of few powers of two, so that limits are met exactly: stuck under 2⁻¹⁰ m in 8
+/// frames.
 fn rules() -> ReachRules {
     ReachRules {
         stop_force_n: 16.0,
@@ -37,7 +38,7 @@ fn a_force_over_the_stop_force_aborts() {
     assert_eq!(monitor.observe(DVec3::ZERO, 17.0), Some(Outcome::Aborted));
 }
 
-/// Pins that a goal is reached nearer than the distance, in any direction, and not at it.
+/// Pins that a goal is reached at less than the distance, in any direction, and not exactly at it.
 #[test]
 fn a_goal_is_reached_within_the_distance() {
     let mut monitor = Monitor::new(rules(), DVec3::ZERO);
@@ -45,8 +46,8 @@ fn a_goal_is_reached_within_the_distance() {
     assert_eq!(monitor.observe(DVec3::Y * -0.0624, 16.0), Some(Outcome::Reached));
 }
 
-/// Pins that the arm is stuck where the mean of the window's later half is less than the distance from that of the first,
-/// as soon as the window is full and no sooner: at v a frame the means of 4 and 4 frames are 4 v apart.
+/// Pins that the arm is stuck if the means of the window's halves are closer than the distance, as soon as the window
+/// is full and no sooner. At a speed of v per frame, the means of 4 and 4 frames are 4 v apart.
 #[test]
 fn an_end_effector_without_progress_is_stuck() {
     let border_m = 1.0 / 4096.0;
@@ -74,19 +75,20 @@ fn an_end_effector_without_progress_is_stuck() {
     );
 }
 
-/// Pins that an arm that shakes on the spot is stuck, and that one that stops after moving is so once the whole window lies
-/// in its rest.
+/// Pins that an arm that shakes in place is stuck, and so is one that stops after moving, once it has been at rest for
+/// the whole window.
 #[test]
 fn shaking_is_no_headway() {
     let shaking = |frame: usize| if frame.is_multiple_of(2) { 0.5 } else { -0.5 };
     assert_eq!(end(rules(), shaking), Some((8, Outcome::Stuck)));
-    // 1 cm a frame until frame 10, then rest. At frame 16 the window begins with frame 9, 1 cm behind, which puts the mean
-    // of its first four 2.5 mm behind; at frame 17 it holds nothing but rest.
+    // 1 cm per frame until frame 10, then rest. At frame 16 the window begins with frame 9, 1 cm behind, which moves
+    // the mean of its first four back by 2.5 mm; at frame 17 it contains only rest.
     let stopping = |frame: usize| frame.min(10) as f64 * 0.01;
     assert_eq!(end(rules(), stopping), Some((17, Outcome::Stuck)));
 }
 
-/// Pins that a way ends in the frame in which its time is over, and that being stuck in that frame goes first.
+/// Pins that an attempt ends in the frame in which its time is over, and that being stuck in that frame takes
+/// precedence.
 #[test]
 fn time_runs_out() {
     let moving = |frame: usize| frame as f64;

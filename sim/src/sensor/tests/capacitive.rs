@@ -58,8 +58,9 @@ fn creep_follows_its_step_response() {
     }
 }
 
-/// Pins that creep goes with the logarithm of time: from 0.1 to 1, 1 to 10 and 10 to 100 s under a force, the reading
-/// grows by the share a decade, within 10 %: the tenth that the next element would add to the last decade is missing.
+/// Pins that creep follows the logarithm of time: from 0.1 to 1, 1 to 10 and 10 to 100 s under a force, the reading
+/// grows by the share per decade, within 10 %. The tenth that a further element would add to the last decade is
+/// missing.
 #[test]
 fn creep_goes_with_the_logarithm_of_time() {
     let share = 0.05;

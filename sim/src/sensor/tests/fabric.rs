@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Pins the fabric's loop: up to F and down to nothing it encloses h F² / 2, whatever the speed, and a reading on the
-/// way down is never under that on the way up.
+/// Pins the fabric's hysteresis loop: up to F and back to 0 it encloses h F² / 2 at any speed, and a reading during
+/// unloading is never below that during loading.
 #[test]
 fn fabric_has_the_hysteresis_loop_asked_for() {
     let (share, peak) = (0.25, 8.0);
@@ -23,7 +23,8 @@ fn fabric_has_the_hysteresis_loop_asked_for() {
         down.reverse();
         assert!(up.iter().zip(&down).all(|(up, down)| up <= down));
         assert_eq!((down[0], up[0]), (0.0, 0.0));
-        // The trapezoidal rule is exact on straight pieces; the one corner is missed by at most a step's square.
+        // The trapezoidal rule is exact on straight pieces; at the one corner its error is at most the square of a
+        // step.
         let gap: Vec<f64> = up.iter().zip(&down).map(|(up, down)| down - up).collect();
         let area: f64 = gap
             .windows(2)

@@ -1,5 +1,5 @@
-//! Tests of the sensor against closed forms and the statistics of its noise: here what both technologies share, in a file
-//! of its own what one effect does.
+//! Tests of the sensor against closed forms and the statistics of its noise: here what both technologies share; each
+//! single effect has a file of its own.
 
 mod capacitive;
 mod fabric;
@@ -23,7 +23,7 @@ fn sensor(options: &SensorOptions) -> Sensor {
     Sensor::new(options, &Arm::cody().unwrap().skin, 1, "test", 0)
 }
 
-/// Presses one taxel with a force for a frame; what it reads then.
+/// Presses one taxel with a force for a frame and returns its reading.
 fn press(sensor: &mut Sensor, (patch, taxel): (usize, usize), force_n: f64) -> f64 {
     sensor.press(patch, taxel, force_n);
     sensor.sample();
@@ -78,7 +78,7 @@ fn gate_floor_and_saturation_cut_where_they_say() {
     assert_eq!(readings, [0.0, 1.01, 16.5, 17.0]);
 }
 
-/// Pins that readings come as many whole frames late as asked for, and start from nothing.
+/// Pins that readings are delayed by the requested number of frames, and start at 0.
 #[test]
 fn readings_are_late_by_whole_frames() {
     for delay_frames in [0, 1, 3] {
@@ -97,8 +97,8 @@ fn readings_are_late_by_whole_frames() {
     }
 }
 
-/// Pins dead taxels: those listed always, a share of the others as large as asked for (three sigmas of a binomial),
-/// drawn anew for another reach and the same for the same; the noise of the living does not change.
+/// Pins dead taxels: those listed always, and the requested share of the others (within three sigmas of a binomial),
+/// which differ from reach to reach and are the same for the same reach. The noise of the other taxels does not change.
 #[test]
 fn dead_taxels_read_nothing() {
     let skin = Arm::cody().unwrap().skin;
@@ -147,7 +147,7 @@ fn dead_taxels_read_nothing() {
     assert_eq!(press(&mut broken, (FOREARM, 9), 1.0), 0.0);
 }
 
-/// Pins that listing a dead taxel kills this one and changes nothing about which others die.
+/// Pins that listing a dead taxel does not change which others are dead.
 #[test]
 fn a_listed_taxel_does_not_redraw_the_others() {
     let skin = Arm::cody().unwrap().skin;

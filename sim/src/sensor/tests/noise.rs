@@ -40,7 +40,7 @@ fn noise_has_the_variance_asked_for() {
     }
 }
 
-/// Pins that what touches one taxel does not change the noise of another, nor that of the other technology.
+/// Pins that a contact on one taxel does not change the noise of another taxel or of the other technology.
 #[test]
 fn noise_does_not_depend_on_other_taxels() {
     let options = SensorOptions {
@@ -79,7 +79,7 @@ fn noise_does_not_depend_on_the_noise_of_the_other_technology() {
             ..SensorOptions::off()
         };
         let mut sensor = sensor(&options);
-        // In a later frame the generator has served the fabric, too.
+        // In a later frame the generator has also drawn for the fabric.
         (0..5)
             .map(|_| press(&mut sensor, (FOREARM, 7), 1.0))
             .collect::<Vec<f64>>()

@@ -38,14 +38,15 @@ fn spurious_readings_have_the_share_and_the_duration_asked_for() {
             .count() as f64;
         before = now;
     }
-    // Begin and end are independent of the past: durations are geometric, as spread as they are long.
+    // Begin and end are independent of the past, so durations are geometric: their standard deviation is about their
+    // mean.
     let error = 4.0 / f64::sqrt(begun);
     let duration_s = lit / begun * FRAME_PERIOD_S;
     assert!(
         (duration_s / time_s - 1.0).abs() < error,
         "{duration_s} s on average of {begun}"
     );
-    // In the long run; the first time constants from zero cost a part in 400.
+    // In the long run. The start from zero changes the mean by one part in 400.
     let found = lit / (frames * taxels) as f64;
     assert!((found / share - 1.0).abs() < 1.5 * error + 0.0025, "share {found}");
     let noisy = |spurious_share| {
