@@ -1,7 +1,7 @@
 //! Cells of the cross-validation table (the paper's Table I), and how they compare with each other and with published
 //! figures.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
@@ -59,7 +59,7 @@ pub struct Ordering {
     /// Name of the recipe.
     pub recipe: String,
     /// The statement.
-    pub statement: &'static str,
+    pub statement: String,
     /// Whether it holds in every pair of cells.
     pub holds: bool,
     /// Pairs of cells that it compares.
@@ -93,7 +93,7 @@ pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Or
     recipes.dedup();
     let check = |recipe: &String, name: OrderingName| {
         let own: Vec<&KeyedAccuracy> = cells.iter().filter(|(key, _)| key.recipe == *recipe).collect();
-        let (statement, strict) = statement(name);
+        let (statement, strict) = statement(name, &own);
         let (mut pairs, mut failing) = (0, Vec::new());
         for (high_key, high) in own.iter().copied() {
             for (low_key, low) in own
@@ -125,11 +125,21 @@ pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Or
 }
 
 /// A statement as text, and whether equal accuracies contradict it.
-fn statement(name: OrderingName) -> (&'static str, bool) {
+fn statement(name: OrderingName, cells: &[&KeyedAccuracy]) -> (String, bool) {
     match name {
-        OrderingName::TaxelsOverComponents => ("taxels are told apart better than components", true),
-        OrderingName::ForceOverForceAndMotion => ("force alone is at least as good as force and motion", false),
-        OrderingName::MoreStates => ("10 and 20 states are better than 5", true),
+        OrderingName::TaxelsOverComponents => ("taxels are told apart better than components".into(), true),
+        OrderingName::ForceOverForceAndMotion => ("force alone is at least as good as force and motion".into(), false),
+        OrderingName::MoreStates => {
+            let states: BTreeSet<usize> = cells.iter().map(|(key, _)| key.states).collect();
+            let mut states = states.iter().map(usize::to_string);
+            let fewest = states.next().unwrap_or_default();
+            let more = match states.collect::<Vec<_>>().as_slice() {
+                [] => "more".to_owned(),
+                [one] => one.clone(),
+                [others @ .., most] => format!("{} and {most}", others.join(", ")),
+            };
+            (format!("{more} states are better than {fewest}"), true)
+        }
     }
 }
 

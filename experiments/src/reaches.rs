@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::trial::{TrialOptions, taxel_trials};
+use underbrush_classifier::trial::{ContactTrial, TrialOptions, taxel_trials};
 use underbrush_recording::disk::{read_recording, write_recording};
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::reach::ReachPlan;
@@ -20,7 +20,7 @@ use crate::session::Session;
 /// The requirement on a reach.
 #[derive(Clone)]
 enum Wanted {
-    /// The patch touches this category and senses it, and touches nothing else.
+    /// The patch touches this category and nothing else, and the category presses on a taxel in at least one taxel trial.
     Only(Category),
     /// The patch touches all of these.
     All(Vec<Category>),
@@ -80,7 +80,9 @@ impl Wanted {
         Ok(match self {
             Wanted::Only(category) => {
                 let only = !touched.is_empty() && touched.iter().all(|other| other == category);
-                only && !taxel_trials(recording, options)?.is_empty()
+                // Spurious readings and crosstalk make trials, too.
+                let felt = |found: &ContactTrial| found.trial.touched() == Some(true);
+                only && taxel_trials(recording, options)?.iter().any(felt)
             }
             Wanted::All(categories) => categories.iter().all(|category| touched.contains(category)),
             Wanted::OutlierFirst(known) => {
@@ -210,3 +212,6 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
         })
     })
 }
+
+#[cfg(test)]
+mod tests;

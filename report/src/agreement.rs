@@ -136,7 +136,7 @@ pub fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Tab
     let mut table = Table::new(name, caption, &columns);
     for ordering in orderings {
         table.rows.push(vec![
-            ordering.statement.into(),
+            ordering.statement.as_str().into(),
             ordering.recipe.as_str().into(),
             (if ordering.holds { "true" } else { "false" }).into(),
             ordering.pairs.into(),

@@ -4,6 +4,7 @@
 //! charts, tables and pages they are made of. [`picture`] draws arm and clutter, [`portrait`] objects pressed on the skin.
 
 mod agreement;
+pub mod category_looks;
 pub mod drawing;
 pub mod picture;
 pub mod portrait;

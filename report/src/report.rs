@@ -5,6 +5,7 @@ use underbrush_experiments::definition::{Published, PublishedSection};
 use underbrush_experiments::experiment::campaigns::{CampaignFigures, CampaignPart};
 use underbrush_experiments::results::Results;
 
+use crate::category_looks::CategoryLooks;
 use crate::drawing::{Cell, Page, Table};
 use crate::text;
 
@@ -12,6 +13,8 @@ use crate::text;
 pub struct Report<'a> {
     /// The results.
     pub results: &'a Results,
+    /// How its categories look.
+    pub looks: CategoryLooks,
     /// The page.
     pub page: Page,
     /// Tables for CSV files.
@@ -25,6 +28,7 @@ impl<'a> Report<'a> {
     pub fn new(results: &'a Results) -> Self {
         Report {
             results,
+            looks: CategoryLooks::of_experiment(&results.definition),
             page: Page::new(&results.definition.file.title),
             tables: Vec::new(),
             terminal: String::new(),

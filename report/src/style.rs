@@ -56,34 +56,6 @@ pub fn aside(place: usize, of: usize) -> f64 {
     0.14 * centred
 }
 
-/// Colour and mark of a category by its name; the paper's colours for its own. `place` distinguishes others.
-pub fn category(name: &str, place: usize) -> (&'static str, Mark) {
-    match name {
-        "leaf" => (LEAF, Mark::Triangle),
-        "trunk" => (TRUNK, Mark::Square),
-        "outlier" => (OUTLIER, Mark::Cross),
-        "uncertain" => (UNCERTAIN, Mark::Ring),
-        _ => {
-            let others = [
-                ("#8c4fb3", Mark::Diamond),
-                ("#b58900", Mark::Circle),
-                ("#0b7285", Mark::Triangle),
-            ];
-            others[place % others.len()]
-        }
-    }
-}
-
-/// The line of a category: its colour, and a dash by its place.
-pub fn category_line(name: &str, place: usize) -> Style {
-    let dash = match (name, place % 3) {
-        ("trunk", _) | (_, 1) => Dash::Dashed,
-        (_, 2) => Dash::Dotted,
-        _ => Dash::Solid,
-    };
-    Style::line(category(name, place).0, dash)
-}
-
 /// The majority baseline as a level over an axis of `places` names.
 pub fn majority_layer(percent: f64, places: usize) -> Layer {
     let ends = [-0.5, places as f64 - 0.5].map(|x| (x, percent));

@@ -146,3 +146,45 @@ fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
     let truths: BTreeSet<Category> = reaches.iter().flat_map(|reach| &reach.stream.truths).copied().collect();
     truths.into_iter().filter_map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use underbrush_classifier::evaluate::Stream;
+
+    use super::*;
+
+    const REED: Category = Category::new("reed", 4).unwrap();
+
+    /// Pins that taxels under an object of a further category are counted in a row of their own, also where only one of
+    /// the reaches has such an object.
+    #[test]
+    fn a_further_category_has_a_row_of_its_own() {
+        let reach = |truths: Vec<Category>, taxel_frames: Vec<Vec<usize>>| Classified {
+            scene: "any".into(),
+            source: "any.toml".into(),
+            reach_index: 0,
+            stream: Stream {
+                truths,
+                verdicts: vec!["reed".into(), "trunk".into()],
+                frames: Vec::new(),
+                taxel_frames,
+                seconds: Vec::new(),
+            },
+        };
+        let reaches = [
+            reach(vec![Category::TRUNK], vec![vec![1, 3], vec![9, 9]]),
+            reach(vec![Category::TRUNK, REED], vec![vec![0, 4], vec![6, 2], vec![9, 9]]),
+        ];
+        let found = detection("any rule", &reaches);
+        let row = |own: &Detection| {
+            (
+                own.truth,
+                own.taxel_frames,
+                own.percent_of("reed"),
+                own.percent_of("trunk"),
+            )
+        };
+        let rows: Vec<_> = found.iter().map(row).collect();
+        assert_eq!(rows, [("trunk", 8, 12.5, 87.5), ("reed", 8, 75.0, 25.0)]);
+    }
+}

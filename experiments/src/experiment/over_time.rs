@@ -3,8 +3,10 @@
 use std::rc::Rc;
 
 use serde::Serialize;
+use underbrush_classifier::feature::FeatureSet;
 
 use crate::error::ExperimentError;
+use crate::estimators;
 use crate::online::{self, Classified, Online, Shares};
 use crate::session::Session;
 
@@ -21,6 +23,12 @@ pub struct Outcome {
     /// The median over the frames with contact.
     #[serde(skip)]
     pub median_seconds_per_100_taxels: Option<f64>,
+    /// Number of hidden states of the models.
+    #[serde(skip)]
+    pub states: usize,
+    /// What the models see.
+    #[serde(skip)]
+    pub features: FeatureSet,
     /// All reaches.
     #[serde(skip)]
     pub online: Rc<Online>,
@@ -49,7 +57,10 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         .filter_map(|reach| reach.stream.mean_samples_used());
     let used: Vec<f64> = used.collect();
     let shown = online.shown();
+    let recipe = estimators::main_recipe(session.experiment);
     Ok(Outcome {
+        states: recipe.states,
+        features: recipe.features,
         figure_9: SamplesUsed {
             mean_samples_used: shown.and_then(|reach| reach.stream.mean_samples_used()),
             mean_over_reaches: (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64),

@@ -93,6 +93,25 @@ fn orderings_are_found_as_they_are() {
     assert_eq!(counts(1.0, 20), [(true, 4, 4), (true, 4, 4), (true, 4, 4)]);
 }
 
+/// Pins that the statement on the number of states names those that the experiment has.
+#[test]
+fn the_statement_on_states_names_them() {
+    let statement = |states: &[usize]| {
+        let key = |states: &usize| CellKey {
+            by: TableOneUnit::Taxel,
+            features: FeatureSet::FORCE,
+            states: *states,
+            recipe: "authors".into(),
+        };
+        let keys: Vec<CellKey> = states.iter().map(key).collect();
+        let keyed: Vec<(&CellKey, f64)> = keys.iter().map(|key| (key, 50.0)).collect();
+        cell::orderings(&[OrderingName::MoreStates], &keyed).remove(0).statement
+    };
+    assert_eq!(statement(&[5, 10, 20]), "10 and 20 states are better than 5");
+    assert_eq!(statement(&[6, 3]), "6 states are better than 3");
+    assert_eq!(statement(&[2, 4, 8, 16]), "4, 8 and 16 states are better than 2");
+}
+
 /// Pins mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three campaigns
 /// against numbers worked out by hand.
 #[test]

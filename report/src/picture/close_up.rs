@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::category_looks::CategoryLooks;
 use crate::drawing::{Mark, escape};
 use glam::{DVec2, DVec3};
 use underbrush_recording::SkinLayout;
@@ -28,6 +29,7 @@ const FONT: f64 = 5.6;
 pub fn close_ups(
     name: &str,
     snapshot: &Snapshot,
+    looks: &CategoryLooks,
     layout: &SkinLayout,
     marks: &[TaxelMark],
     description: &str,
@@ -49,14 +51,14 @@ pub fn close_ups(
     let centre = positions.iter().map(|(position, _)| *position).sum::<DVec3>() / positions.len() as f64;
     PANELS
         .iter()
-        .map(|panel| draw(panel, name, snapshot, &positions, centre, description))
+        .map(|panel| draw(panel, name, (snapshot, looks), &positions, centre, description))
         .collect()
 }
 
 fn draw(
     panel: &Panel,
     name: &str,
-    snapshot: &Snapshot,
+    (snapshot, looks): (&Snapshot, &CategoryLooks),
     marks: &[(DVec3, &TaxelMark)],
     centre: DVec3,
     description: &str,
@@ -83,7 +85,7 @@ fn draw(
         size.y,
         title = panel.title,
     );
-    panel.shapes(&mut svg, &view, snapshot);
+    panel.shapes(&mut svg, &view, snapshot, looks);
     // Nearest to the viewer last.
     let mut marks: Vec<_> = marks.iter().collect();
     marks.sort_by(|a, b| panel.depth(a.0).total_cmp(&panel.depth(b.0)));

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use crate::category_looks::CategoryLooks;
 use crate::drawing::escape;
 use glam::DVec2;
 use underbrush_recording::{Category, SkinLayout};
@@ -22,7 +23,7 @@ fn square(fill: &str) -> String {
 }
 
 /// Every kind of mark in the picture.
-fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
+fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |mark: String, text: &str| {
         entries.push(Entry {
@@ -32,7 +33,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
     };
     let categories: BTreeSet<Category> = snapshot.objects.iter().map(|(category, _)| *category).collect();
     for category in categories {
-        let (fill, name) = colour(category);
+        let (fill, name) = colour(category, looks);
         add(square(fill), name);
     }
     add(square(ARM), "arm");
@@ -54,7 +55,7 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
     };
     if felt().any(|reading| reading.object.is_some()) {
         add(
-            taxel_mark(DVec2::ZERO, 1.0, colour(Category::LEAF).0),
+            taxel_mark(DVec2::ZERO, 1.0, colour(Category::LEAF, looks).0),
             "taxel that reports a force, filled as what it touches",
         );
     }
@@ -73,9 +74,15 @@ fn entries(snapshot: &Snapshot, layout: &SkinLayout) -> Vec<Entry> {
 }
 
 /// Writes the legend, starting at `top`, and returns its height, px.
-pub fn legend(svg: &mut String, snapshot: &Snapshot, layout: &SkinLayout, (left, width): (f64, f64), top: f64) -> f64 {
+pub fn legend(
+    svg: &mut String,
+    (snapshot, looks): (&Snapshot, &CategoryLooks),
+    layout: &SkinLayout,
+    (left, width): (f64, f64),
+    top: f64,
+) -> f64 {
     let (mut x, mut row) = (left, 0.0);
-    for Entry { mark, text } in entries(snapshot, layout) {
+    for Entry { mark, text } in entries(snapshot, looks, layout) {
         let wide = 42.0 + LETTER * FONT * text.chars().count() as f64;
         if x > left && x + wide > left + width {
             (x, row) = (left, row + 1.0);

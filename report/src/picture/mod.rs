@@ -7,6 +7,7 @@ mod panel;
 
 use std::fmt::Write;
 
+use crate::category_looks::CategoryLooks;
 use crate::drawing::svg_document;
 use glam::{DVec2, DVec3};
 use underbrush_recording::{Category, SkinLayout};
@@ -38,11 +39,12 @@ pub fn draw(
     workspace: &Workspace,
     caption: &str,
 ) -> String {
+    let looks = CategoryLooks::of(objects.iter().map(|category| category.name()));
     let inner = (LEFT, WIDTH - LEFT - RIGHT);
     let mut body = String::new();
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
-    y += legend::legend(&mut body, snapshot, layout, (8.0, WIDTH - 16.0), y) + LINE;
+    y += legend::legend(&mut body, (snapshot, &looks), layout, (8.0, WIDTH - 16.0), y) + LINE;
     for (panel, view) in PANELS.iter().zip(views(snapshot, workspace, inner.1)) {
         let size = view.size_px();
         let _ = writeln!(
@@ -52,8 +54,8 @@ pub fn draw(
             size.x, size.y
         );
         panel.table(&mut body, &view, workspace);
-        panel.shapes(&mut body, &view, snapshot);
-        panel.felt(&mut body, &view, snapshot, layout, objects);
+        panel.shapes(&mut body, &view, snapshot, &looks);
+        panel.felt(&mut body, &view, (snapshot, &looks), layout, objects);
         body += "<rect width=\"100%\" height=\"100%\" fill=\"none\" stroke=\"#9aa3ad\" stroke-width=\"2\"/>\n</svg>\n";
         panel.axes(&mut body, &view, DVec2::new(LEFT, y));
         y += size.y + 3.0 * LINE;

@@ -9,6 +9,7 @@ use underbrush_sim::scene::Workspace;
 use underbrush_sim::snapshot::Snapshot;
 
 use super::FONT;
+use crate::category_looks::CategoryLooks;
 
 pub const ARM: &str = "#5b6b7b";
 pub const GOAL: &str = "#1f4fd1";
@@ -62,21 +63,14 @@ impl View {
     }
 }
 
-/// Fills of categories that are not built in, one after the other by code: Okabe and Ito's palette without the hues
-/// that the built-in ones have.
-const FURTHER: [&str; 4] = ["#0072b2", "#cc79a7", "#e69f00", "#56b4e9"];
-
 /// Fill and name of each category, told apart by lightness too.
-pub fn colour(category: Category) -> (&'static str, &'static str) {
+pub fn colour(category: Category, looks: &CategoryLooks) -> (&'static str, &'static str) {
     match category {
         Category::LEAF => ("#3a9d4f", "leaf"),
         Category::TRUNK => ("#6b4423", "trunk"),
         Category::BLOCK => ("#c9b97f", "foam block"),
-        Category::OUTLIER => ("#d1495b", "foam roll (outlier)"),
-        further => {
-            let number = usize::from(further.code().unsigned_abs()) - Category::BUILT_IN.len();
-            (FURTHER[number % FURTHER.len()], further.name())
-        }
+        Category::OUTLIER => ("#d1495b", "outlier"),
+        further => (looks.look(further.name()).colour, further.name()),
     }
 }
 
@@ -160,7 +154,7 @@ impl Panel {
     }
 
     /// Arm and objects, nearest to the viewer last.
-    pub fn shapes(&self, svg: &mut String, view: &View, snapshot: &Snapshot) {
+    pub fn shapes(&self, svg: &mut String, view: &View, snapshot: &Snapshot, looks: &CategoryLooks) {
         let mut shapes: Vec<(f64, String)> = Vec::new();
         let depth = |capsule: &Capsule| self.depth(capsule.start + capsule.end) / 2.0;
         for (category, capsules) in &snapshot.objects {
@@ -172,7 +166,7 @@ impl Panel {
                 let opacity = if block { 0.45 } else { 0.9 };
                 shapes.push((
                     depth,
-                    self.line(view, capsule, colour(*category).0, min_thickness, opacity),
+                    self.line(view, capsule, colour(*category, looks).0, min_thickness, opacity),
                 ));
             }
         }
@@ -184,13 +178,20 @@ impl Panel {
     }
 
     /// The taxels that report a force, filled as what they touch, and the goal.
-    pub fn felt(&self, svg: &mut String, view: &View, snapshot: &Snapshot, layout: &SkinLayout, objects: &[Category]) {
+    pub fn felt(
+        &self,
+        svg: &mut String,
+        view: &View,
+        (snapshot, looks): (&Snapshot, &CategoryLooks),
+        layout: &SkinLayout,
+        objects: &[Category],
+    ) {
         for reading in &snapshot.frame.taxels {
             let Some(position) = felt_at(snapshot, layout, reading) else {
                 continue;
             };
             let touched = reading.object.and_then(|object| objects.get(usize::from(object)));
-            let fill = touched.map_or("#ffffff", |category| colour(*category).0);
+            let fill = touched.map_or("#ffffff", |category| colour(*category, looks).0);
             *svg += &taxel_mark(self.to_pixels(view, position), reading.sensed_force_n, fill);
             svg.push('\n');
         }

@@ -1,11 +1,11 @@
 //! Force and motion of one typical trial of each category (Fig. 5).
 
 use underbrush_experiments::experiment::example_trials::{Outcome, Typical};
-use underbrush_recording::Sample;
+use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
+use crate::category_looks::CategoryLooks;
 use crate::drawing::{Axis, Cell, Chart, Layer, Shape, Table};
 use crate::report::Report;
-use crate::style;
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -22,7 +22,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
                 example.category,
                 example.peak_force_n,
                 100.0 * example.farthest_motion_m,
-                example.samples as f64 / 100.0
+                example.samples as f64 * FRAME_PERIOD_S
             )
         })
         .collect();
@@ -36,7 +36,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         false => typical(medians),
     };
     report.page.paragraph(&text);
-    report.page.figure(&caption, &charts(outcome));
+    report.page.figure(&caption, &charts(outcome, &report.looks));
     report.numbers(table(outcome));
 }
 
@@ -94,11 +94,12 @@ pub fn against_paper(medians: &[Typical]) -> Option<String> {
     ))
 }
 
-fn charts(outcome: &Outcome) -> Vec<String> {
+/// Force and motion over time, one chart each.
+pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
     let of = |what: &str, label: &str, unit: &str, value: fn(&Sample) -> Option<f64>| {
         let mut description = format!("{what} over time since contact.");
         let mut layers = Vec::new();
-        for (place, example) in outcome.figure_5.iter().enumerate() {
+        for example in &outcome.figure_5 {
             let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
             let samples = example.data.samples.iter();
             let points: Vec<(f64, f64)> = samples
@@ -107,7 +108,7 @@ fn charts(outcome: &Outcome) -> Vec<String> {
             let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
             let lasts_s = points.last().map_or(0.0, |point| point.0);
             description += &format!(" {}: up to {max:.3} {unit} in {lasts_s:.2} s.", example.category);
-            let style = style::category_line(&example.category, place);
+            let style = looks.look(&example.category).line();
             layers.push(Layer::new(example.category.as_str(), style, Shape::Line(points)));
         }
         let chart = Chart {

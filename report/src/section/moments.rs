@@ -2,8 +2,11 @@
 
 use underbrush_classifier::decision::Verdict;
 use underbrush_experiments::experiment::moments::{Moment, Outcome};
+use underbrush_recording::Category;
+use underbrush_sim::snapshot::Snapshot;
 
-use crate::drawing::slug;
+use crate::category_looks::CategoryLooks;
+use crate::drawing::{Mark, slug};
 use crate::picture::{self, TaxelMark};
 use crate::report::Report;
 use crate::skin_map;
@@ -19,30 +22,85 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 }
 
 fn add_moment(report: &mut Report, moment: &Moment) {
-    let Some(grid) = moment.layout.patches.get(moment.patch).and_then(|patch| patch.grid) else {
+    let Some(patch) = moment.layout.patches.get(moment.patch) else {
         return;
     };
+    let Some(grid) = patch.grid else { return };
+    let looks = &report.looks;
     let mark = |(taxel, verdict): (&usize, &Verdict)| TaxelMark {
         place: (moment.patch, *taxel),
-        look: skin_map::mark_of(verdict, moment.pressed.contains(taxel)),
+        look: skin_map::mark_of(looks, verdict.name(), moment.pressed.contains(taxel)),
     };
     let marks: Vec<TaxelMark> = moment.verdicts.iter().map(mark).collect();
     let description = format!("The patch with {} taxels in contact, marked by verdict.", marks.len());
     let name = slug(&moment.scene);
-    let mut charts = picture::close_ups(&name, &moment.snapshot, &moment.layout, &marks, &description);
+    let mut charts = picture::close_ups(&name, &moment.snapshot, looks, &moment.layout, &marks, &description);
     let skin = format!("{name}-skin");
-    charts.push(skin_map::svg(&skin, grid, &moment.verdicts, &moment.pressed));
+    let labels = report.results.definition.labels();
+    charts.push(skin_map::svg(
+        &skin,
+        (&patch.name, grid),
+        (&labels, looks),
+        &moment.verdicts,
+        &moment.pressed,
+    ));
     let untouched = moment.verdicts.keys().filter(|taxel| !moment.pressed.contains(taxel));
     let caption = format!(
-        "Scene {}, draw {}, {:.2} s after the start: the moment with the most taxels in contact. A green triangle is a leaf, \
-         a brown square a trunk, a red cross an outlier, a blue ring uncertain. Grey marks of the same shapes are taxels that \
-         nothing presses on (spurious readings, creep, crosstalk): {} of {} here. Taxels on the far side are seen through the \
-         arm. Leaves are green, trunks brown, foam blocks sand-coloured, foam rolls red.",
+        "Scene {}, draw {}, {:.2} s after the start: the moment with the most taxels in contact. {}. Grey marks of the same \
+         shapes are taxels that nothing presses on (spurious readings, creep, crosstalk): {} of {} here. Taxels on the far \
+         side are seen through the arm. {}.",
         moment.scene,
         moment.reach_index,
         moment.snapshot.frame.time_s,
+        marks_in_words(&labels, looks),
         untouched.count(),
-        moment.verdicts.len()
+        moment.verdicts.len(),
+        objects_in_words(&moment.snapshot, looks)
     );
     report.page.figure(&caption, &charts);
+}
+
+/// Which mark stands for which verdict.
+pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
+    let shape = |mark: Mark| match mark {
+        Mark::Circle => "circle",
+        Mark::Ring => "ring",
+        Mark::Square => "square",
+        Mark::Triangle => "triangle",
+        Mark::Diamond => "diamond",
+        Mark::Cross => "cross",
+    };
+    let article = |word: &str| {
+        if word.starts_with(['a', 'e', 'i', 'o', 'u']) {
+            "an"
+        } else {
+            "a"
+        }
+    };
+    let entry = |(place, name): (usize, &str)| {
+        let look = looks.look(name);
+        let first = match (place, article(look.colour_name)) {
+            (0, "a") => "A",
+            (0, _) => "An",
+            (_, article) => article,
+        };
+        let verb = if place == 0 { " is" } else { "" };
+        let what = match name {
+            "uncertain" => name.to_owned(),
+            category => format!("{} {category}", article(category)),
+        };
+        format!("{first} {} {}{verb} {what}", look.colour_name, shape(look.mark))
+    };
+    let names = labels.iter().copied().chain(["outlier", "uncertain"]);
+    names.enumerate().map(entry).collect::<Vec<_>>().join(", ")
+}
+
+/// Which colour the objects of each category in a picture have.
+fn objects_in_words(snapshot: &Snapshot, looks: &CategoryLooks) -> String {
+    let categories: std::collections::BTreeSet<Category> = snapshot.objects.iter().map(|object| object.0).collect();
+    let colours = categories.into_iter().map(|category| match category {
+        Category::BLOCK => "foam blocks sand-coloured".to_owned(),
+        other => format!("{} {}", other.name(), looks.look(other.name()).colour_name),
+    });
+    format!("Colours of objects: {}", colours.collect::<Vec<_>>().join(", "))
 }

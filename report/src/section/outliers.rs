@@ -1,5 +1,7 @@
 //! Outliers: the effect of thresholds on the outlier reaches (Fig. 15).
 
+use std::collections::BTreeSet;
+
 use underbrush_classifier::decision::Rule;
 use underbrush_classifier::evaluate::{RocCurve, RocPoint, StreamFrame};
 use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, Outcome};
@@ -7,9 +9,10 @@ use underbrush_experiments::online::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
+use crate::category_looks::CategoryLooks;
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
 use crate::report::Report;
-use crate::style::{self, FIRST, INK, OUTLIER};
+use crate::style::{FIRST, INK, OUTLIER};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on fewer
 /// than one in ten.
@@ -25,7 +28,13 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         "By ground truth, {} of {} reaches drawn meet the outlier first and then a known category.",
         outcome.figure_15.reaches, outcome.figure_15.drawn
     ));
-    let charts: Vec<String> = outcome.online.outlier.iter().map(reach_chart).collect();
+    let charts: Vec<String> = {
+        let labels = report.results.definition.labels();
+        let reaches = outcome.online.outlier.iter();
+        reaches
+            .map(|reach| reach_chart(reach, &labels, &report.looks))
+            .collect()
+    };
     if !charts.is_empty() {
         let caption = "Taxels by verdict over time, means of half a second, stacked. The dotted line shows how many of them \
                        nothing presses on (spurious readings, creep, crosstalk). The strips below show when an object of each \
@@ -137,7 +146,7 @@ const INTERVAL_S: f64 = 0.5;
 const UNCERTAIN_AREA: &str = "#9cc2f0";
 
 /// Verdicts over time in one reach, with what truly touches the patch below them.
-fn reach_chart(reach: &Classified) -> String {
+pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -> String {
     let frames = &reach.stream.frames;
     let interval = |frame: &StreamFrame| (frame.time_s / INTERVAL_S).floor();
     let mut description = format!("Mean number of taxels by verdict over intervals of {INTERVAL_S} s. Over the reach:");
@@ -154,8 +163,7 @@ fn reach_chart(reach: &Classified) -> String {
     for (column, name) in verdicts {
         let style = match name.as_str() {
             "uncertain" => Style::line(UNCERTAIN_AREA, Dash::Solid),
-            "leaf" => Style::line(style::LEAF, Dash::Dotted),
-            other => style::category_line(other, if other == "outlier" { 0 } else { column }),
+            other => area_style(other, looks),
         };
         let mean = |frames: &[StreamFrame]| {
             let sum: usize = frames.iter().map(|frame| frame.by_verdict[column]).sum();
@@ -185,12 +193,9 @@ fn reach_chart(reach: &Classified) -> String {
         "{}. Truly touched in this share of the time:",
         description.trim_end_matches(',')
     );
-    for (name, place, style) in [
-        ("roll", Category::OUTLIER, Style::line(OUTLIER, Dash::Solid)),
-        ("trunk", Category::TRUNK, Style::line(style::TRUNK, Dash::Dashed)),
-        ("leaf", Category::LEAF, Style::line(style::LEAF, Dash::Dotted)),
-    ] {
-        let touched = |frame: &StreamFrame| touches(reach, frame, place);
+    for category in strips(reach, labels) {
+        let (name, style) = (category.name(), area_style(category.name(), looks));
+        let touched = |frame: &StreamFrame| touches(reach, frame, category);
         let runs = frames.chunk_by(|a, b| touched(a) == touched(b));
         let touching = runs.filter(|run| touched(&run[0]));
         let ends = |run: &[StreamFrame]| (run[0].time_s, run[run.len() - 1].time_s + FRAME_PERIOD_S);
@@ -209,6 +214,28 @@ fn reach_chart(reach: &Classified) -> String {
     chart.svg()
 }
 
+/// How an area or a strip of a category is filled. Leaves are dotted here, as they stand beside filled outliers.
+fn area_style(name: &str, looks: &CategoryLooks) -> Style {
+    let look = looks.look(name);
+    match name {
+        "leaf" => Style::line(look.colour, Dash::Dotted),
+        _ => look.line(),
+    }
+}
+
+/// Categories with a strip: outliers, those with a label, and all others that the patch touches, but for the foam blocks
+/// on which objects stand. Outliers come first.
+fn strips(reach: &Classified, labels: &[&str]) -> Vec<Category> {
+    let shown = |category: &Category| {
+        let touched = || reach.stream.frames.iter().any(|frame| touches(reach, frame, *category));
+        let named = *category == Category::OUTLIER || labels.contains(&category.name());
+        *category != Category::BLOCK && (named || touched())
+    };
+    let mut strips: Vec<Category> = reach.stream.truths.iter().copied().filter(shown).collect();
+    strips.sort_by_key(|category| (*category != Category::OUTLIER, std::cmp::Reverse(*category)));
+    strips
+}
+
 /// Whether an object of a category truly presses on the patch.
 fn touches(reach: &Classified, frame: &StreamFrame, category: Category) -> bool {
     let place = reach.stream.truths.iter().position(|truth| *truth == category);
@@ -219,9 +246,14 @@ fn touches(reach: &Classified, frame: &StreamFrame, category: Category) -> bool 
 }
 
 /// All outlier reaches, frame by frame.
-fn frames_table(online: &Online) -> Table {
+pub fn frames_table(online: &Online) -> Table {
     let verdicts = online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
-    let names = Category::BUILT_IN.map(|category| format!("touches_{}", category.name()));
+    let truths = online.outlier.iter().flat_map(|reach| &reach.stream.truths);
+    let truths: BTreeSet<Category> = truths.chain(&Category::BUILT_IN).copied().collect();
+    let names: Vec<String> = truths
+        .iter()
+        .map(|category| format!("touches_{}", category.name()))
+        .collect();
     let mut columns = vec!["reach_index", "time_s"];
     columns.extend(verdicts.iter().map(String::as_str));
     columns.push("without_truth");
@@ -232,7 +264,7 @@ fn frames_table(online: &Online) -> Table {
             let mut row = vec![Cell::Count(reach.reach_index as usize), Cell::Number(frame.time_s, 2)];
             row.extend(frame.by_verdict.iter().map(|count| Cell::Count(*count)));
             row.push(frame.tally.unknown.into());
-            let touched = Category::BUILT_IN.map(|category| touches(reach, frame, category));
+            let touched = truths.iter().map(|category| touches(reach, frame, *category));
             row.extend(touched.map(|touched| Cell::Count(usize::from(touched))));
             table.rows.push(row);
         }

@@ -1,6 +1,7 @@
 //! Online verdicts over time in a general reach (Figs. 8 to 10).
 
 use underbrush_classifier::evaluate::Tally;
+use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::Outcome;
 use underbrush_experiments::online::Classified;
 
@@ -23,14 +24,15 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     let total = reach.stream.total();
     report.page.paragraph(&format!(
         "This is the first reach in mixed clutter in which the patch touches {}: draw {}. {} of {} draws do so. The models \
-         have {} states and see force alone; a taxel is uncertain below a margin of {} nats. The truth of a taxel is the \
+         have {} states and see {}; a taxel is uncertain below a margin of {} nats. The truth of a taxel is the \
          object that presses most on it. In {} of {} taxel frames nothing presses (spurious readings, crosstalk and creep); \
          these have no truth and are counted separately.",
         every(&report.results.definition.labels()),
         reach.reach_index,
         outcome.online.general.len(),
         outcome.online.general_drawn,
-        underbrush_classifier::recipe::Recipe::authors().states,
+        outcome.states,
+        seen(&outcome.features),
         report.results.definition.file.thresholds.uncertain_below_nats,
         total.unknown,
         total.unknown + total.judged()
@@ -79,6 +81,14 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     );
     report.numbers(times_table(reach));
     report.numbers(frames_table(reach));
+}
+
+/// `force alone`, or the features.
+fn seen(features: &FeatureSet) -> String {
+    match features.names().as_slice() {
+        [one] => format!("{one} alone"),
+        all => all.join(", "),
+    }
 }
 
 /// `both leaf and trunk`, `leaf, trunk and outlier`.

@@ -1,7 +1,7 @@
 //! The cross-validation table (the paper's Table I).
 
 use underbrush_experiments::cell::{Cell, CellKey, unit_name};
-use underbrush_experiments::definition::TableOneUnit;
+use underbrush_experiments::definition::{RecipeName, TableOneUnit};
 use underbrush_experiments::experiment::table_one::Outcome;
 
 use crate::agreement::{self, Compared};
@@ -14,11 +14,15 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     let recipes = agreement::recipes(&compared);
     let name = report.figure_name("table_one", "Cross-validation");
     report.section("table_one", "cross-validation");
-    report.page.paragraph(
-        "Two folds by position, equal priors; the model with the higher score wins. The authors' recipe scores the Viterbi \
-         path on unscaled features, the modern recipe the forward likelihood on z-scores. Intervals are 95 %, from \
-         resampling whole reaches, because the trials of one reach depend on each other.",
-    );
+    report.page.paragraph(&format!(
+        "Two folds by position, equal priors; the model with the {} score wins. {} Intervals are 95 %, from resampling whole \
+         reaches, because the trials of one reach depend on each other.",
+        match report.results.definition.labels().len() {
+            2 => "higher",
+            _ => "highest",
+        },
+        recipes_in_words(&report.results.definition.file.recipes)
+    ));
     if let Some(text) = choices(report) {
         report.page.paragraph(&text);
     }
@@ -70,6 +74,21 @@ fn compared(cell: &Cell) -> Compared<'_> {
         majority_baseline: cell.accuracy.majority_baseline,
         published: cell.paper,
     }
+}
+
+/// What each recipe of the experiment does.
+pub fn recipes_in_words(recipes: &[RecipeName]) -> String {
+    let parts = recipes.iter().enumerate().map(|(place, recipe)| {
+        let (name, scored) = match recipe {
+            RecipeName::Authors => ("authors' recipe", "the Viterbi path on unscaled features"),
+            RecipeName::Modern => ("modern recipe", "the forward likelihood on z-scores"),
+        };
+        match place {
+            0 => format!("The {name} scores {scored}"),
+            _ => format!("the {name} {scored}"),
+        }
+    });
+    format!("{}.", parts.collect::<Vec<_>>().join(", "))
 }
 
 /// A note that agreement is not a prediction, and whether parameters were chosen on this run's seeds.

@@ -16,6 +16,7 @@ use crate::Written;
 #[expect(dead_code, reason = "two of the scenes are for the tests of the command line")]
 mod scenes;
 
+mod further_categories;
 mod sentences;
 mod unrolled_skin;
 

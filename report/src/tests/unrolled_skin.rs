@@ -5,6 +5,7 @@ use underbrush_recording::Grid;
 use underbrush_sim::scene::Scene;
 
 use super::elements;
+use crate::category_looks::CategoryLooks;
 use crate::skin_map;
 use crate::style::{LEAF, UNTOUCHED};
 
@@ -17,6 +18,12 @@ const GRID: Grid = Grid {
 fn leaf_on(taxels: &[usize]) -> BTreeMap<usize, Verdict> {
     let leaf = || Verdict::Category("leaf".into());
     taxels.iter().map(|taxel| (*taxel, leaf())).collect()
+}
+
+/// The skin of a patch with the paper's categories.
+fn drawn(name: &str, grid: Grid, verdicts: &BTreeMap<usize, Verdict>, pressed: &BTreeSet<usize>) -> String {
+    let labels = (&["leaf", "trunk"][..], &CategoryLooks::default());
+    skin_map::svg(name, ("forearm", grid), labels, verdicts, pressed)
 }
 
 /// Height of the text that is exactly `label`, px down, and of the marks in a cell, in document order.
@@ -55,7 +62,7 @@ fn the_hand_is_where_the_picture_says() {
     let to_hand = column.clone().max_by(|a, b| along(a).total_cmp(&along(b))).unwrap();
     let to_elbow = column.min_by(|a, b| along(a).total_cmp(&along(b))).unwrap();
     let place = |taxel: usize| {
-        let svg = skin_map::svg("any", grid, &leaf_on(&[taxel]), &BTreeSet::from([taxel]));
+        let svg = drawn("any", grid, &leaf_on(&[taxel]), &BTreeSet::from([taxel]));
         let ((hand, marks), (elbow, _)) = (heights(&svg, "hand"), heights(&svg, "elbow"));
         let mark = *marks.last().unwrap();
         ((mark - hand).abs(), (mark - elbow).abs())
@@ -70,7 +77,7 @@ fn the_hand_is_where_the_picture_says() {
 /// characters of XML gives a document that can be read.
 #[test]
 fn spurious_readings_are_marked() {
-    let svg = skin_map::svg("a <\"scene\"> & more", GRID, &leaf_on(&[0, 5]), &BTreeSet::from([5]));
+    let svg = drawn("a <\"scene\"> & more", GRID, &leaf_on(&[0, 5]), &BTreeSet::from([5]));
     let elements = elements(&svg);
     let fills = |colour: &str| {
         let marks = elements.iter().filter(|own| own.0 == "path");

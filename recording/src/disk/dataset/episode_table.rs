@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use arrow_array::builder::{ListBuilder, StringBuilder};
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, Int32Type, Int64Type, UInt64Type};
-use arrow_array::{Array, Float64Array, Int32Array, Int64Array, StringArray, UInt64Array};
+use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
+use arrow_array::{Array, Float64Array, Int64Array, StringArray, UInt64Array};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
 
 use super::episode::Episode;
+use super::stop_columns::{self, Stop};
 use super::truth_tables::read_outcome;
 use crate::disk::DiskError;
 use crate::disk::parquet_file::{Batches, open, write_table};
@@ -66,7 +67,7 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
         let goals = episodes.iter().map(|episode| episode.goal_outcomes.of(outcome) as i64);
         table.column(goals_column(outcome), Int64Array::from_iter_values(goals))
     });
-    let table = stop_columns(table, episodes);
+    let table = with_stops(table, episodes);
     // All episodes of a set have the same skin.
     let patches = episodes.first().map(|episode| episode.touched_frames.keys());
     let table = patches.into_iter().flatten().fold(table, |table, patch| {
@@ -79,54 +80,38 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
     write_table(path, &table.build(path)?, [])
 }
 
-/// Adds the columns of the contact that ended each reach; null if no force exceeded the stop force.
-fn stop_columns(table: TableBuilder, episodes: &[Episode]) -> TableBuilder {
-    let stops = || episodes.iter().map(|episode| episode.safety_stop.as_ref());
-    let objects = stops().map(|stop| stop.map(|stop| i32::from(stop.object_index)));
-    let kinds = stops().map(|stop| stop.map(|stop| stop.object_kind.as_str()));
-    let links = stops().map(|stop| stop.map(|stop| stop.link.as_str()));
-    let patches = stops().map(|stop| stop?.patch.as_deref());
-    let forces = stops().map(|stop| stop.map(|stop| stop.force_n));
-    table
-        .column("stop_object_index", objects.collect::<Int32Array>())
-        .column("stop_object_kind", kinds.collect::<StringArray>())
-        .column("stop_link", links.collect::<StringArray>())
-        .column("stop_patch", patches.collect::<StringArray>())
-        .column("stop_force_n", forces.collect::<Float64Array>())
+/// Adds the columns of the contact that ended each reach.
+fn with_stops(table: TableBuilder, episodes: &[Episode]) -> TableBuilder {
+    let stops = episodes.iter().map(|episode| episode.safety_stop.as_ref());
+    let kinds = stops.clone().map(|stop| stop.map(|stop| stop.object_kind.as_str()));
+    let kinds = kinds.collect();
+    let stops = stops.map(|stop| {
+        let stop = stop?;
+        Some(Stop {
+            object: stop.object_index,
+            link: &stop.link,
+            patch: stop.patch.as_deref(),
+            force_n: stop.force_n,
+        })
+    });
+    stop_columns::write(table, stops, Some(kinds))
 }
 
 /// Reads the contact that ended each reach.
 fn read_stops(columns: &Columns) -> Result<Vec<Option<NamedStop>>, DiskError> {
-    let object = columns.numbers_or_null::<Int32Type>("stop_object_index")?;
-    let kind = columns.text_or_null("stop_object_kind")?;
-    let link = columns.text_or_null("stop_link")?;
-    let patch = columns.text_or_null("stop_patch")?;
-    let force = columns.numbers_or_null::<Float64Type>("stop_force_n")?;
-    let stop = |row: usize| {
-        let given = [
-            object.is_valid(row),
-            kind.is_valid(row),
-            link.is_valid(row),
-            force.is_valid(row),
-        ];
-        match given {
-            [false, false, false, false] => Ok(None),
-            [true, true, true, true] => Ok(Some(NamedStop {
-                object_index: u16::try_from(object.value(row))
-                    .map_err(|_| columns.error("stop_object_index", object.value(row).to_string(), "0 to 32767"))?,
-                object_kind: kind.value(row).to_string(),
-                link: link.value(row).to_string(),
-                patch: patch.is_valid(row).then(|| patch.value(row).to_string()),
-                force_n: force.value(row),
-            })),
-            _ => Err(columns.error(
-                "stop_object_index, stop_object_kind, stop_link and stop_force_n",
-                "only some of them",
-                "all of them, or none",
-            )),
-        }
-    };
-    (0..columns.batch.num_rows()).map(stop).collect()
+    let stops = stop_columns::read(columns)?;
+    let kinds = stop_columns::read_kinds(columns, &stops)?;
+    let named = stops.into_iter().zip(kinds).map(|(stop, kind)| {
+        let (stop, kind) = stop.zip(kind)?;
+        Some(NamedStop {
+            object_index: stop.object,
+            object_kind: kind.to_owned(),
+            link: stop.link.to_owned(),
+            patch: stop.patch.map(str::to_owned),
+            force_n: stop.force_n,
+        })
+    });
+    Ok(named.collect())
 }
 
 /// Reads the episodes, in order.

@@ -25,6 +25,7 @@ mod reader;
 mod row_groups;
 mod staging;
 mod statistics;
+mod stop_columns;
 mod table_files;
 mod tasks;
 mod taxel_table;

@@ -6,6 +6,7 @@ use arrow_array::types::{Float64Type, Int32Type, Int64Type};
 use arrow_array::{Array, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};
 
 use super::row_groups::EpisodeRows;
+use super::stop_columns::{self, Stop, object_index};
 use crate::disk::DiskError;
 use crate::disk::dictionary::{TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, Table};
 use crate::disk::table::{Columns, TableBuilder};
@@ -72,42 +73,25 @@ pub(super) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<V
     Ok(objects)
 }
 
-/// An episode's goals. The columns of a safety stop are null if there was none; `stop_patch` is also null if most of
-/// the force fell on a part of the link without skin.
+/// An episode's goals.
 pub(super) fn goal_rows(path: &Path, episode: usize, recording: &Recording) -> Result<RecordBatch, DiskError> {
     let Recording { goals, layout, .. } = recording;
-    let stops = || goals.iter().map(|goal| goal.safety_stop.as_ref());
-    table(&TRUTH_GOALS, episode, goals.len())
+    let stops = goals.iter().map(|goal| {
+        let stop = goal.safety_stop.as_ref()?;
+        Some(Stop {
+            object: stop.object,
+            link: &stop.link,
+            patch: patch_name(layout, stop.patch),
+            force_n: stop.force_n,
+        })
+    });
+    let table = table(&TRUTH_GOALS, episode, goals.len())
         .column("goal_index", numbering(goals.len()))
         .vectors("position_world", "_m", goals.iter().map(|goal| goal.position_world))
         .column("start_time_s", numbers(goals.iter().map(|goal| goal.start_time_s)))
         .column("end_time_s", numbers(goals.iter().map(|goal| goal.end_time_s)))
-        .column("outcome", text(goals.iter().map(|goal| goal.outcome.name())))
-        .column(
-            "stop_object_index",
-            stops()
-                .map(|stop| stop.map(|stop| i32::from(stop.object)))
-                .collect::<Int32Array>(),
-        )
-        .column(
-            "stop_link",
-            stops()
-                .map(|stop| stop.map(|stop| stop.link.as_str()))
-                .collect::<StringArray>(),
-        )
-        .column(
-            "stop_patch",
-            stops()
-                .map(|stop| patch_name(layout, stop?.patch))
-                .collect::<StringArray>(),
-        )
-        .column(
-            "stop_force_n",
-            stops()
-                .map(|stop| stop.map(|stop| stop.force_n))
-                .collect::<Float64Array>(),
-        )
-        .build(path)
+        .column("outcome", text(goals.iter().map(|goal| goal.outcome.name())));
+    stop_columns::write(table, stops, None).build(path)
 }
 
 /// Reads the goals of an episode.
@@ -117,39 +101,28 @@ pub(super) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<
         let start = columns.numbers::<Float64Type>("start_time_s")?;
         let end = columns.numbers::<Float64Type>("end_time_s")?;
         let outcome = columns.text("outcome")?;
+        let stops = stop_columns::read(&columns)?;
         for (row, position_world) in columns.vectors("position_world", "_m")?.into_iter().enumerate() {
             goals.push(GoalRecord {
                 position_world,
                 start_time_s: start[row],
                 end_time_s: end[row],
                 outcome: read_outcome(&columns, outcome, row)?,
-                safety_stop: read_safety_stop(&columns, layout, row)?,
+                safety_stop: stops[row].map(|stop| safety_stop(&columns, layout, stop)).transpose()?,
             });
         }
     }
     Ok(goals)
 }
 
-/// The contact that ended the goal of a row, if there is one.
-fn read_safety_stop(columns: &Columns, layout: &SkinLayout, row: usize) -> Result<Option<SafetyStop>, DiskError> {
-    let object = columns.numbers_or_null::<Int32Type>("stop_object_index")?;
-    let link = columns.text_or_null("stop_link")?;
-    let patch = columns.text_or_null("stop_patch")?;
-    let force = columns.numbers_or_null::<Float64Type>("stop_force_n")?;
-    match [object.is_valid(row), link.is_valid(row), force.is_valid(row)] {
-        [false, false, false] if !patch.is_valid(row) => Ok(None),
-        [true, true, true] => Ok(Some(SafetyStop {
-            object: read_object(columns, "stop_object_index", object.value(row))?,
-            link: link.value(row).to_string(),
-            patch: read_patch(columns, "stop_patch", patch, layout, row)?,
-            force_n: force.value(row),
-        })),
-        _ => Err(columns.error(
-            "stop_object_index, stop_link, stop_patch and stop_force_n",
-            "only some of them",
-            "all of them (stop_patch may be null), or none",
-        )),
-    }
+/// The contact that ended a goal, with the patch as an index.
+fn safety_stop(columns: &Columns, layout: &SkinLayout, stop: Stop) -> Result<SafetyStop, DiskError> {
+    Ok(SafetyStop {
+        object: stop.object,
+        link: stop.link.to_owned(),
+        patch: patch_index(columns, stop_columns::PATCH, stop.patch, layout)?,
+        force_n: stop.force_n,
+    })
 }
 
 /// The name of a patch; null for a part of the arm without skin.
@@ -158,27 +131,19 @@ fn patch_name(layout: &SkinLayout, patch: Option<u16>) -> Option<&str> {
     Some(&patch.name)
 }
 
-/// The patch of a row.
-fn read_patch(
+/// The index of a patch; `None` for a part of the arm without skin.
+fn patch_index(
     columns: &Columns,
     column: &str,
-    names: &StringArray,
+    name: Option<&str>,
     layout: &SkinLayout,
-    row: usize,
 ) -> Result<Option<u16>, DiskError> {
-    if !names.is_valid(row) {
-        return Ok(None);
-    }
-    let name = names.value(row);
+    let Some(name) = name else { return Ok(None) };
     let index = layout.patch_index(name).and_then(|index| u16::try_from(index).ok());
     match index {
         Some(index) => Ok(Some(index)),
         None => Err(columns.error(column, name, "a patch of meta/taxels.parquet")),
     }
-}
-
-fn read_object(columns: &Columns, column: &str, object: i32) -> Result<u16, DiskError> {
-    u16::try_from(object).map_err(|_| columns.error(column, object.to_string(), "0 to 32767"))
 }
 
 /// The outcome of a row.
@@ -246,8 +211,8 @@ pub(super) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<V
             };
             contacts.push(Contact {
                 link: link.value(row).to_string(),
-                patch: read_patch(&columns, "patch", patch, layout, row)?,
-                object: read_object(&columns, "object_index", object[row])?,
+                patch: patch_index(&columns, "patch", patch.is_valid(row).then(|| patch.value(row)), layout)?,
+                object: object_index(&columns, "object_index", object[row])?,
                 first_frame: whole("first_frame", frames[0][row])?,
                 last_frame: whole("last_frame", frames[1][row])?,
                 peak_force_n: peak[row],
