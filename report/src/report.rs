@@ -118,6 +118,15 @@ pub fn accuracy_cells(own: &Accuracy, decimals: usize) -> [Cell; 5] {
     .map(|value| Cell::Number(value, decimals))
 }
 
+/// Names of these cells in files of numbers.
+pub const ACCURACY_COLUMNS: [&str; 5] = [
+    "accuracy_percent",
+    "low_percent",
+    "high_percent",
+    "balanced_accuracy_percent",
+    "majority_baseline_percent",
+];
+
 /// The same over campaigns: mean, standard deviation, minimum and maximum of the accuracy, mean and standard deviation of
 /// the others.
 pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
@@ -138,6 +147,9 @@ pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
         Cell::optional(majority_baseline.standard_deviation, 1),
     ]
 }
+
+/// Names of these cells in tables of the page.
+pub const CAMPAIGN_COLUMNS: [&str; 8] = ["mean", "SD", "min", "max", "balanced", "SD", "majority", "SD"];
 
 /// A table with a published figure in a last but one column and the difference in the last, if anything is published.
 pub fn with_published(columns: &[&'static str], published: bool) -> Vec<&'static str> {

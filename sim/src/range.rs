@@ -72,6 +72,13 @@ pub struct Limited<'a> {
     pub limits: (f64, f64),
 }
 
+impl<'a> Limited<'a> {
+    /// A range with its key and limits.
+    pub fn new(name: &'static str, quantity: &'a Quantity, limits: (f64, f64)) -> Self {
+        Limited { name, quantity, limits }
+    }
+}
+
 /// A truncated normal draw is given up after this many attempts; the accepted share is then below about 0.5 %.
 const DRAWS: usize = 1000;
 

@@ -2,8 +2,59 @@ use underbrush_recording::{Sample, Trial};
 
 use super::*;
 use crate::decision::{Decision, Verdict};
+use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
+use crate::feature::{FeatureSet, SampleFault};
 use crate::hmm_classifier::HmmClassifier;
 use crate::recipe::Recipe;
+
+/// Tells leaves from trunks by one number of each contact: a classifier whose scores can be worked out by hand.
+#[derive(Clone, Debug)]
+pub(super) struct OneNumber {
+    number: f64,
+    push: fn(f64, f64) -> f64,
+    scores: fn(f64) -> [f64; 2],
+}
+
+impl OneNumber {
+    /// `push` gives the number from the one before, 0 at first, and the force of a sample; `scores` those of leaf and trunk.
+    pub(super) fn new(push: fn(f64, f64) -> f64, scores: fn(f64) -> [f64; 2]) -> Self {
+        let number = 0.0;
+        OneNumber { number, push, scores }
+    }
+}
+
+impl Classifier for OneNumber {
+    fn name(&self) -> &'static str {
+        "test"
+    }
+
+    fn features(&self) -> FeatureSet {
+        FeatureSet::FORCE
+    }
+
+    fn categories(&self) -> Vec<String> {
+        vec!["leaf".into(), "trunk".into()]
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        Box::new(Independent::new(self.clone(), contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, serde_json::Value)> {
+        Vec::new()
+    }
+}
+
+impl ContactScorer for OneNumber {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        self.number = (self.push)(self.number, sample.force_n);
+        Ok(true)
+    }
+
+    fn scores(&self, scores: &mut [f64]) {
+        scores.copy_from_slice(&(self.scores)(self.number));
+    }
+}
 
 /// Trials of 12 samples. Leaves reach about 0.4 N and move far; trunks reach about 2 N and move little.
 fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {

@@ -7,7 +7,7 @@ use super::classifiers;
 use super::table_one::trials_and_features;
 use crate::agreement::{self, Compared};
 use crate::drawing::{Cell, Table};
-use crate::report::{Report, campaign_cells, campaigns_by_touch, possessive, seeds, with_published};
+use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds, with_published};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -118,17 +118,8 @@ fn best_classifier(campaigns: &Campaigns, published: Option<f64>) -> Option<Stri
 }
 
 fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
-    let mut columns = vec![
-        "classifier",
-        "mean",
-        "SD",
-        "min",
-        "max",
-        "balanced",
-        "SD",
-        "majority",
-        "SD",
-    ];
+    let mut columns = vec!["classifier"];
+    columns.extend(CAMPAIGN_COLUMNS);
     columns.extend(published.map(|_| "against the paper's best"));
     let caption = format!(
         "Classifiers, mean of {} campaigns: accuracy, balanced accuracy and majority baseline in %, by whole reaches",
@@ -147,21 +138,8 @@ fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
 /// The mean campaign in one recipe.
 fn of_recipe(campaigns: &Campaigns, recipe: &str) -> Table {
     let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
-    let columns = with_published(
-        &[
-            "trials, features",
-            "states",
-            "mean",
-            "SD",
-            "min",
-            "max",
-            "balanced",
-            "SD",
-            "majority",
-            "SD",
-        ],
-        published,
-    );
+    let columns = [&["trials, features", "states"], &CAMPAIGN_COLUMNS[..]].concat();
+    let columns = with_published(&columns, published);
     let caption = format!(
         "Mean of {} campaigns, {}, the {} recipe: accuracy, balanced accuracy and majority baseline, %",
         campaigns.seeds.len(),

@@ -3,7 +3,7 @@
 use underbrush_experiments::experiment::settings::{Outcome, Split};
 
 use crate::drawing::{Cell, Table};
-use crate::report::{Report, accuracy_cells};
+use crate::report::{ACCURACY_COLUMNS, Report, accuracy_cells};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -104,17 +104,8 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
 
 /// All of them, one a row.
 fn all(outcome: &Outcome) -> Table {
-    let columns = [
-        "classifier",
-        "trained",
-        "tested",
-        "trials",
-        "accuracy_percent",
-        "low_percent",
-        "high_percent",
-        "balanced_accuracy_percent",
-        "majority_baseline_percent",
-    ];
+    let mut columns = vec!["classifier", "trained", "tested", "trials"];
+    columns.extend(ACCURACY_COLUMNS);
     let mut table = Table::new("splits", "Other arms and speeds", &columns);
     for split in &outcome.splits {
         let mut row = vec![

@@ -6,7 +6,7 @@ use underbrush_experiments::experiment::table_one::Outcome;
 
 use crate::agreement::{self, Compared};
 use crate::drawing::{self, Table};
-use crate::report::{Report, accuracy_cells, by_touch, possessive, seeds, with_published};
+use crate::report::{ACCURACY_COLUMNS, Report, accuracy_cells, by_touch, possessive, seeds, with_published};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -185,18 +185,8 @@ fn of_recipe(name: &str, cells: &[Cell], recipe: &str) -> Table {
 /// All cells, with their recipe in a column.
 fn all(name: &str, cells: &[Cell]) -> Table {
     let published = cells.iter().any(|cell| cell.paper.is_some());
-    let mut columns = vec![
-        "by",
-        "features",
-        "states",
-        "recipe",
-        "trials",
-        "accuracy_percent",
-        "low_percent",
-        "high_percent",
-        "balanced_accuracy_percent",
-        "majority_baseline_percent",
-    ];
+    let mut columns = vec!["by", "features", "states", "recipe", "trials"];
+    columns.extend(ACCURACY_COLUMNS);
     columns.extend(published.then_some("paper_percent"));
     let mut table = Table::new("table_1", name, &columns);
     for cell in cells {

@@ -83,26 +83,10 @@ impl Specification for FoamBlockSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited {
-                name: "height_m",
-                quantity: &self.height_m,
-                limits: HEIGHT_LIMITS_M,
-            },
-            Limited {
-                name: "wet_share",
-                quantity: &self.wet_share,
-                limits: SHARE_LIMITS,
-            },
-            Limited {
-                name: "dry_modulus_pa",
-                quantity: &self.dry_modulus_pa,
-                limits: MODULUS_LIMITS_PA,
-            },
-            Limited {
-                name: "wet_modulus_pa",
-                quantity: &self.wet_modulus_pa,
-                limits: MODULUS_LIMITS_PA,
-            },
+            Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M),
+            Limited::new("wet_share", &self.wet_share, SHARE_LIMITS),
+            Limited::new("dry_modulus_pa", &self.dry_modulus_pa, MODULUS_LIMITS_PA),
+            Limited::new("wet_modulus_pa", &self.wet_modulus_pa, MODULUS_LIMITS_PA),
         ]
     }
 

@@ -59,16 +59,8 @@ impl Specification for TrunkSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited {
-                name: "diameter_m",
-                quantity: &self.diameter_m,
-                limits: DIAMETER_LIMITS_M,
-            },
-            Limited {
-                name: "height_m",
-                quantity: &self.height_m,
-                limits: HEIGHT_LIMITS_M,
-            },
+            Limited::new("diameter_m", &self.diameter_m, DIAMETER_LIMITS_M),
+            Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M),
         ]
     }
 

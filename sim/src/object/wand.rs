@@ -44,11 +44,7 @@ impl Specification for WandSpecification {
     }
 
     fn quantities(&self) -> Vec<Limited<'_>> {
-        vec![Limited {
-            name: "height_m",
-            quantity: &self.height_m,
-            limits: HEIGHT_LIMITS_M,
-        }]
+        vec![Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M)]
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {

@@ -2,9 +2,9 @@ use underbrush_recording::Sample;
 
 use super::*;
 use crate::error::ModelError;
-use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
+use crate::estimator::Classifier;
 use crate::evaluate::FoldBy;
-use crate::feature::{FeatureSet, SampleFault};
+use crate::evaluate::tests::OneNumber;
 
 /// A trial of `length` samples whose force reveals its category only from the third sample on.
 fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
@@ -36,44 +36,11 @@ struct Threshold {
 impl Estimator for Threshold {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         assert!(trials.iter().all(|trial| trial.samples.len() >= self.min));
-        Ok(Box::new(Passed(false)))
-    }
-}
-
-/// Whether the force has passed 1.5 N.
-#[derive(Clone, Debug)]
-struct Passed(bool);
-
-impl Classifier for Passed {
-    fn name(&self) -> &'static str {
-        "test"
-    }
-
-    fn features(&self) -> FeatureSet {
-        FeatureSet::FORCE
-    }
-
-    fn categories(&self) -> Vec<String> {
-        vec!["leaf".into(), "trunk".into()]
-    }
-
-    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        Box::new(Independent::new(self.clone(), contacts))
-    }
-
-    fn file_entries(&self) -> Vec<(&'static str, serde_json::Value)> {
-        Vec::new()
-    }
-}
-
-impl ContactScorer for Passed {
-    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        self.0 |= sample.force_n > 1.5;
-        Ok(true)
-    }
-
-    fn scores(&self, scores: &mut [f64]) {
-        scores.copy_from_slice(if self.0 { &[0.0, 1.0] } else { &[1.0, 0.0] });
+        let classifier = OneNumber::new(f64::max, |largest_n| match largest_n > 1.5 {
+            true => [0.0, 1.0],
+            false => [1.0, 0.0],
+        });
+        Ok(Box::new(classifier))
     }
 }
 

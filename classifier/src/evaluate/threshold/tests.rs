@@ -6,10 +6,9 @@ use underbrush_recording::{Sample, Trial};
 
 use super::*;
 use crate::error::ModelError;
-use crate::estimator::{Classifier, ContactScorer, Estimator, Independent, OnlineScorer};
-use crate::evaluate::tests::scored;
+use crate::estimator::{Classifier, Estimator};
+use crate::evaluate::tests::{OneNumber, scored};
 use crate::evaluate::{Folds, HeldOut};
-use crate::feature::{FeatureSet, SampleFault};
 
 const TARGETS: ThresholdTargets = ThresholdTargets {
     false_positive_rate: 0.1,
@@ -174,45 +173,11 @@ fn what_cannot_be_held_is_refused() {
 }
 
 /// The score of a trunk after k samples is the sum of their forces, that of a leaf 0; nothing is fitted.
-#[derive(Clone, Debug)]
-struct Sum(f64);
+struct Sum;
 
 impl Estimator for Sum {
     fn fit(&self, _: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        Ok(Box::new(Sum(0.0)))
-    }
-}
-
-impl Classifier for Sum {
-    fn name(&self) -> &'static str {
-        "test"
-    }
-
-    fn features(&self) -> FeatureSet {
-        FeatureSet::FORCE
-    }
-
-    fn categories(&self) -> Vec<String> {
-        vec!["leaf".into(), "trunk".into()]
-    }
-
-    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        Box::new(Independent::new(self.clone(), contacts))
-    }
-
-    fn file_entries(&self) -> Vec<(&'static str, serde_json::Value)> {
-        Vec::new()
-    }
-}
-
-impl ContactScorer for Sum {
-    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        self.0 += sample.force_n;
-        Ok(true)
-    }
-
-    fn scores(&self, scores: &mut [f64]) {
-        scores.copy_from_slice(&[0.0, self.0]);
+        Ok(Box::new(OneNumber::new(std::ops::Add::add, |sum_n| [0.0, sum_n])))
     }
 }
 
@@ -244,7 +209,7 @@ fn thresholds_of_whole_trials_are_late_sample_by_sample() {
         false_positive_rate: 0.25,
         outlier_prior: 0.0,
     };
-    let held_out = HeldOut::of(&trials, &Sum(0.0), Folds::paper()).unwrap();
+    let held_out = HeldOut::of(&trials, &Sum, Folds::paper()).unwrap();
     let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).unwrap();
     assert_eq!(band(&chosen), (5.0, 5.0));
     assert_eq!((chosen.trials, chosen.uncertain, chosen.outlier), (24, 0.0, 3.0 / 24.0));

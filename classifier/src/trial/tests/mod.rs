@@ -165,30 +165,20 @@ fn threshold_and_length_leave_out_trials() {
         (0.0, &[(0, 0.3, Some(0)), (3, 0.2, Some(0))]),
         (0.0, &[(0, 0.3, Some(0))]),
     ]);
+    let found = |options: &TrialOptions| -> Vec<Vec<f64>> {
+        let trials = taxel_trials(&recording, options).unwrap();
+        trials.iter().map(forces).collect()
+    };
     let options = TrialOptions {
         threshold_n: 0.2,
         ..any_force()
     };
-    assert_eq!(
-        taxel_trials(&recording, &options)
-            .unwrap()
-            .iter()
-            .map(forces)
-            .collect::<Vec<_>>(),
-        [vec![0.9], vec![0.3, 0.3]]
-    );
+    assert_eq!(found(&options), [vec![0.9], vec![0.3, 0.3]]);
     let options = TrialOptions {
         min_samples: 2,
         ..options
     };
-    assert_eq!(
-        taxel_trials(&recording, &options)
-            .unwrap()
-            .iter()
-            .map(forces)
-            .collect::<Vec<_>>(),
-        [[0.3, 0.3]]
-    );
+    assert_eq!(found(&options), [[0.3, 0.3]]);
 }
 
 /// Pins the errors for unknown patches, missing grids, invalid options and frames that do not fit.

@@ -93,36 +93,12 @@ impl Specification for FoamRollSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited {
-                name: "diameter_m",
-                quantity: &self.diameter_m,
-                limits: DIAMETER_LIMITS_M,
-            },
-            Limited {
-                name: "height_m",
-                quantity: &self.height_m,
-                limits: HEIGHT_LIMITS_M,
-            },
-            Limited {
-                name: "modulus_pa",
-                quantity: &self.modulus_pa,
-                limits: MODULUS_LIMITS_PA,
-            },
-            Limited {
-                name: "relaxing_share",
-                quantity: &self.relaxing_share,
-                limits: SHARE_LIMITS,
-            },
-            Limited {
-                name: "relaxation_time_s",
-                quantity: &self.relaxation_time_s,
-                limits: TIME_LIMITS_S,
-            },
-            Limited {
-                name: "density_kg_per_m3",
-                quantity: &self.density_kg_per_m3,
-                limits: DENSITY_LIMITS,
-            },
+            Limited::new("diameter_m", &self.diameter_m, DIAMETER_LIMITS_M),
+            Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M),
+            Limited::new("modulus_pa", &self.modulus_pa, MODULUS_LIMITS_PA),
+            Limited::new("relaxing_share", &self.relaxing_share, SHARE_LIMITS),
+            Limited::new("relaxation_time_s", &self.relaxation_time_s, TIME_LIMITS_S),
+            Limited::new("density_kg_per_m3", &self.density_kg_per_m3, DENSITY_LIMITS),
         ]
     }
 

@@ -110,36 +110,12 @@ impl Specification for LeafSpecification {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         vec![
-            Limited {
-                name: "height_m",
-                quantity: &self.height_m,
-                limits: HEIGHT_LIMITS_M,
-            },
-            Limited {
-                name: "width_m",
-                quantity: &self.width_m,
-                limits: WIDTH_LIMITS_M,
-            },
-            Limited {
-                name: "flexural_rigidity_n_m2",
-                quantity: &self.flexural_rigidity_n_m2,
-                limits: RIGIDITY_LIMITS,
-            },
-            Limited {
-                name: "mass_per_area_kg_per_m2",
-                quantity: &self.mass_per_area_kg_per_m2,
-                limits: MASS_LIMITS,
-            },
-            Limited {
-                name: "loss_factor",
-                quantity: &self.loss_factor,
-                limits: LOSS_LIMITS,
-            },
-            Limited {
-                name: "root_depth_m",
-                quantity: &self.root_depth_m,
-                limits: DEPTH_LIMITS_M,
-            },
+            Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M),
+            Limited::new("width_m", &self.width_m, WIDTH_LIMITS_M),
+            Limited::new("flexural_rigidity_n_m2", &self.flexural_rigidity_n_m2, RIGIDITY_LIMITS),
+            Limited::new("mass_per_area_kg_per_m2", &self.mass_per_area_kg_per_m2, MASS_LIMITS),
+            Limited::new("loss_factor", &self.loss_factor, LOSS_LIMITS),
+            Limited::new("root_depth_m", &self.root_depth_m, DEPTH_LIMITS_M),
         ]
     }
 
