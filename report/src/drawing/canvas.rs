@@ -11,6 +11,8 @@ pub(super) const WIDTH: f64 = 540.0;
 pub(super) const PLOT_HEIGHT: f64 = 230.0;
 pub(super) const LEFT: f64 = 58.0;
 pub(super) const RIGHT: f64 = 16.0;
+/// Longer names of strips are compressed to the space beside them.
+const LETTERS_BESIDE_STRIP: usize = 7;
 pub(super) const MARK_RADIUS: f64 = 5.0;
 /// Height of a strip of bands with the gap below it.
 const STRIP: f64 = 19.0;
@@ -181,11 +183,16 @@ impl<'a> Canvas<'a> {
         let height = STRIP - STRIP_GAP;
         let middle = top + height / 2.0;
         self.strips += 1;
+        let space = LEFT - 6.0;
+        let fitted = match name.chars().count() > LETTERS_BESIDE_STRIP {
+            true => format!(" textLength=\"{:.1}\" lengthAdjust=\"spacingAndGlyphs\"", space - 2.0),
+            false => String::new(),
+        };
         let _ = writeln!(
             self.svg,
-            "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\"{fitted}>{}</text>",
             WIDTH - RIGHT,
-            LEFT - 6.0,
+            space,
             middle + 5.0,
             escape(name)
         );

@@ -30,7 +30,8 @@ figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: #3c444c }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }
 .charts.one { display: block; max-width: 36rem } svg { width: 100%; height: auto; display: block }
 .paper { border-left: 4px solid #c98a00; padding-left: .8rem; max-width: 43rem }
-@media (max-width: 40rem) { table { font-size: .85rem } th, td { padding: .2rem .25rem } td:not(.number) { white-space: normal } }
+@media (max-width: 40rem) { table { font-size: .85rem } th, td { padding: .2rem .25rem } td:not(.number) { white-space: normal }
+td:first-child:not(.number) { min-width: 7rem } }
 @media print { body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid } h2 { break-after: avoid }
 .scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }
 ";

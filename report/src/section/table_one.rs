@@ -91,10 +91,14 @@ pub fn recipes_in_words(recipes: &[RecipeName]) -> String {
     format!("{}.", parts.collect::<Vec<_>>().join(", "))
 }
 
-/// A note that agreement is not a prediction, and whether parameters were chosen on this run's seeds.
+/// A note that agreement is not a prediction, and whether parameters were chosen on this run's seeds; `None` if the
+/// experiment names no choices.
 pub fn choices(report: &Report) -> Option<String> {
     report.published()?;
     let chosen_on = &report.results.definition.file.chosen_on;
+    if chosen_on.is_empty() {
+        return None;
+    }
     let run = report.results.seeds();
     let chosen: Vec<String> = chosen_on
         .iter()

@@ -57,12 +57,14 @@ fn sentence(points: &[Truncated]) -> String {
             of(states, Some(middle))?,
             of(states, Some(shortest))?,
         );
-        Some(format!(
-            "{states} states: {full:.1} % on whole trials, {at_middle:.1} % on {middle} samples ({:+.1} points), \
-             {at_shortest:.1} % on {shortest} ({:+.1} points)",
-            at_middle - full,
-            at_shortest - full
-        ))
+        let mut text = format!(
+            "{states} states: {full:.1} % on whole trials, {at_middle:.1} % on {middle} samples ({:+.1} points)",
+            at_middle - full
+        );
+        if shortest != middle {
+            text += &format!(", {at_shortest:.1} % on {shortest} ({:+.1} points)", at_shortest - full);
+        }
+        Some(text)
     };
     let parts: Vec<String> = states(points).into_iter().filter_map(part).collect();
     format!("With {}.", parts.join("; "))
