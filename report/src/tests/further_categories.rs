@@ -115,7 +115,7 @@ fn the_table_of_frames_has_a_column_for_it() {
     assert_eq!(column("trunk"), ["0"; 4]);
 }
 
-/// Pins that the skin map marks a further category in its own colour and names it in the legend, which takes a second row
+/// Pins that the skin map marks a further category in its own colour and names it in the legend, which takes more rows
 /// where one is too short.
 #[test]
 fn the_skin_map_names_it() {
@@ -142,10 +142,10 @@ fn the_skin_map_names_it() {
     let reed = looks().look("reed").colour;
     let marks = |svg: &str| svg.matches(&format!("fill=\"{reed}\"")).count();
     assert_eq!(marks(&svg), 2);
-    let rows = |svg: &str| ["y=\"40\"", "y=\"62\""].map(|row| svg.matches(row).count());
-    assert_eq!(rows(&svg), [6, 0]);
-    assert_eq!(rows(&draw(12, &LABELS)), [3, 3]);
-    assert_eq!(rows(&draw(24, &["leaf", "trunk"])), [5, 0]);
+    let rows = |svg: &str| ["y=\"40\"", "y=\"62\"", "y=\"84\""].map(|row| svg.matches(row).count());
+    assert_eq!(rows(&svg), [6, 0, 0]);
+    assert_eq!(rows(&draw(12, &LABELS)), [3, 2, 1]);
+    assert_eq!(rows(&draw(24, &["leaf", "trunk"])), [5, 0, 0]);
 }
 
 /// Pins the caption that explains the marks, for the paper's categories and with a further one.
