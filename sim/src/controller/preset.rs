@@ -37,6 +37,7 @@ pub struct Preset {
     /// Weight of the change of the springs' torques, ‖K Δφ‖², 1/(Nm)².
     pub torque_change_weight: f64,
     /// Longest wanted displacement of the end effector in one step, m.
+    #[serde(rename = "tip_step_m")] // The key in the provenance of data sets.
     pub end_effector_step_m: f64,
     /// Within this distance of the goal the wanted displacement shrinks linearly with the distance, m; with `None` it is the
     /// distance itself, up to the longest step.
