@@ -11,8 +11,8 @@
 use std::process::ExitCode;
 
 use rayon::prelude::*;
-use underbrush_recording::{Audit, GoalOutcomes, InputError, Recording};
-use underbrush_sim::reach::ReachPlan;
+use underbrush_recording::{Audit, GoalOutcomes, Recording};
+use underbrush_sim::reach::{ReachError, ReachPlan};
 use underbrush_sim::scene::Scene;
 
 /// What is kept of a reach.
@@ -65,7 +65,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn sweep(reaches: usize, scenes: &[String]) -> Result<(), InputError> {
+fn sweep(reaches: usize, scenes: &[String]) -> Result<(), ReachError> {
     let names: Vec<&str> = Audit::FIELDS.iter().map(|field| field.name).collect();
     println!(
         "| scene | reaches | simulated s | skin touched | goals | peak force / N | {} |",
@@ -77,7 +77,7 @@ fn sweep(reaches: usize, scenes: &[String]) -> Result<(), InputError> {
         let digests: Vec<Digest> = (0..reaches)
             .into_par_iter()
             .map(|index| Ok(digest(&plan.run(index as u64, &mut |_, _| {})?)))
-            .collect::<Result<_, InputError>>()?;
+            .collect::<Result<_, ReachError>>()?;
         let goals: GoalOutcomes = digests.iter().map(|digest| digest.goals).sum();
         let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, f64::max);
         let audit: Vec<String> = Audit::FIELDS

@@ -13,6 +13,7 @@ use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_sim::campaign::CampaignError;
+use underbrush_sim::reach::ReachError;
 
 /// The reason why a command ended without a result.
 #[derive(Debug)]
@@ -157,9 +158,18 @@ where
 {
     fn from(error: CampaignError<E>) -> Self {
         match error {
-            CampaignError::Input(input) => input.into(),
+            CampaignError::Reach(error) => error.into(),
             CampaignError::Receiver(error) => error.into(),
             CampaignError::Engine { .. } => Failure::run(error.to_string()),
+        }
+    }
+}
+
+impl From<ReachError> for Failure {
+    fn from(error: ReachError) -> Self {
+        match error {
+            ReachError::Input(input) => input.into(),
+            ReachError::EquilibriumAngles { .. } => Failure::run(error.to_string()),
         }
     }
 }
@@ -168,6 +178,7 @@ impl From<ExperimentError> for Failure {
     fn from(error: ExperimentError) -> Self {
         match error {
             ExperimentError::Input(error) => error.into(),
+            ExperimentError::Reach(error) => error.into(),
             ExperimentError::Disk(error) => error.into(),
             ExperimentError::Model(error) => error.into(),
             ExperimentError::Engine(_)

@@ -10,6 +10,7 @@ use underbrush_classifier::trial::TrialError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_sim::campaign::CampaignError;
+use underbrush_sim::reach::ReachError;
 
 /// Why a campaign or an experiment ended without its result.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +18,9 @@ pub enum ExperimentError {
     /// A file that a person wrote has invalid content.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// A reach has no recording.
+    #[error(transparent)]
+    Reach(#[from] ReachError),
     /// A data set, a recording or a cached result cannot be read or written.
     #[error(transparent)]
     Disk(#[from] DiskError),
@@ -92,7 +96,7 @@ where
 {
     fn from(error: CampaignError<E>) -> Self {
         match error {
-            CampaignError::Input(input) => input.into(),
+            CampaignError::Reach(error) => error.into(),
             CampaignError::Receiver(error) => error.into(),
             engine @ CampaignError::Engine { .. } => ExperimentError::Engine(engine.to_string()),
         }

@@ -3,9 +3,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rayon::prelude::*;
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::Recording;
 
-use crate::reach::ReachPlan;
+use crate::reach::{ReachError, ReachPlan};
 
 /// One reach of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,9 +19,9 @@ pub struct Job {
 /// Why a campaign ended early; `E` is the error of the receiver of the recordings.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError<E: std::error::Error + 'static> {
-    /// A scene cannot be drawn.
+    /// A scene cannot be drawn, or a controller answered wrongly.
     #[error(transparent)]
-    Input(#[from] InputError),
+    Reach(#[from] ReachError),
     /// The receiver failed on a recording.
     #[error(transparent)]
     Receiver(E),

@@ -5,6 +5,7 @@ use underbrush_recording::{Frame, GoalRecord, Outcome, Recording, SafetyStop};
 
 use crate::simulation::{LinkForce, Simulation};
 use back_off::Way;
+pub use error::ReachError;
 use log::ReachLog;
 use monitor::Monitor;
 pub use plan::{MakeController, PlannedController, ReachPlan};
@@ -12,6 +13,7 @@ pub use rules::ReachRules;
 use steering::Steering;
 
 mod back_off;
+mod error;
 mod log;
 mod monitor;
 mod plan;
@@ -52,11 +54,11 @@ impl<'a> Reach<'a> {
         }
     }
 
-    fn run(mut self, observer: &mut Observer) -> Recording {
+    fn run(mut self, observer: &mut Observer) -> Result<Recording, ReachError> {
         for (index, position_world) in self.simulation.clutter().goals.clone().into_iter().enumerate() {
             let goal = Goal { index, position_world };
             let start_time_s = self.simulation.report().time_s();
-            let outcome = self.pursue(goal, observer);
+            let outcome = self.pursue(goal, observer)?;
             self.log.goal_ended(GoalRecord {
                 position_world,
                 start_time_s,
@@ -68,12 +70,12 @@ impl<'a> Reach<'a> {
                 break;
             }
         }
-        self.log.finish(&self.plan.arm, self.steering.counts())
+        Ok(self.log.finish(&self.plan.arm, self.steering.counts()))
     }
 
     /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
     /// allows.
-    fn pursue(&mut self, goal: Goal, observer: &mut Observer) -> Outcome {
+    fn pursue(&mut self, goal: Goal, observer: &mut Observer) -> Result<Outcome, ReachError> {
         let mut rules = self.plan.rules;
         if let Some(patience_s) = self.plan.scene.file.goals.patience_s {
             rules = rules.watched_for(patience_s);
@@ -95,7 +97,13 @@ impl<'a> Reach<'a> {
     }
 
     /// Drives the end effector towards `target` until one of the rules ends the attempt. The frames name the goal.
-    fn go(&mut self, target_world: DVec3, goal: Goal, rules: ReachRules, observer: &mut Observer) -> Outcome {
+    fn go(
+        &mut self,
+        target_world: DVec3,
+        goal: Goal,
+        rules: ReachRules,
+        observer: &mut Observer,
+    ) -> Result<Outcome, ReachError> {
         let mut monitor = Monitor::new(rules, target_world);
         loop {
             // The report of the last step is what the arm senses now.
@@ -103,7 +111,7 @@ impl<'a> Reach<'a> {
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
             let ended = monitor.observe(report.end_effector_pose_world.position, force_n);
-            self.steering.control(&self.plan.arm, report, target_world);
+            self.steering.control(&self.plan.arm, report, target_world)?;
             let equilibrium_rad = self.steering.equilibrium_rad();
             let frame = self.log.record(&self.simulation, equilibrium_rad, goal);
             observer(&self.simulation, frame);
@@ -113,7 +121,7 @@ impl<'a> Reach<'a> {
             if let Some(outcome) = ended {
                 let stop = largest.filter(|_| outcome == Outcome::Aborted);
                 self.safety_stop = stop.map(|force| self.safety_stop(&force));
-                return outcome;
+                return Ok(outcome);
             }
         }
     }

@@ -3,7 +3,7 @@
 use underbrush_recording::Outcome;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerOutput};
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::reach::{ReachError, ReachPlan};
 use underbrush_sim::scene::Scene;
 
 /// Moves the equilibrium angles along the gradient of the distance to the goal, and remembers what it was told.
@@ -78,4 +78,43 @@ fn a_users_controller_runs_a_reach() {
     let held = |frame: usize| recording.frames[frame].equilibrium_angle_rad == *start;
     assert!(held(4) && !held(5));
     assert_eq!(plan.run(0, &mut |_, _| {}).unwrap(), recording);
+}
+
+/// Returns so many equilibrium angles, whatever the arm.
+struct Miscounting(usize);
+
+impl Controller for Miscounting {
+    fn name(&self) -> &str {
+        "miscounting"
+    }
+
+    fn rate_hz(&self) -> f64 {
+        RATE_HZ
+    }
+
+    fn control(&mut self, _: &ControllerInput<'_>) -> ControllerOutput {
+        ControllerOutput {
+            equilibrium_angle_rad: vec![0.0; self.0],
+            status: ControlStatus::Solved,
+        }
+    }
+}
+
+/// Pins that a controller that returns too few or too many equilibrium angles ends the reach by an error that names it, the
+/// number of angles and the number of joints.
+#[test]
+fn a_wrong_number_of_angles_is_an_error() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/leaf.toml");
+    for count in [0, 6, 8] {
+        let make = move |_: &Arm| -> Box<dyn Controller> { Box::new(Miscounting(count)) };
+        let plan = ReachPlan::new(Scene::load(scene).unwrap(), None, 0).unwrap();
+        match plan.with_controller(make).run(0, &mut |_, _| {}) {
+            Err(ReachError::EquilibriumAngles {
+                controller,
+                found,
+                expected,
+            }) => assert_eq!((controller.as_str(), found, expected), ("miscounting", count, 7)),
+            other => panic!("{count} angles: {:?}", other.map(|recording| recording.outcome())),
+        }
+    }
 }

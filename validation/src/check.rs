@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_recording::InputError;
+use underbrush_sim::reach::ReachError;
 
 use crate::{Comparison, Falsification, SHORTFALLS};
 
@@ -57,6 +58,9 @@ pub enum CheckError {
     /// The files of the arm are bad.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// A reach has no recording.
+    #[error(transparent)]
+    Reach(#[from] ReachError),
     /// The case could not be set up or measured.
     #[error("{0}")]
     Case(String),

@@ -21,20 +21,20 @@ pub(super) enum Way {
 
 /// Drives to a goal and backs off and tries again each time the arm gets stuck, at most `retries` times. `drive` returns how
 /// a leg ended. The points behind and beside need not be reached, but an abort ends everything.
-pub(super) fn pursue(retries: u32, mut drive: impl FnMut(Way) -> Outcome) -> Outcome {
-    let mut outcome = drive(Way::ToGoal);
+pub(super) fn pursue<E>(retries: u32, mut drive: impl FnMut(Way) -> Result<Outcome, E>) -> Result<Outcome, E> {
+    let mut outcome = drive(Way::ToGoal)?;
     for _ in 0..retries {
         if outcome != Outcome::Stuck {
             break;
         }
         for way in [Way::Back, Way::Aside] {
-            if drive(way) == Outcome::Aborted {
-                return Outcome::Aborted;
+            if drive(way)? == Outcome::Aborted {
+                return Ok(Outcome::Aborted);
             }
         }
-        outcome = drive(Way::ToGoal);
+        outcome = drive(Way::ToGoal)?;
     }
-    outcome
+    Ok(outcome)
 }
 
 /// The points behind and beside an end effector that got stuck on its way to a goal, m, world frame, at the same
@@ -48,6 +48,8 @@ pub(super) fn waypoints(end_effector_world: DVec3, goal_world: DVec3) -> [DVec3;
 
 #[cfg(test)]
 mod tests {
+    use std::convert::Infallible;
+
     use super::*;
     use Outcome::{Aborted, Reached, Stuck, TimedOut};
     use Way::{Aside, Back, ToGoal};
@@ -57,8 +59,9 @@ mod tests {
         let mut taken = Vec::new();
         let outcome = pursue(retries, |way| {
             taken.push(way);
-            ends[taken.len() - 1]
-        });
+            Ok::<_, Infallible>(ends[taken.len() - 1])
+        })
+        .unwrap();
         assert_eq!(taken.len(), ends.len(), "not all of the ways were taken");
         (taken, outcome)
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use underbrush_recording::{InputError, Recording};
 
-use super::{Observer, Reach, ReachRules};
+use super::{Observer, Reach, ReachError, ReachRules};
 use crate::arm::{Arm, ArmAtStart};
 use crate::clutter::Clutter;
 use crate::controller::{Controller, ControllerKind, Preset};
@@ -143,8 +143,9 @@ impl ReachPlan {
     /// Runs reach number `reach_index`.
     ///
     /// # Errors
-    /// When the scene is impossible for this draw; how the reach ends is data, never an error.
-    pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, InputError> {
-        Ok(Reach::new(self, self.simulation(reach_index)?, reach_index).run(observer))
+    /// [`ReachError`] when the scene is impossible for this draw, or the controller returns the wrong number of angles. How
+    /// the reach ends is data, never an error.
+    pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, ReachError> {
+        Reach::new(self, self.simulation(reach_index)?, reach_index).run(observer)
     }
 }

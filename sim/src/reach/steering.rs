@@ -3,6 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::FRAME_PERIOD_S;
 
+use super::error::ReachError;
 use crate::arm::Arm;
 use crate::controller::{ControlStatus, Controller, ControllerInput, TaxelContact};
 use crate::simulation::FrameReport;
@@ -46,9 +47,17 @@ impl Steering {
     }
 
     /// Lets the controller move the equilibrium angles, in the frames in which it is due.
-    pub(super) fn control(&mut self, arm: &Arm, report: &FrameReport, goal_position_world: DVec3) {
+    ///
+    /// # Errors
+    /// [`ReachError::EquilibriumAngles`].
+    pub(super) fn control(
+        &mut self,
+        arm: &Arm,
+        report: &FrameReport,
+        goal_position_world: DVec3,
+    ) -> Result<(), ReachError> {
         if !is_due(report.frame, self.controller.rate_hz()) {
-            return;
+            return Ok(());
         }
         let joint_angle_rad = report.joint_angle_rad();
         // A robot knows its pose from its encoders, so the controller gets the poses that follow from the joint angles.
@@ -81,6 +90,14 @@ impl Steering {
             goal_position_world,
             contacts: &contacts,
         });
+        let (found, expected) = (output.equilibrium_angle_rad.len(), arm.joints.len());
+        if found != expected {
+            return Err(ReachError::EquilibriumAngles {
+                controller: self.controller.name().to_owned(),
+                found,
+                expected,
+            });
+        }
         self.counts.steps += 1;
         match output.status {
             ControlStatus::Solved => {}
@@ -88,6 +105,7 @@ impl Steering {
             ControlStatus::Failed => self.counts.failed += 1,
         }
         self.equilibrium_rad = output.equilibrium_angle_rad;
+        Ok(())
     }
 }
 

@@ -1,0 +1,24 @@
+//! Why a reach has no recording.
+
+use underbrush_recording::InputError;
+
+/// Why a reach has no recording. How a reach ends, such as an arm that gets stuck, is data and no error.
+#[derive(Debug, thiserror::Error)]
+pub enum ReachError {
+    /// The scene is impossible for this draw.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The controller returned the wrong number of equilibrium angles.
+    #[error(
+        "the controller {controller} returned {found} equilibrium angles for an arm with {expected} joints; return one \
+         angle per joint"
+    )]
+    EquilibriumAngles {
+        /// Name of the controller.
+        controller: String,
+        /// Number of angles that it returned.
+        found: usize,
+        /// Number of joints.
+        expected: usize,
+    },
+}
