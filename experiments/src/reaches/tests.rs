@@ -20,7 +20,7 @@ fn a_reach_with_spurious_trials_alone_is_not_wanted() {
     let mut reach = reaches.find(|reach| wanted(Category::TRUNK, reach)).unwrap();
     assert!(!wanted(Category::LEAF, &reach));
     let readings = reach.frames.iter_mut().flat_map(|frame| &mut frame.taxels);
-    readings.for_each(|reading| reading.object = None);
+    readings.for_each(|reading| (reading.object, reading.true_normal_force_n) = (None, 0.0));
     assert!(!taxel_trials(&reach, &options).unwrap().is_empty());
     assert!(!wanted(Category::TRUNK, &reach));
 }
