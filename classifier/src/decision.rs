@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -37,7 +38,7 @@ impl fmt::Display for Verdict {
 
 /// How the margin becomes a verdict. The margin is the log-posterior of the best category minus that of the second best,
 /// in nats.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Rule {
     /// The best category (eq. 2); uncertain only in a tie.
@@ -93,7 +94,7 @@ pub enum DecisionError {
 }
 
 /// Priors and the rule that turns scores into verdicts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {
     /// P(λ_c) of eq. 3 by category, in any common unit. Empty means equal priors, as in eq. 2.

@@ -73,4 +73,4 @@ pub use document::{Document, FORMAT};
 pub use error::ModelError;
 pub use estimator::is_trained;
 pub use hmm_classifier::{HmmClassifier, TrainingReport};
-pub use model_file::Model;
+pub use model_file::{Model, schema as model_schema};

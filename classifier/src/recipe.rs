@@ -1,5 +1,6 @@
 //! Recipes: every choice that makes a set of models from trials.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use underbrush_recording::Limits;
@@ -24,7 +25,7 @@ const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");
 const VARIANCE_FLOOR: Limits = Limits::new(1e-30, 1e12, "").or_off_at(0.0);
 
 /// Whether the models use features as measured or z-scored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ScalingKind {
     /// As measured, N and m.
@@ -34,10 +35,11 @@ pub enum ScalingKind {
 }
 
 /// How models are started, trained and scored. Stored in the model file, so that results can be traced to it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
     /// States of each model.
+    #[schemars(range(min = STATES.min, max = STATES.max))]
     pub states: usize,
     /// Features of a sample that the models use.
     pub features: FeatureSet,
@@ -51,6 +53,7 @@ pub struct Recipe {
     pub scaling: ScalingKind,
     /// Number of samples used at the start of each trial, in training and in scoring (paper, section V-C); `None` for
     /// all.
+    #[schemars(range(min = SAMPLES.min, max = SAMPLES.max))]
     pub max_samples: Option<usize>,
     /// Options of Baum-Welch.
     pub training: TrainingOptions,

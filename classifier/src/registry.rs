@@ -16,7 +16,5 @@ pub const CLASSIFIERS: [&ClassifierKind; 6] = [
 
 /// The kind of classifier with this name or alias.
 pub fn find(name: &str) -> Option<&'static ClassifierKind> {
-    CLASSIFIERS
-        .into_iter()
-        .find(|kind| kind.name == name || kind.aliases.contains(&name))
+    CLASSIFIERS.into_iter().find(|kind| kind.names().any(|own| own == name))
 }

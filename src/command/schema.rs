@@ -1,4 +1,4 @@
-//! `underbrush schema`: the JSON Schema of a file that a person edits.
+//! `underbrush schema`: the JSON Schema of a file that a person edits or another program writes.
 
 use clap::{Args, ValueEnum};
 
@@ -24,6 +24,8 @@ enum Kind {
     Skin,
     /// Experiment: scenes to train and test on, classifiers, and figures to compare with
     Experiment,
+    /// Model: a fitted classifier
+    Model,
 }
 
 /// Prints the schema.
@@ -33,6 +35,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Kind::Arm => underbrush_sim::arm::schema(),
         Kind::Skin => underbrush_sim::arm::skin_schema(),
         Kind::Experiment => underbrush_experiments::definition::schema(),
+        Kind::Model => underbrush_classifier::model_schema(),
     };
     let text = serde_json::to_string_pretty(&schema);
     output::lines([text.map_err(|error| Failure::run(error.to_string()))?])

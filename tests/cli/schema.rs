@@ -1,7 +1,10 @@
 //! `underbrush schema`.
 
-use serde_json::Value;
+use serde_json::{Value, json};
+use underbrush_classifier::registry::CLASSIFIERS;
 
+use crate::support::fixture::fixture;
+use crate::support::json_schema::faults;
 use crate::support::underbrush;
 
 fn schema(file: &str) -> Value {
@@ -39,5 +42,59 @@ fn arm_and_skin_files_have_schemas() {
 /// Pins that an unknown kind of file is refused with the kinds that there are.
 #[test]
 fn an_unknown_kind_is_refused() {
-    underbrush!["schema", "robot"].refused(&["robot", "scene", "arm", "skin"]);
+    underbrush!["schema", "robot"].refused(&["robot", "scene", "arm", "skin", "model"]);
+}
+
+/// Pins, by a judge that shares no code with schema or reader, that the model file of every classifier follows the schema, and
+/// that a file with a missing or wrong entry does not. The reader must judge all of them alike.
+#[test]
+fn model_files_follow_their_schema() {
+    let schema = schema("model");
+    let is_valid = |model: &Value| faults(&schema, model).is_empty();
+    let folder = tempfile::tempdir().unwrap();
+    let (path, table) = (folder.path().join("model.json"), fixture().table_csv());
+    let reads = |model: &Value| underbrush_classifier::Model::from_json("m.json", &model.to_string()).is_ok();
+    for kind in CLASSIFIERS {
+        underbrush!["train", table, "--classifier", kind.name, "--out", path].success();
+        let model: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        let faults = faults(&schema, &model);
+        assert!(faults.is_empty() && reads(&model), "{}: {faults:?}", kind.name);
+
+        let own = match kind.name {
+            "hmm" => [
+                ("/models/leaf/transition/0/0", json!("often")),
+                ("/recipe/states", json!(0)),
+                ("/features/0", json!("force")),
+                ("/models", json!({})),
+            ],
+            _ => [
+                ("/options/features", json!("warmth")),
+                ("/options", json!({ "features": "force", "depth": 3 })),
+                ("/parameters", json!([])),
+                ("/categories", json!([])),
+            ],
+        };
+        let common = [
+            ("/format", json!("underbrush-model/0")),
+            ("/classifier", json!("oracle")),
+            ("/decision", json!({ "rule": "guess" })),
+            ("/provenance", json!({ "seed": 1 })),
+        ];
+        for (place, value) in own.into_iter().chain(common) {
+            let mut broken = model.clone();
+            match broken.pointer_mut(place) {
+                Some(entry) => *entry = value,
+                None => broken[&place[1..]] = value,
+            }
+            // A feature may be named as on the command line, too.
+            let expected = place == "/features/0";
+            let judged = [is_valid(&broken), reads(&broken)];
+            assert_eq!(judged, [expected; 2], "{} with another {place}", kind.name);
+        }
+        for key in model.as_object().unwrap().keys() {
+            let mut broken = model.clone();
+            broken.as_object_mut().unwrap().remove(key);
+            assert_eq!(is_valid(&broken), reads(&broken), "{} without {key}", kind.name);
+        }
+    }
 }

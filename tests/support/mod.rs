@@ -7,6 +7,7 @@ use std::time::Duration;
 
 pub mod arm;
 pub mod fixture;
+pub mod json_schema;
 pub mod scenes;
 pub mod table;
 

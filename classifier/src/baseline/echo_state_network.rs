@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use underbrush_recording::{InputError, Limits, Sample, Trial};
@@ -30,6 +31,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
         })
     },
     load,
+    schema: file::Fitted::<EchoStateNetwork, Parameters>::json_schema,
 };
 
 /// Units. Choice: the cost of a fit grows with the cube.
@@ -79,16 +81,19 @@ const PENALTY: Limits = Limits::new(1e-12, 1e6, "");
 /// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EchoStateNetwork {
     /// The features of each sample.
     pub features: FeatureSet,
     /// Units of the network.
+    #[schemars(range(min = UNITS.min, max = UNITS.max))]
     pub units: usize,
     /// The fraction a of the state that each sample renews; above 0, at most 1.
+    #[schemars(range(min = LEAK.min, max = LEAK.max))]
     pub leak: f64,
     /// Weight of half the squared norm of the readout beside the mean squared error; above 0.
+    #[schemars(range(min = PENALTY.min, max = PENALTY.max))]
     pub penalty: f64,
 }
 
@@ -213,8 +218,9 @@ struct Fitted {
 }
 
 /// The random weights are stored, too, so that a file does not depend on how a program draws them.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "EchoStateNetworkParameters")]
 struct Parameters {
     /// One row per source unit.
     recurrent: Vec<Vec<f64>>,

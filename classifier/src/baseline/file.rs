@@ -1,6 +1,7 @@
 //! What the model files of all baselines have in common.
 
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -16,10 +17,15 @@ pub(super) const FITTED: Limits = Limits::new(-1e12, 1e12, "");
 pub(super) const POSITIVE: Limits = Limits::new(1e-15, 1e12, "");
 
 /// The keys of a fitted baseline.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
+#[schemars(rename = "{O}File")]
 pub(super) struct Fitted<O, P> {
+    /// Names in alphabetical order: the order of all scores.
+    #[schemars(length(min = 1))]
     pub(super) categories: Vec<String>,
+    /// What the classifier was fitted with.
     pub(super) options: O,
+    /// What was fitted.
     pub(super) parameters: P,
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use underbrush_recording::{InputError, Limits, Sample, Trial};
@@ -22,6 +23,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     summary: "Logistic regression on statistics of the forces on taxel and contact region since contact",
     estimator: |features| Box::new(Logistic::with(features.unwrap_or(TAXEL_AND_REGION))),
     load,
+    schema: file::Fitted::<Logistic, Parameters>::json_schema,
 };
 
 /// The same without the contact region: it sees what hidden Markov models of force and motion see.
@@ -31,6 +33,7 @@ pub(crate) const TAXEL_KIND: ClassifierKind = ClassifierKind {
     summary: "The same without the contact region: logistic with the features force,motion",
     estimator: |features| Box::new(Logistic::with(features.unwrap_or(FeatureSet::FORCE_AND_MOTION))),
     load,
+    schema: file::Fitted::<Logistic, Parameters>::json_schema,
 };
 
 /// Penalties. Choice: without any the minimum may not exist, and above 1e6 all weights are zero.
@@ -72,12 +75,13 @@ const PENALTY: Limits = Limits::new(1e-12, 1e6, "nats");
 /// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Logistic {
     /// The features of each sample that stream features are computed from.
     pub features: FeatureSet,
     /// Weight of half the squared norm of the weights beside the mean cross-entropy, nats; above 0.
+    #[schemars(range(min = PENALTY.min, max = PENALTY.max))]
     pub penalty: f64,
 }
 
@@ -129,8 +133,9 @@ struct Fitted {
     weights: DMatrix<f64>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "LogisticParameters")]
 struct Parameters {
     standardization: Standardization,
     /// One row per category.

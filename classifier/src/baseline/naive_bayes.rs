@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use underbrush_recording::{InputError, Sample, Trial};
@@ -21,6 +22,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     summary: "Naive Bayes on statistics of the taxel's force since contact",
     estimator: |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
     load,
+    schema: file::Fitted::<NaiveBayes, Parameters>::json_schema,
 };
 
 /// Gaussian naive Bayes over the stream features of the contact so far ([`crate::stream_feature`]): the score of a
@@ -58,7 +60,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NaiveBayes {
     /// The features of each sample that stream features are computed from.
@@ -117,8 +119,9 @@ struct Fitted {
     parameters: Parameters,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "NaiveBayesParameters")]
 struct Parameters {
     standardization: Standardization,
     /// One row per category.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use underbrush_recording::{InputError, Limits, Sample, Trial};
@@ -28,6 +29,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
         })
     },
     load,
+    schema: file::Fitted::<NearestNeighbours, Parameters>::json_schema,
 };
 
 /// Samples of a window. Choice: ten seconds at 100 Hz; the cost of a fit grows with the cube.
@@ -76,16 +78,19 @@ const EXPLAINED: Limits = Limits::new(0.0, 1.0, "");
 /// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NearestNeighbours {
     /// The features of each sample of the window.
     pub features: FeatureSet,
     /// Samples of the window, at least 1.
+    #[schemars(range(min = WINDOW.min, max = WINDOW.max))]
     pub window: usize,
     /// Neighbours that vote, at least 1.
+    #[schemars(range(min = NEIGHBOURS.min, max = NEIGHBOURS.max))]
     pub neighbours: usize,
     /// Principal components are kept until they explain this fraction of the variance.
+    #[schemars(range(min = EXPLAINED.min, max = EXPLAINED.max))]
     pub explained: f64,
 }
 
@@ -200,8 +205,9 @@ struct Fitted {
     category_of: Vec<usize>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "NearestNeighboursParameters")]
 struct Parameters {
     /// Of each channel and sample of the window.
     mean: Vec<f64>,

@@ -1,5 +1,6 @@
 //! Training trials as rows of stream features.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
@@ -55,7 +56,7 @@ impl Table {
 }
 
 /// Subtracts the weighted mean of the training rows and divides by their standard deviation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Standardization {
     mean: Vec<f64>,

@@ -11,6 +11,7 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 
+use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
 use underbrush_recording::{Category, InputError, Trial};
 
@@ -129,6 +130,15 @@ pub struct ClassifierKind {
     pub estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,
     /// Reads and checks what [`Classifier::file_entries`] of this kind wrote.
     pub load: fn(&Document) -> Result<Box<dyn Classifier>, InputError>,
+    /// The JSON Schema of what `load` reads.
+    pub schema: fn(&mut SchemaGenerator) -> Schema,
+}
+
+impl ClassifierKind {
+    /// All names that are accepted, the usual one first.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        [self.name].into_iter().chain(self.aliases.iter().copied())
+    }
 }
 
 /// Whether classifiers are trained on a category: on any except [`Category::BLOCK`] and [`Category::OUTLIER`].

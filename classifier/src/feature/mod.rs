@@ -14,6 +14,7 @@ pub use list::{AREA, FEATURES, FORCE, Feature, MOTION, REGION_FORCE_SUM, REGION_
 pub use observations::Observations;
 pub use scaling::Scaling;
 pub use set::FeatureSet;
+pub(crate) use set::feature_list_schema;
 
 #[cfg(test)]
 mod tests;

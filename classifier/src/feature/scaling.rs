@@ -1,5 +1,6 @@
 //! Z-scoring of features.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::FeatureError;
@@ -8,7 +9,7 @@ use super::set::FeatureSet;
 
 /// Z-scoring: subtract the mean and divide by the standard deviation of all training samples of all categories,
 /// so that every model of a set sees the same numbers and their likelihoods stay comparable.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scaling {
     /// Mean of each feature, in its unit.

@@ -1,8 +1,10 @@
 //! Ordered lists of features: the input of one classifier.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use underbrush_recording::{Sample, Trial};
@@ -168,5 +170,34 @@ impl<'de> Deserialize<'de> for FeatureSet {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         text.parse().map_err(D::Error::custom)
+    }
+}
+
+/// All names and columns of features.
+fn known_names() -> Vec<&'static str> {
+    FEATURES
+        .into_iter()
+        .flat_map(|feature| [feature.name, feature.column])
+        .collect()
+}
+
+/// The JSON Schema of a list of features that [`FeatureSet::from_names`] reads.
+pub(crate) fn feature_list_schema(_: &mut SchemaGenerator) -> Schema {
+    let names = known_names();
+    json_schema!({ "type": "array", "items": { "enum": names }, "minItems": 1, "uniqueItems": true })
+}
+
+impl JsonSchema for FeatureSet {
+    fn schema_name() -> Cow<'static, str> {
+        "FeatureSet".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let name = format!(r"\s*({})\s*", known_names().join("|"));
+        json_schema!({
+            "description": "One or more features, none twice, joined by `+`.",
+            "type": "string",
+            "pattern": format!("^{name}([+,]{name})*$"),
+        })
     }
 }

@@ -3,6 +3,7 @@
 mod forward;
 mod viterbi;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::forward::{Forward, ForwardTables};
@@ -11,7 +12,7 @@ use super::model::GaussianHmm;
 use super::tile::{Tile, WIDTH};
 
 /// How a sequence is scored under a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ScoreKind {
     /// ln P(O|λ), summed over all state paths (paper, eq. 2).

@@ -1,12 +1,13 @@
 //! The model: parameters as written in a file, and the same parameters checked.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::gaussian::Gaussians;
 
 /// Unchecked parameters of a hidden Markov model with N states and D features (paper, eq. 1: λ = (A, B, π)).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HmmParameters {
     /// N initial probabilities π.

@@ -1,9 +1,10 @@
 //! Initial distribution and transitions of a model before training.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which transitions exist. Transitions that are zero here stay zero in training.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Topology {
     /// Upper triangular with forward skips of any length; the last state absorbs. The authors' choice.
@@ -13,7 +14,7 @@ pub enum Topology {
 }
 
 /// The initial distribution before training.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InitialDistribution {
     /// All states equally likely: the authors' choice, also for left-to-right models.

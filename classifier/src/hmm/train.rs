@@ -1,5 +1,6 @@
 //! Baum-Welch training, its history, and why it stopped.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::covariance::{floor_eigenvalues, is_singular};
@@ -9,7 +10,7 @@ use super::training_error::TrainingError;
 use crate::feature::Observations;
 
 /// Options of Baum-Welch training.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingOptions {
     /// The maximum number of iterations.
@@ -35,7 +36,7 @@ impl Default for TrainingOptions {
 }
 
 /// Why training ended.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
     /// The relative gain of this iteration was below the tolerance.
@@ -56,7 +57,7 @@ pub enum Stop {
 }
 
 /// How one model's training went.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingHistory {
     /// Number of sequences.

@@ -2,23 +2,31 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use underbrush_recording::InputError;
 
 use super::{HmmClassifier, check};
 use crate::document::Document;
-use crate::feature::{FEATURES, FeatureSet, Scaling};
+use crate::feature::{FEATURES, FeatureSet, Scaling, feature_list_schema};
 use crate::hmm::{GaussianHmm, HmmParameters, Scorer, TrainingHistory};
 use crate::recipe::Recipe;
 
 /// The keys of hidden Markov models in a file. Only the first two are required.
-#[derive(Deserialize)]
-struct HmmFile {
+#[derive(Deserialize, JsonSchema)]
+pub(super) struct HmmFile {
+    /// The features of each sample, in the order of the models' numbers.
+    #[schemars(schema_with = "feature_list_schema")]
     features: Vec<String>,
+    /// One model per category.
+    #[schemars(extend("minProperties" = 1))]
     models: BTreeMap<String, HmmParameters>,
+    /// How features are scaled before the models see them; none if left out.
     scaling: Option<Scaling>,
+    /// What made the models, where known.
     recipe: Option<Recipe>,
+    /// How the training of each category went, where known.
     #[serde(default)]
     training: BTreeMap<String, TrainingHistory>,
 }

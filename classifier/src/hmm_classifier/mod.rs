@@ -8,6 +8,7 @@ mod online;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde_json::Value;
 use underbrush_recording::Trial;
 
@@ -32,6 +33,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
         })
     },
     load: |document| Ok(Box::new(HmmClassifier::read(document)?)),
+    schema: file::HmmFile::json_schema,
 };
 
 /// One hidden Markov model per category, over the same features (paper, section III).

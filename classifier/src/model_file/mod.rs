@@ -11,6 +11,8 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use underbrush_recording::InputError;
@@ -18,7 +20,7 @@ use underbrush_recording::InputError;
 use crate::decision::Decision;
 use crate::document::{Document, FORMAT};
 use crate::error::ModelError;
-use crate::estimator::Classifier;
+use crate::estimator::{Classifier, ClassifierKind};
 use crate::hmm::ScoreKind;
 use crate::hmm_classifier::{self, HmmClassifier};
 use crate::registry::{self, CLASSIFIERS};
@@ -67,12 +69,21 @@ pub struct Model {
     pub provenance: BTreeMap<String, String>,
 }
 
-/// The keys of all model files.
-#[derive(Deserialize)]
+/// A model file: the keys of all classifiers, and those of the classifier that the file names. Other keys are skipped.
+/// Sizes that depend on each other are checked when the file is read.
+#[derive(Deserialize, JsonSchema)]
+#[schemars(rename = "ModelFile")]
 struct Head {
+    /// The format of the file.
+    #[schemars(extend("const" = FORMAT))]
     format: String,
+    /// The kind of classifier; hidden Markov models if left out.
+    #[serde(default)]
+    #[schemars(schema_with = "classifier_schema")]
     classifier: Option<String>,
+    /// Priors and thresholds to classify with.
     decision: Option<Decision>,
+    /// Where the model comes from, as free text by key.
     #[serde(default)]
     provenance: BTreeMap<String, String>,
 }
@@ -208,6 +219,35 @@ impl Model {
         }
         Ok(())
     }
+}
+
+/// The JSON Schema of the key `classifier`.
+fn classifier_schema(_: &mut SchemaGenerator) -> Schema {
+    let names: Vec<&str> = CLASSIFIERS.into_iter().flat_map(ClassifierKind::names).collect();
+    json_schema!({ "type": "string", "enum": names })
+}
+
+/// The JSON Schema of model files. It is derived from the types that read them: the keys of all files, and for each
+/// classifier of the list its own keys.
+pub fn schema() -> Schema {
+    let mut generator = SchemaSettings::default().into_generator();
+    let of_kind = |kind: &ClassifierKind| {
+        let names: Vec<&str> = kind.names().collect();
+        // Only hidden Markov models may leave the key out.
+        let required = if kind.name == hmm_classifier::KIND.name {
+            vec![]
+        } else {
+            vec!["classifier"]
+        };
+        json!({
+            "if": { "properties": { "classifier": { "enum": names } }, "required": required },
+            "then": (kind.schema)(&mut generator),
+        })
+    };
+    let kinds: Vec<Value> = CLASSIFIERS.into_iter().map(of_kind).collect();
+    let mut schema = generator.into_root_schema_for::<Head>();
+    schema.insert("allOf".into(), kinds.into());
+    schema
 }
 
 fn not_hmm(name: &str) -> ModelError {
