@@ -10,7 +10,7 @@ use urdf_rs::{Geometry, JointType, Robot};
 
 use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};
-use super::urdf_text::{Elements, elements};
+use super::urdf_text::Elements;
 use super::{Link, LinkCollider};
 
 /// A chain as described by a URDF.
@@ -45,7 +45,7 @@ const REMEDY: &str = "correct the URDF";
 
 /// Reads the chain that starts at `base`.
 pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputError> {
-    let elements = elements(source)?;
+    let elements = Elements::read(source)?;
     let robot = urdf_rs::read_from_string(&source.text)
         .map_err(|error| source.fault("robot", error, "a URDF robot description", REMEDY))?;
     let reader = Reader {
@@ -90,7 +90,7 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
 
 struct Reader<'a> {
     source: &'a Source,
-    elements: Elements,
+    elements: Elements<'a>,
     robot: &'a Robot,
 }
 
@@ -374,7 +374,7 @@ impl<'a> Reader<'a> {
             format!("{place}, {field}")
         };
         let fault = self.source.fault(place, found, allowed, REMEDY);
-        match self.elements.line(&format!("{element} {name}"), field) {
+        match self.elements.line(element, name, field) {
             Some(line) => fault.at_line(line),
             None => fault,
         }

@@ -2,11 +2,12 @@
 //! attributes, and nesting depth. urdf-rs names neither the element nor the line of an error, skips words among numbers, and
 //! recurses for every nested element until the stack overflows.
 
+use roxmltree::{Document, Error, Node, ParsingOptions};
+use serde::Deserialize;
+use serde::de::value::{Error as ValueError, StrDeserializer};
 use underbrush_recording::InputError;
 use underbrush_recording::limits::short;
-use xml::attribute::OwnedAttribute;
-use xml::common::Position;
-use xml::reader::{EventReader, ParserConfig, XmlEvent};
+use urdf_rs::JointType;
 
 use super::limits::{MAX_ELEMENTS, MAX_NESTED_ELEMENTS};
 use super::source::Source;
@@ -18,27 +19,17 @@ enum Holds {
     Numbers(usize),
     /// A name.
     Name,
-    /// One of these words.
-    Word(&'static [&'static str]),
+    /// A type of joint that urdf-rs knows.
+    Joint,
 }
 
-use Holds::{Name, Numbers, Word};
-
-const JOINT_TYPES: &[&str] = &[
-    "revolute",
-    "continuous",
-    "prismatic",
-    "fixed",
-    "floating",
-    "planar",
-    "spherical",
-];
+use Holds::{Joint, Name, Numbers};
 
 /// The attributes that are read: element, attribute, type, and whether the attribute is required.
 const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
     ("link", "name", Name, true),
     ("joint", "name", Name, true),
-    ("joint", "type", Word(JOINT_TYPES), true),
+    ("joint", "type", Joint, true),
     ("parent", "link", Name, true),
     ("child", "link", Name, true),
     ("origin", "xyz", Numbers(3), false),
@@ -88,186 +79,146 @@ const CHILDREN: &[(&str, &[&str])] = &[
 
 const REMEDY: &str = "correct the element";
 
-/// The lines of a URDF's elements.
-pub(super) struct Elements {
-    /// For every element: its link or joint, such as `link forearm`, its path in that, such as `inertial.mass`, and its line.
-    places: Vec<(String, String, usize)>,
-}
-
-impl Elements {
-    /// The line of the element at `path` in an owner such as `link forearm`, or else of the closest element around it.
-    pub(super) fn line(&self, owner: &str, path: &str) -> Option<usize> {
-        let mut path = path;
-        loop {
-            let found = self
-                .places
-                .iter()
-                .find(|(name, place, _)| name == owner && place == path);
-            if let Some((.., line)) = found {
-                return Some(*line);
-            }
-            if path.is_empty() {
-                return None;
-            }
-            path = path.rsplit_once('.').map_or("", |(around, _)| around);
-        }
-    }
-}
-
-/// An element that is open.
-struct Open {
-    name: String,
-    line: usize,
-    /// Names of the elements in it so far.
-    children: Vec<String>,
-}
-
-/// Checks the text.
-///
-/// # Errors
-/// When it is not XML, an attribute has the wrong type, or a required element or attribute is missing.
-pub(super) fn elements(source: &Source) -> Result<Elements, InputError> {
-    let config = ParserConfig::new().override_encoding(Some(xml::Encoding::Utf8));
-    let mut reader = EventReader::new_with_config(source.text.as_bytes(), config);
-    let mut walk = Walk {
-        source,
-        open: Vec::new(),
-        owner: String::new(),
-        places: Vec::new(),
-        count: 0,
-    };
-    loop {
-        let event = reader.next();
-        let line = reader.position().row as usize + 1;
-        match event {
-            Ok(XmlEvent::StartElement { name, attributes, .. }) => walk.start(name.local_name, &attributes, line)?,
-            Ok(XmlEvent::EndElement { .. }) => walk.end()?,
-            Ok(XmlEvent::EndDocument) => return Ok(Elements { places: walk.places }),
-            Ok(_) => {}
-            Err(error) => {
-                let line = error.position().row as usize + 1;
-                let fault = source.fault("robot", error.msg(), "a URDF robot description in XML", REMEDY);
-                return Err(fault.at_line(line));
-            }
-        }
-    }
-}
-
-struct Walk<'a> {
+/// The elements of a URDF, checked.
+pub(super) struct Elements<'a> {
     source: &'a Source,
-    open: Vec<Open>,
-    owner: String,
-    places: Vec<(String, String, usize)>,
-    count: usize,
+    document: Document<'a>,
 }
 
-impl Walk<'_> {
-    fn start(&mut self, name: String, attributes: &[OwnedAttribute], line: usize) -> Result<(), InputError> {
-        self.count += 1;
-        if self.open.len() >= MAX_NESTED_ELEMENTS {
-            let found = format!("more than {MAX_NESTED_ELEMENTS} nested elements");
-            return Err(self.fault("robot", found, "robot, link, collision, geometry, shape", line));
-        }
-        if self.count > MAX_ELEMENTS {
-            let found = format!("more than {MAX_ELEMENTS} elements");
-            return Err(self.fault("robot", found, "a robot", line));
-        }
-        if self.open.len() == 1 && matches!(name.as_str(), "link" | "joint") {
-            let given = attributes.iter().find(|attribute| attribute.name.local_name == "name");
-            self.owner = format!("{name} {}", given.map_or("", |attribute| &attribute.value));
-        }
-        let mut twins = 0;
-        if let Some(around) = self.open.last_mut() {
-            twins = around.children.iter().filter(|other| **other == name).count();
-            around.children.push(name.clone());
-        }
-        let inside = self.open.len() > 1;
-        let part = if inside && twins > 0 {
-            format!("{name}[{twins}]")
-        } else {
-            name
+impl<'a> Elements<'a> {
+    /// Reads and checks the text.
+    ///
+    /// # Errors
+    /// When it is not XML, an attribute has the wrong type, or a required element or attribute is missing.
+    pub(super) fn read(source: &'a Source) -> Result<Self, InputError> {
+        let options = ParsingOptions {
+            allow_dtd: true,
+            ..ParsingOptions::default()
         };
-        self.open.push(Open {
-            name: part,
-            line,
-            children: Vec::new(),
-        });
-        // Elements outside links and joints (transmissions, extensions of simulators) are not read.
-        if self.is_read() {
-            self.check(attributes, line)?;
-            self.places.push((self.owner.clone(), self.path(), line));
-        }
-        Ok(())
-    }
-
-    fn end(&mut self) -> Result<(), InputError> {
-        if self.is_read()
-            && let Some(open) = self.open.last()
-        {
-            let name = plain(&open.name);
-            for (_, wanted) in CHILDREN.iter().filter(|(element, _)| *element == name) {
-                if !open.children.iter().any(|child| wanted.contains(&child.as_str())) {
-                    let found = format!("no <{}>", wanted.join("> or <"));
-                    let allowed = format!("one in each <{name}>");
-                    return Err(self.fault(&self.place(""), found, &allowed, open.line));
-                }
-            }
-        }
-        self.open.pop();
-        Ok(())
-    }
-
-    fn check(&self, attributes: &[OwnedAttribute], line: usize) -> Result<(), InputError> {
-        let element = self.open.last().map_or("", |open| plain(&open.name));
-        for (_, key, holds, needed) in ATTRIBUTES.iter().filter(|(name, ..)| *name == element) {
-            let given = attributes.iter().find(|attribute| attribute.name.local_name == *key);
-            let Some(given) = given else {
-                if *needed {
-                    let found = format!("no attribute `{key}`");
-                    return Err(self.fault(&self.place(key), found, &holds.allowed(), line));
-                }
-                continue;
+        let document = Document::parse_with_options(&source.text, options).map_err(|error| {
+            let line = match error {
+                Error::UnclosedRootNode | Error::UnexpectedEndOfStream => source.text.lines().count(),
+                _ => error.pos().row as usize,
             };
-            if !holds.fits(&given.value) {
-                return Err(self.fault(&self.place(key), format!("{:?}", given.value), &holds.allowed(), line));
+            let fault = source.fault("robot", error, "a URDF robot description in XML", REMEDY);
+            fault.at_line(line)
+        })?;
+        let elements = Elements { source, document };
+        elements.check_size()?;
+        // Elements outside links and joints (transmissions, extensions of simulators) are not read.
+        for owner in elements.owners() {
+            for element in owner.descendants().filter(Node::is_element) {
+                elements.check(owner, element)?;
+            }
+        }
+        Ok(elements)
+    }
+
+    /// The line of the element at `path`, such as `inertial.mass`, in the link or joint of a name, or else of the closest
+    /// element around it.
+    pub(super) fn line(&self, kind: &str, name: &str, path: &str) -> Option<usize> {
+        let mut owners = self.owners();
+        let mut element =
+            owners.find(|owner| owner.tag_name().name() == kind && attribute(*owner, "name") == Some(name))?;
+        for part in path.split('.') {
+            let (name, number) = part.trim_end_matches(']').split_once('[').unwrap_or((part, "0"));
+            let mut twins = children(element).filter(|child| child.tag_name().name() == name);
+            match number.parse().ok().and_then(|number| twins.nth(number)) {
+                Some(inner) => element = inner,
+                None => break,
+            }
+        }
+        Some(self.line_of(element))
+    }
+
+    /// Links and joints.
+    fn owners(&self) -> impl Iterator<Item = Node<'_, 'a>> {
+        let top = children(self.document.root_element());
+        top.filter(|element| matches!(element.tag_name().name(), "link" | "joint"))
+    }
+
+    fn check_size(&self) -> Result<(), InputError> {
+        let elements = self.document.descendants().filter(Node::is_element);
+        for (index, element) in elements.enumerate() {
+            if index == MAX_ELEMENTS {
+                let found = format!("more than {MAX_ELEMENTS} elements");
+                return Err(self.fault("robot", found, "a robot", element));
+            }
+            if element.ancestors().filter(Node::is_element).count() > MAX_NESTED_ELEMENTS {
+                let found = format!("more than {MAX_NESTED_ELEMENTS} nested elements");
+                return Err(self.fault("robot", found, "robot, link, collision, geometry, shape", element));
             }
         }
         Ok(())
     }
 
-    /// Whether the innermost open element is a link, a joint, or within one.
-    fn is_read(&self) -> bool {
-        let around = self.open.get(1).map(|open| plain(&open.name));
-        matches!(around, Some("link" | "joint"))
-    }
-
-    /// The path of the innermost open element within its link or joint.
-    fn path(&self) -> String {
-        let parts: Vec<&str> = self.open.iter().skip(2).map(|open| open.name.as_str()).collect();
-        parts.join(".")
-    }
-
-    /// What an error about an attribute of the innermost open element names.
-    fn place(&self, key: &str) -> String {
-        let path = self.path();
-        let parts: Vec<&str> = [path.as_str(), key]
-            .into_iter()
-            .filter(|part| !part.is_empty())
-            .collect();
-        if parts.is_empty() {
-            return self.owner.trim_end().to_string();
+    fn check(&self, owner: Node, element: Node) -> Result<(), InputError> {
+        let name = element.tag_name().name();
+        for (_, key, holds, is_required) in ATTRIBUTES.iter().filter(|(element, ..)| *element == name) {
+            let found = match attribute(element, key) {
+                None if *is_required => format!("no attribute `{key}`"),
+                Some(value) if !holds.fits(value) => format!("{value:?}"),
+                _ => continue,
+            };
+            return Err(self.fault(&place(owner, element, key), found, &holds.allowed(), element));
         }
-        format!("{}, {}", self.owner.trim_end(), parts.join("."))
+        for (_, wanted) in CHILDREN.iter().filter(|(element, _)| *element == name) {
+            if !children(element).any(|child| wanted.contains(&child.tag_name().name())) {
+                let found = format!("no <{}>", wanted.join("> or <"));
+                let allowed = format!("one in each <{name}>");
+                return Err(self.fault(&place(owner, element, ""), found, &allowed, element));
+            }
+        }
+        Ok(())
     }
 
-    fn fault(&self, field: &str, found: String, allowed: &str, line: usize) -> InputError {
-        self.source.fault(field, found, allowed, REMEDY).at_line(line)
+    fn fault(&self, field: &str, found: String, allowed: &str, element: Node) -> InputError {
+        let fault = self.source.fault(field, found, allowed, REMEDY);
+        fault.at_line(self.line_of(element))
+    }
+
+    fn line_of(&self, element: Node) -> usize {
+        self.source.line(element.range().start)
     }
 }
 
-/// The element's name without its number among those of the same name.
-fn plain(name: &str) -> &str {
-    name.split('[').next().unwrap_or(name)
+fn children<'a, 'input>(element: Node<'a, 'input>) -> impl Iterator<Item = Node<'a, 'input>> {
+    element.children().filter(Node::is_element)
+}
+
+/// The value of an attribute, in whatever namespace, as urdf-rs reads it.
+fn attribute<'a>(element: Node<'a, '_>, key: &str) -> Option<&'a str> {
+    let found = element.attributes().find(|attribute| attribute.name() == key);
+    found.map(|attribute| attribute.value())
+}
+
+/// The element's name; if there are others of this name before it, with its number, as in `collision[1]`.
+fn part_name(element: Node) -> String {
+    let name = element.tag_name().name();
+    let before = element.prev_siblings().skip(1);
+    match before.filter(|other| other.tag_name().name() == name).count() {
+        0 => name.to_owned(),
+        number => format!("{name}[{number}]"),
+    }
+}
+
+/// How errors name an attribute of an element in a link or joint, such as `link forearm, inertial.mass.value`.
+fn place(owner: Node, element: Node, key: &str) -> String {
+    let around = element.ancestors().take_while(|around| *around != owner);
+    let mut parts: Vec<String> = around.map(part_name).collect();
+    parts.reverse();
+    if !key.is_empty() {
+        parts.push(key.to_owned());
+    }
+    let owner = format!(
+        "{} {}",
+        owner.tag_name().name(),
+        attribute(owner, "name").unwrap_or_default()
+    );
+    match parts.is_empty() {
+        true => owner.trim_end().to_owned(),
+        false => format!("{}, {}", owner.trim_end(), parts.join(".")),
+    }
 }
 
 impl Holds {
@@ -278,7 +229,7 @@ impl Holds {
                 numbers.len() == count && numbers.iter().all(Option::is_some)
             }
             Name => !text.is_empty(),
-            Word(words) => words.contains(&text),
+            Joint => JointType::deserialize(StrDeserializer::<ValueError>::new(text)).is_ok(),
         }
     }
 
@@ -287,7 +238,7 @@ impl Holds {
             Numbers(1) => "a number".into(),
             Numbers(count) => format!("{} numbers, separated by spaces", short(count as f64)),
             Name => "a name".into(),
-            Word(words) => format!("one of {}", words.join(", ")),
+            Joint => "a joint type of URDF; on the arm revolute, continuous or fixed".into(),
         }
     }
 }
