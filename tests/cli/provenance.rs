@@ -1,6 +1,7 @@
 //! A data set contains everything that it was made from: `--resume` also compares the arm, and `generate --from` needs
 //! nothing else to generate the set again.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -90,6 +91,44 @@ fn a_set_is_made_again_from_itself() {
     }
     let set = Dataset::open(&shard).unwrap();
     assert_eq!((set.episodes().len(), set.provenance().arms.len()), (2, 2));
+}
+
+/// Pins the keys of the controller's parameters in a set's provenance, whatever the fields are called in the program.
+#[test]
+fn the_controllers_parameters_keep_their_keys() {
+    let text = fs::read_to_string(fixture().dataset().join("meta/provenance.json")).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let scenes = file["provenance"]["controller_parameters"].as_object().unwrap();
+    assert_eq!(scenes.len(), 2);
+    for parameters in scenes.values() {
+        let keys: BTreeSet<&str> = parameters.as_object().unwrap().keys().map(String::as_str).collect();
+        let expected = [
+            "contact_stiffness_n_per_m",
+            "equilibrium_offset_rad",
+            "equilibrium_reset_rad",
+            "equilibrium_step_rad",
+            "force_fall_n",
+            "force_limit_n",
+            "force_rise_n",
+            "force_weight",
+            "ignored_force_n",
+            "name",
+            "over_limit_force_change_n",
+            "over_limit_force_reduction_n",
+            "position_weight",
+            "rate_hz",
+            "reached_distance_m",
+            "slow_distance_m",
+            "stop_force_n",
+            "stuck_distance_m",
+            "stuck_window_s",
+            "time_out_s",
+            "tip_step_m",
+            "torque_change_weight",
+        ];
+        assert_eq!(keys, BTreeSet::from(expected));
+        assert_eq!(parameters["tip_step_m"], 0.02);
+    }
 }
 
 /// Pins that options that contradict the set are refused, not ignored.
