@@ -2,7 +2,8 @@ use std::fs;
 
 use proptest::prelude::*;
 
-use super::{Change, any_recording, reach};
+use super::generated::any_recording;
+use super::{Change, reach};
 use crate::disk::{DiskError, read_recording, write_recording};
 use crate::{InputError, Recording};
 
