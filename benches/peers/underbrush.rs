@@ -71,7 +71,6 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
 fn statics() -> Value {
     let options = PhysicsOptions {
         step_s: 2.5e-4,
-        substeps: 1,
         ..PhysicsSection::default().options()
     };
     // The softest leaf's damping ratio is over 0.05 at about 3 Hz: after this time e^-9 of a vibration is left.

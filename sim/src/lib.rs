@@ -16,6 +16,7 @@ mod body_log;
 pub mod campaign;
 pub mod clutter;
 mod cone;
+pub mod contact;
 mod contact_log;
 pub mod controller;
 pub mod geometry;

@@ -8,8 +8,6 @@ pub const ENGINE: &str = "rapier3d-f64 0.36.1, enhanced-determinism";
 pub struct PhysicsOptions {
     /// Length of one engine step, s.
     pub step_s: f64,
-    /// Solver substeps in one step.
-    pub substeps: usize,
     /// Gravity along −z, m/s².
     pub gravity_m_per_s2: f64,
 }

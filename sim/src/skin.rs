@@ -20,9 +20,9 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
+use crate::contact::surface::Surface;
 use crate::geometry::signed_distance_m;
 use crate::newton::minimize;
-use crate::object::FRICTION;
 
 /// One place on a taxel, link frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +50,8 @@ pub struct SkinPatch {
     pub sub_points: Vec<SubPoint>,
     /// Largest distance of a contact point on this skin from the nearest taxel's centre, m.
     pub reach_m: f64,
-    /// Stiffness of the layer per volume, N/m³.
-    pub stiffness_n_per_m3: f64,
-    /// Coefficient of friction between skin and objects.
-    pub friction: f64,
+    /// The layer's compliance and friction.
+    pub surface: Surface,
 }
 
 /// One contact point as the solver saw it, between a link and one collision shape of an object.
@@ -65,6 +63,8 @@ pub struct ContactPoint {
     pub inward_link: DVec3,
     /// Force on the link, normal and friction, N, link frame.
     pub force_link: DVec3,
+    /// How far from the position the surfaces touch, m.
+    pub radius_m: f64,
 }
 
 /// The force of one contact on one taxel.
@@ -78,9 +78,8 @@ pub struct TaxelForce {
     pub shear_link: DVec3,
 }
 
-/// How far around the solver's contact points the layer looks for indented taxels, m. A trunk of 4 cm that presses on a taxel
-/// with 17 N is 0.7 cm deep and reaches taxels up to 2.5 cm away.
-const SEARCH_RADIUS_M: f64 = 0.03;
+/// The layer looks for indented taxels this much farther from a contact than its radius, m: by more than a taxel's diagonal.
+const SEARCH_MARGIN_M: f64 = 0.015;
 
 /// Sub-points along each side of a taxel. Three resolve a contact narrower than a taxel to 3 mm; the pressure of a trunk
 /// changes by less than a fifth between them.
@@ -112,9 +111,7 @@ impl SkinPatch {
                     })
                     .collect(),
                 reach_m: reach_m(&layout.taxels),
-                stiffness_n_per_m3: arm.skin.stiffness_n_per_m3,
-                // The engine's rule for two surfaces: the mean.
-                friction: 0.5 * (arm.friction + FRICTION),
+                surface: arm.surface(arm.skin.surfaces[patch].link),
             })
             .collect()
     }
@@ -128,22 +125,16 @@ impl SkinPatch {
         })
     }
 
-    /// Spreads the contacts between this patch and one collision shape over the taxels. `shape_pose` is the shape's
-    /// pose in the link frame. The forces returned add up to those of the contacts.
-    pub fn spread(&self, contacts: &[ContactPoint], shape: &dyn Shape, shape_pose: &Pose) -> Vec<TaxelForce> {
-        self.spread_under(contacts, shape, shape_pose, 0.0)
-    }
-
-    /// As [`SkinPatch::spread`], for a shape whose surface deflects by `compliance_m3_per_n` under pressure. Layer and surface
-    /// are springs in series; the softer they are, the more taxels share the load.
-    pub fn spread_under(
+    /// Spreads the contacts between this patch and one collision shape with the surface `object` over the taxels.
+    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts.
+    pub fn spread(
         &self,
         contacts: &[ContactPoint],
         shape: &dyn Shape,
         shape_pose: &Pose,
-        compliance_m3_per_n: f64,
+        object: &Surface,
     ) -> Vec<TaxelForce> {
-        let stiffness_n_per_m3 = 1.0 / (1.0 / self.stiffness_n_per_m3 + compliance_m3_per_n);
+        let interface = self.surface.with(object);
         let total: DVec3 = contacts.iter().map(|contact| contact.force_link).sum();
         let load = |contact: &ContactPoint| contact.force_link.dot(contact.inward_link).max(0.0);
         let normal_sum: DVec3 = contacts.iter().map(|contact| contact.inward_link * load(contact)).sum();
@@ -167,7 +158,7 @@ impl SkinPatch {
                     taxel: point.taxel,
                     gap: signed_distance_m(shape, shape_pose, point.position_link),
                     place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
-                    stiffness: stiffness_n_per_m3 * point.area_m2,
+                    stiffness: interface.stiffness_n_per_m3 * point.area_m2,
                     share: -point.normal_link.dot(inward),
                 }
             })
@@ -186,11 +177,11 @@ impl SkinPatch {
             // taxel that faces the force most takes all of it.
             taxels.extend(self.facing_taxel(contacts, total).map(|taxel| (taxel, 1.0)));
         }
-        self.balance(&taxels, total)
+        self.balance(&taxels, total, interface.friction)
     }
 
     /// Scales normal forces and adds shear so that the vector sum is `total`.
-    fn balance(&self, taxels: &[(usize, f64)], total: DVec3) -> Vec<TaxelForce> {
+    fn balance(&self, taxels: &[(usize, f64)], total: DVec3, friction: f64) -> Vec<TaxelForce> {
         let normal = |taxel: usize| self.normals_link[taxel];
         let pressed: DVec3 = taxels.iter().map(|(taxel, force)| -normal(*taxel) * *force).sum();
         let direction = pressed.normalize_or_zero();
@@ -213,7 +204,7 @@ impl SkinPatch {
             })
             .collect();
         // If that is impossible, the taxels keep what the solver gave them.
-        within_cones(&mut carriers, self.friction, total);
+        within_cones(&mut carriers, friction, total);
         let carried = taxels.iter().zip(&carriers);
         carried
             .filter(|(_, carrier)| carrier.force != DVec3::ZERO)
@@ -319,12 +310,9 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
 }
 
 fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {
-    contacts.iter().enumerate().any(|(index, contact)| {
-        let next = contacts[(index + 1) % contacts.len()].position_link;
-        let edge = next - contact.position_link;
-        let share = ((center - contact.position_link).dot(edge) / edge.length_squared().max(1e-12)).clamp(0.0, 1.0);
-        center.distance_squared(contact.position_link + edge * share) < SEARCH_RADIUS_M * SEARCH_RADIUS_M
-    })
+    contacts
+        .iter()
+        .any(|contact| center.distance(contact.position_link) < contact.radius_m + SEARCH_MARGIN_M)
 }
 
 #[cfg(test)]

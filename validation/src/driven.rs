@@ -37,7 +37,6 @@ impl Driven {
     pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Result<Self, CheckError> {
         let mut rig = Rig::new(PhysicsOptions {
             step_s: Self::STEP_S,
-            substeps: 1,
             gravity_m_per_s2,
         });
         let body = rig.add_object(object).get(body).copied();

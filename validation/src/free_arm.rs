@@ -97,7 +97,6 @@ fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
     }
     let physics = PhysicsOptions {
         step_s,
-        substeps: 1,
         gravity_m_per_s2: 0.0,
     };
     let posture = arm.start_posture_rad();

@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use underbrush_oracles::statics;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::arm::Arm;
+use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::rig::{FreeBody, Rig};
@@ -43,7 +44,6 @@ const GRAVITY_M_PER_S2: f64 = 9.81;
 const FRICTION: f64 = 0.4;
 const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
-    substeps: 4,
     gravity_m_per_s2: GRAVITY_M_PER_S2,
 };
 
@@ -156,14 +156,15 @@ fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
         shape: BodyShape::Box { size_m },
         pose_body: Pose::from_position(center),
     };
+    let surface = Surface::hard(friction);
     let mut rig = Rig::new(OPTIONS);
     let tilt = Pose::from_orientation(DQuat::from_rotation_y(slope_rad));
     let plate = cuboid(DVec3::new(10.0, 1.0, 0.1), DVec3::Z * -0.05);
-    rig.add_fixed(&plate, friction, &tilt);
+    rig.add_fixed(&plate, surface, &tilt);
     let sliding = rig.add_free(&FreeBody {
         part: cuboid(DVec3::new(0.12, 0.1, 0.04), DVec3::ZERO),
         mass_kg: 0.5,
-        friction,
+        surface,
         pose_world: tilt * Pose::from_position(DVec3::Z * 0.02),
         velocity_world: DVec3::ZERO,
         may_rotate: [may_rotate; 3],

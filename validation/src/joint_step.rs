@@ -109,7 +109,6 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError
     arm.joints[0].start_rad = 0.0;
     let physics = PhysicsOptions {
         step_s,
-        substeps: 1,
         gravity_m_per_s2: 0.0,
     };
     let mut simulation = free_arm::alone(arm, physics);

@@ -51,7 +51,6 @@ impl ClampedLeaf {
     pub fn new(leaf: &Leaf, step_s: f64) -> Result<Self, CheckError> {
         let mut rig = Rig::new(PhysicsOptions {
             step_s,
-            substeps: 1,
             gravity_m_per_s2: 0.0,
         });
         let bodies = rig.add_object(leaf);

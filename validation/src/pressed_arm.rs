@@ -13,10 +13,9 @@ use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
 use crate::CheckError;
 
-/// Steps of 5 ms in four substeps: half the default step of scenes.
+/// The steps of scenes that say nothing else.
 pub const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
-    substeps: 4,
     gravity_m_per_s2: 9.81,
 };
 

@@ -53,8 +53,6 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparis
 fn reach(name: &str, text: &str, wrong: f64) -> Result<EnergySums, CheckError> {
     let mut scene = Scene::parse(format!("{name}.toml"), text.into())?;
     scene.file.physics.step_s = 1e-3;
-    // With one substep the integrator's own part is known exactly.
-    scene.file.physics.substeps = 1;
     let mut plan = ReachPlan::new(scene, None, 0)?;
     for joint in &mut plan.arm.joints {
         joint.damping_nm_s_per_rad *= wrong;

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
+use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::rig::{FreeBody, Rig};
 
@@ -30,7 +31,6 @@ const MASS_KG: f64 = 0.4;
 const FRICTION: f64 = 0.5;
 const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
-    substeps: 4,
     gravity_m_per_s2: GRAVITY_M_PER_S2,
 };
 
@@ -77,17 +77,15 @@ fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, CheckError> {
         },
         pose_body: Pose::from_position(DVec3::Z * -0.05),
     };
-    let plate = rig.add_fixed(&plate, FRICTION, &Pose::IDENTITY);
+    let plate = rig.add_fixed(&plate, Surface::hard(FRICTION), &Pose::IDENTITY);
     let lying = rig.add_free(&FreeBody {
         part,
         mass_kg,
-        friction: FRICTION,
+        surface: Surface::hard(FRICTION),
         // All three shapes reach 3 cm below their centre.
         pose_world: Pose::from_position(DVec3::Z * 0.03),
         velocity_world: DVec3::ZERO,
-        // No rolling about x, the capsule's axis. The engine keeps a contact point while a body rotates a little, and the stale
-        // point makes a capsule that may roll accelerate from 1e-13 m/s to 0.1 m/s within five seconds.
-        may_rotate: [false, true, true],
+        may_rotate: [true; 3],
     });
     let (Some(plate), Some(_)) = (plate, lying) else {
         return Err(CheckError::Case("a body without volume".into()));

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::arm::Arm;
+use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
@@ -180,7 +181,7 @@ fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
                 pose_body: Pose::IDENTITY,
             },
             mass_kg,
-            friction: 0.4,
+            surface: Surface::hard(0.4),
             pose_world: Pose::from_position(position),
             velocity_world,
             may_rotate: [true; 3],

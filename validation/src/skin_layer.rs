@@ -5,6 +5,8 @@ use parry3d::shape::SharedShape;
 use underbrush_oracles::{foundation, order};
 use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
+use underbrush_sim::contact::surface::Surface;
+use underbrush_sim::object::FRICTION;
 use underbrush_sim::skin::{ContactPoint, SkinPatch, SubPoint};
 
 use crate::pressed_arm::FOREARM_RADIUS_M;
@@ -145,12 +147,13 @@ impl Pressed {
             position_link: DVec3::ZERO,
             inward_link: -DVec3::Z,
             force_link: DVec3::Z * -force_n,
+            radius_m: 0.02,
         };
         let pose = Pose::from_position(DVec3::Z * self.height_m);
         let stiffness = STIFFNESS_N_PER_M3 * self.simulated.with(STIFF_LAYER, 1.0, 1.2);
         let points = self.simulated.with(ONE_POINT, 3, 1);
         let patch = patch(stiffness, pitch_m, self.skin_radius_m, points);
-        let forces = patch.spread(&[contact], self.shape.as_ref(), &pose);
+        let forces = patch.spread(&[contact], self.shape.as_ref(), &pose, &Surface::hard(FRICTION));
         let largest = forces.iter().map(|force| force.normal_force_n).fold(0.0, f64::max);
         largest / (pitch_m * pitch_m) / STIFFNESS_N_PER_M3
     }
@@ -183,13 +186,15 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
         })
     });
     SkinPatch {
-        friction: 0.35,
         link: 0,
         sub_points: points.collect(),
         centers_link: places.iter().map(|[x, arc]| surface(*x, *arc).0).collect(),
         normals_link: places.iter().map(|[x, arc]| surface(*x, *arc).1).collect(),
         reach_m: pitch_m,
-        stiffness_n_per_m3,
+        surface: Surface {
+            compliance_m3_per_n: 1.0 / stiffness_n_per_m3,
+            ..Surface::hard(FRICTION)
+        },
     }
 }
 
@@ -216,11 +221,12 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             position_link: touched,
             inward_link: -outward,
             force_link: outward * -force_n,
+            radius_m: 0.02,
         };
         let trunk = SharedShape::capsule_y(0.3, TRUNK_RADIUS_M);
         let rotation = glam::DQuat::from_rotation_arc(DVec3::Y, simulated.with(TURNED_TRUNK, around, along));
         let pose = Pose::new(touched + outward * TRUNK_RADIUS_M, rotation);
-        let found = patch.spread(&[contact], trunk.as_ref(), &pose);
+        let found = patch.spread(&[contact], trunk.as_ref(), &pose, &Surface::hard(FRICTION));
         let place = |position: DVec3, normal: DVec3| {
             let angle_rad = normal.dot(around).atan2(normal.dot(outward));
             [(position - touched).dot(along), angle_rad * FOREARM_RADIUS_M]

@@ -35,6 +35,9 @@ pub(super) const INERTIA_KG_M2: Limits = Limits::new(1e-10, 1e6, "kg m²");
 /// An entry of an inertia matrix, whose principal moments must be within [`INERTIA_KG_M2`].
 pub(super) const INERTIA_ENTRY_KG_M2: Limits = Limits::new(-INERTIA_KG_M2.max, INERTIA_KG_M2.max, "kg m²");
 
+/// Loss time of a skin: from none to that of a very slow foam.
+pub(super) const LOSS_TIME_S: Limits = Limits::new(0.0, 1.0, "s");
+
 /// Coordinates on an arm: the longest arms reach 3 to 4 m.
 pub(super) const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
 

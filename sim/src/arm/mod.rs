@@ -9,6 +9,8 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use underbrush_recording::{BodyShape, InputError, Pose, SkinLayout};
 
+use crate::contact::surface::Surface;
+
 mod at_start;
 mod file;
 pub mod kinematics;
@@ -156,6 +158,20 @@ impl Arm {
             joint.stiffness_nm_per_rad *= scale;
             joint.model_stiffness_nm_per_rad *= scale;
             joint.damping_nm_s_per_rad *= scale.sqrt();
+        }
+    }
+
+    /// The surface of a link. A link that carries skin is covered with it all over; the others are hard.
+    pub fn surface(&self, link: usize) -> Surface {
+        let has_skin = self.skin.surfaces.iter().any(|patch| patch.link == link);
+        Surface {
+            compliance_m3_per_n: if has_skin {
+                1.0 / self.skin.stiffness_n_per_m3
+            } else {
+                0.0
+            },
+            loss_time_s: self.skin.loss_time_s,
+            friction: self.friction,
         }
     }
 

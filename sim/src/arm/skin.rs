@@ -14,6 +14,8 @@ pub struct Skin {
     pub surfaces: Vec<PatchSurface>,
     /// Stiffness of the elastic layer per volume, N/m³: pressure divided by indentation.
     pub stiffness_n_per_m3: f64,
+    /// Loss time of the layer, s: its pressure is the stiffness times (h + τ dh/dt) under an indentation h.
+    pub loss_time_s: f64,
 }
 
 /// The surface under one patch, and its sensor technology.

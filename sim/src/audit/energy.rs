@@ -7,9 +7,8 @@
 //! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for a constant acceleration;
 //! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the link's point under it. This
 //!   includes losses by friction and contact damping, and what the objects store and lose;
-//! * the **integrator** dissipates energy numerically. For one substep h of the implicit Euler rule on M v̇ = −K x,
-//!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v. Velocities are known only after a step of n substeps, so the change of velocity is
-//!   assumed to be spread evenly over them: exact for one substep, an estimate for more.
+//! * the **integrator** dissipates energy numerically. For one step h of the implicit Euler rule on M v̇ = −K x,
+//!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v.
 //!
 //! The rest is the residual: impacts within a step, friction that the solver does not report, and gyroscopic terms. Steps
 //! that begin or end with a joint at a mechanical limit are left out, because the engine does not report the work of a stop
@@ -157,7 +156,6 @@ impl EnergyBalance {
             return;
         }
         let step_s = step.physics.step_s;
-        let substeps = step.physics.substeps as f64;
         let sums = &mut self.sums;
         let mut work_j = 0.0;
         let states = self.last.joints.iter().zip(&self.now.joints);
@@ -167,9 +165,8 @@ impl EnergyBalance {
             let (before, after) = (last.velocity_rad_per_s, now.velocity_rad_per_s);
             let mean_square = (before * before + before * after + after * after) / 3.0;
             sums.dampers_j += joint.damping_nm_s_per_rad * mean_square * step_s;
-            let substep_s = step_s / substeps;
-            sums.integrator_j += 0.5 * joint.stiffness_nm_per_rad * mean_square * step_s * substep_s
-                + 0.5 * joint.armature_kg_m2 * (after - before).powi(2) / substeps;
+            sums.integrator_j += 0.5 * joint.stiffness_nm_per_rad * mean_square * step_s * step_s
+                + 0.5 * joint.armature_kg_m2 * (after - before).powi(2);
         }
         sums.stored_j += self.now.energy_j - self.last.energy_j;
         sums.actuators_j += work_j;
@@ -181,7 +178,7 @@ impl EnergyBalance {
                 link.velocity_world - before.velocity_world,
                 link.angular_velocity_world - before.angular_velocity_world,
             )
-        }) / substeps;
+        });
         for contact in step.contacts {
             let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);
             let mean_force_world = contact.force_world * (FRAME_PERIOD_S / step_s);

@@ -43,7 +43,7 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
                 0.02,
                 "first order in the step, within which impacts and dampers are not resolved",
             ),
-            "integrator_energy_share" => (0.05, "first order in the substep, which is 5 ms by default"),
+            "integrator_energy_share" => (0.05, "first order in the step, which is 5 ms by default"),
             "deepest_penetration_m" => (
                 0.01,
                 "the skin's cover is a few millimetres thick; a link any deeper is inside the object",

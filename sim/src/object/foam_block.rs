@@ -9,8 +9,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_recording::{BodyShape, Category};
 
+use super::FRICTION;
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
 use super::{Footing, Object, Specification, StandsOn};
+use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
@@ -232,6 +234,7 @@ impl Object for FoamBlock {
         Structure {
             bodies: vec![Body::foot(), top],
             axisymmetric: false,
+            surface: Surface::hard(FRICTION),
         }
     }
 

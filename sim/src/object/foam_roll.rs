@@ -9,7 +9,8 @@ use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, Object};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Object};
+use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 
 pub use specification::FoamRollSpecification;
@@ -44,6 +45,9 @@ const LARGEST_LOAD_SHARE: f64 = 0.8;
 /// Damping ratio: half the loss factor of such foams, about 0.4 (at resonance η = 2 ζ).
 const DAMPING_RATIO: f64 = 0.2;
 
+/// Loss time of the surface, s: a loss factor of 0.4 at the 10 Hz of a touch.
+const SURFACE_LOSS_TIME_S: f64 = 0.4 / (2.0 * PI * 10.0);
+
 impl FoamRoll {
     /// Instantaneous stiffness of the two base hinges, Nm/rad. With k = 3 E I / H, a force F at the tip deflects the roll
     /// as it would a cantilever, by F H³ / (3 E I) (Gere & Goodno, *Mechanics of Materials*, table of beam deflections).
@@ -75,6 +79,15 @@ impl FoamRoll {
     /// Whether the roll carries its own weight and returns upright after any push, however long.
     pub fn stands_by_itself(&self) -> bool {
         self.load_share() <= LARGEST_LOAD_SHARE
+    }
+
+    /// The foam between surface and core, a layer as thick as the radius R, has a compliance of R / E per area. Choice.
+    fn surface(&self) -> Surface {
+        Surface {
+            compliance_m3_per_n: 0.5 * self.diameter_m / self.modulus_pa,
+            loss_time_s: SURFACE_LOSS_TIME_S,
+            friction: FRICTION,
+        }
     }
 
     fn standard_linear_solid(&self, stiffness: f64, inertia: f64) -> Spring {
@@ -114,11 +127,6 @@ impl Object for FoamRoll {
 
     fn height_m(&self) -> f64 {
         self.height_m
-    }
-
-    /// Choice: the foam between surface and core, a layer as thick as the radius R, has a compliance of R / E per area.
-    fn surface_compliance_m3_per_n(&self) -> f64 {
-        0.5 * self.diameter_m / self.modulus_pa
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
@@ -175,6 +183,7 @@ impl Object for FoamRoll {
         Structure {
             bodies,
             axisymmetric: true,
+            surface: self.surface(),
         }
     }
 }

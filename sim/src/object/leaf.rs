@@ -8,7 +8,8 @@ use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, Object};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Object};
+use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::quadrature::gauss_legendre;
 
@@ -241,6 +242,7 @@ impl Object for Leaf {
         Structure {
             bodies,
             axisymmetric: false,
+            surface: Surface::hard(FRICTION),
         }
     }
 }

@@ -116,11 +116,6 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn parameters(&self) -> BTreeMap<String, f64>;
     /// Its bodies, joints and springs at rest.
     fn structure(&self) -> Structure;
-    /// Compliance of its surface under pressure, m³/N, in series with the skin's. 0 for a surface that is rigid compared
-    /// with the skin, as most are.
-    fn surface_compliance_m3_per_n(&self) -> f64 {
-        0.0
-    }
     /// For foam that others may stand in: its modulus, Pa, and its height, m.
     fn foam_top(&self) -> Option<(f64, f64)> {
         None

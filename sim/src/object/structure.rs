@@ -5,6 +5,8 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 
+use crate::contact::surface::Surface;
+
 /// The bodies of one object at rest, as a tree. The object's frame has its origin at the foot and z pointing up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
@@ -12,6 +14,8 @@ pub struct Structure {
     pub bodies: Vec<Body>,
     /// Whether the object looks the same from all sides. Its frame then keeps the axes of the world, whatever its yaw.
     pub axisymmetric: bool,
+    /// The surface of all its bodies.
+    pub surface: Surface,
 }
 
 /// One rigid body.

@@ -9,7 +9,8 @@ use serde::Deserialize;
 use underbrush_recording::{BodyShape, Category};
 
 use super::structure::{Body, Structure, part};
-use super::{Footing, Object, Specification, StandsOn};
+use super::{FRICTION, Footing, Object, Specification, StandsOn};
+use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity, Within};
 
@@ -135,6 +136,7 @@ impl Object for Trunk {
         Structure {
             bodies: vec![trunk],
             axisymmetric: true,
+            surface: Surface::hard(FRICTION),
         }
     }
 }

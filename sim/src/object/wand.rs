@@ -12,6 +12,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
 use super::{Footing, Object, Specification, StandsOn};
+use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{DrawError, Limited, Placement, Quantity};
 
@@ -119,6 +120,7 @@ impl Object for Wand {
         Structure {
             bodies: vec![Body::foot(), Body::between_hinges(hinge(0, Axis::RotationX)), rod],
             axisymmetric: true,
+            surface: Surface::hard(crate::object::FRICTION),
         }
     }
 }

@@ -146,9 +146,6 @@ pub struct PhysicsSection {
     /// Time step, s: 10 ms (the period of the skin) or a whole fraction of it, at least 0.1 ms.
     #[schemars(range(min = limits::STEP_S.min, max = limits::STEP_S.max))]
     pub step_s: f64,
-    /// Solver substeps per step.
-    #[schemars(range(min = limits::SUBSTEPS.min, max = limits::SUBSTEPS.max))]
-    pub substeps: u32,
     /// Gravity, m/s².
     #[schemars(range(min = limits::GRAVITY_M_PER_S2.min, max = limits::GRAVITY_M_PER_S2.max))]
     pub gravity_m_per_s2: f64,
@@ -161,8 +158,7 @@ impl Default for PhysicsSection {
     /// 0.1 ms, and substeps shorter than these bring it no closer until they reach 1 ms.
     fn default() -> Self {
         PhysicsSection {
-            step_s: 0.01,
-            substeps: 2,
+            step_s: 0.005,
             gravity_m_per_s2: 9.81,
             dormancy: true,
         }
@@ -174,7 +170,6 @@ impl PhysicsSection {
     pub fn options(&self) -> PhysicsOptions {
         PhysicsOptions {
             step_s: self.step_s,
-            substeps: self.substeps as usize,
             gravity_m_per_s2: self.gravity_m_per_s2,
         }
     }

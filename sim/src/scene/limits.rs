@@ -10,12 +10,6 @@ pub const GRAVITY_M_PER_S2: Limits = Limits::new(0.0, 30.0, "m/s²");
 /// hundred times as long as with one step per frame. Shorter steps only cost time: with 1 µs a reach takes hours.
 pub const STEP_S: Limits = Limits::new(1e-4, 0.01, "s");
 
-/// At most 64 substeps, none shorter than [`SHORTEST_SUBSTEP_S`].
-pub const SUBSTEPS: Limits = Limits::new(1.0, 64.0, "substeps");
-
-/// A tenth of the shortest step, for the same reason, s.
-pub const SHORTEST_SUBSTEP_S: f64 = 1e-5;
-
 /// Scale of the stiffness: from a tenth to ten times that in the arm's file. Beyond that it is another arm and needs a file
 /// of its own.
 pub const STIFFNESS_SCALE: Limits = Limits::new(0.1, 10.0, "");

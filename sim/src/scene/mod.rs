@@ -134,7 +134,6 @@ impl Scene {
                 limits::PATIENCE_S,
             ),
             ("physics.step_s", physics.step_s, limits::STEP_S),
-            ("physics.substeps", f64::from(physics.substeps), limits::SUBSTEPS),
             (
                 "physics.gravity_m_per_s2",
                 physics.gravity_m_per_s2,
@@ -147,20 +146,13 @@ impl Scene {
         }
     }
 
-    /// Checks that a frame is a whole number of steps and that substeps are not too short.
+    /// Checks that a frame is a whole number of steps.
     fn check_steps(&self) -> Result<(), InputError> {
         let physics = &self.file.physics;
         let steps = FRAME_PERIOD_S / physics.step_s;
         if (steps - steps.round()).abs() > 1e-6 {
             let allowed = "10 ms or a whole fraction of it (0.005, 0.0025, 0.002, 0.001 ... 0.0001)";
             return Err(self.fault("physics.step_s", short(physics.step_s), allowed));
-        }
-        // Ten substeps of a step of 0.1 ms must be allowed in spite of rounding.
-        let max_substeps = (physics.step_s / limits::SHORTEST_SUBSTEP_S * (1.0 + 1e-9)).floor();
-        if f64::from(physics.substeps) > max_substeps {
-            let allowed =
-                format!("1 to {max_substeps} with this step_s, because a substep must be at least 10 µs long");
-            return Err(self.fault("physics.substeps", physics.substeps, allowed));
         }
         Ok(())
     }

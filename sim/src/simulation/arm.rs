@@ -5,19 +5,18 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::{Engine, groups};
 use super::report::JointState;
+use super::touching::JointStop;
 use crate::arm::{Arm, Link};
 use crate::geometry::{engine_shape, from_parry, parry_pose};
 
 /// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
 const AXIS: usize = JointAxis::AngX as usize;
 
-/// Softness of the joints' end stops, critically damped; the engine scales it with the joint's inertia. At 60 Hz they give
-/// way by less than 3° under the full torque of any of Cody's joints, as rubber stops do. Rigid stops make and break
-/// contact in every substep, and an arm pressed between a stop and a trunk then rattles.
-const STOP: SpringCoefficients<f64> = SpringCoefficients {
-    natural_frequency: 60.0,
-    damping_ratio: 1.0,
-};
+/// Angle by which an end stop gives way under the largest torque of the joint's actuator, rad: 2°, as rubber stops do.
+const STOP_GIVE_RAD: f64 = 0.035;
+/// Loss time of the stops, s. Choice: about critical damping for a joint of Cody's shoulder, whose inertia of some 0.3 kg m²
+/// and stop of 2 kNm/rad oscillate with 13 Hz.
+const STOP_LOSS_TIME_S: f64 = 0.02;
 
 /// One arm in an [`Engine`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -58,9 +57,8 @@ impl ArmBodies {
                 let collider = ColliderBuilder::new(shape)
                     .position(parry_pose(&(part.pose_link * shape_pose)))
                     .density(0.0)
-                    .friction(arm.friction)
                     .collision_groups(groups::arm());
-                let collider = engine.colliders.insert_with_parent(collider, body, &mut engine.bodies);
+                let collider = engine.insert_collider(collider, arm.surface(index), body);
                 bodies.colliders.push((collider, index));
             }
             // The kinematics below need the centres of mass, which the engine would only set in its first step.
@@ -72,17 +70,31 @@ impl ArmBodies {
             let mut data = GenericJoint::new(JointAxesMask::LOCKED_REVOLUTE_AXES);
             data.set_local_frame1(parry_pose(&joint.origin_parent) * frame)
                 .set_local_frame2(frame);
+            let Some(handle) = engine.joints.insert(ends[0], ends[1], data, true) else {
+                continue;
+            };
+            bodies.joints.push(handle);
             if joint.limits_rad.iter().all(|limit| limit.is_finite()) {
-                data.set_limits(JointAxis::AngX, joint.limits_rad);
-                data.softness = STOP;
+                engine.touching.stops.push(JointStop {
+                    joint: handle,
+                    axis: AXIS,
+                    limits_rad: joint.limits_rad,
+                    stiffness_nm_per_rad: joint.torque_limit_nm / STOP_GIVE_RAD,
+                    loss_time_s: STOP_LOSS_TIME_S,
+                });
             }
-            bodies.joints.extend(engine.joints.insert(ends[0], ends[1], data, true));
         }
         if let Some((_, multibody)) = bodies.multibody_mut(engine) {
             multibody.set_self_contacts_enabled(false);
         }
         bodies.set_posture(arm, posture_rad, engine);
         bodies
+    }
+
+    /// The link that carries a collider; `None` for a collider of something else.
+    pub(super) fn link_of(&self, collider: ColliderHandle) -> Option<usize> {
+        let own = self.colliders.iter().find(|(own, _)| *own == collider);
+        own.map(|(_, link)| *link)
     }
 
     /// Puts the arm in a posture, at rest, with its equilibrium angles there.

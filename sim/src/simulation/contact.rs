@@ -23,8 +23,13 @@ pub struct Contact {
     /// This contact's share of the mean force on the link over the frame, N, world frame: the impulse of normal force and
     /// friction in this step, divided by the 10 ms of the frame.
     pub force_world: DVec3,
-    /// How far the two shapes overlapped when the step began, m; negative if they were still apart.
+    /// Largest overlap of the two undeformed shapes along the normal at the end of the step, m: how far skin and object
+    /// together give way.
     pub penetration_m: f64,
+    /// How far from the position the surfaces touch, m.
+    pub radius_m: f64,
+    /// Velocity of the link's surface against the object's at the end of the step, in the tangent plane, m/s, world frame.
+    pub slip_world: DVec3,
 }
 
 impl Contact {
@@ -34,6 +39,7 @@ impl Contact {
             position_link: self.position_link,
             inward_link: link_pose.inverse_transform_vector(self.inward_world),
             force_link: link_pose.inverse_transform_vector(self.force_world),
+            radius_m: self.radius_m,
         }
     }
 }

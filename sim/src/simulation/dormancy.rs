@@ -71,7 +71,10 @@ impl World {
     fn movers(&self) -> impl Iterator<Item = Mover> {
         let mover = |collider: ColliderHandle, distance_m: f64| Mover {
             collider,
-            bounds: self.engine.colliders[collider].compute_aabb().loosened(distance_m),
+            bounds: self.engine.colliders[collider]
+                .shape()
+                .compute_aabb(&self.engine.collider_pose(collider))
+                .loosened(distance_m),
             distance_m,
         };
         let arm = self.arm.colliders.iter();
@@ -91,7 +94,7 @@ impl World {
         let collider = &self.engine.colliders[mover.collider];
         mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
             // A pair whose distance cannot be computed counts as near.
-            && distance(collider.position(), collider.shape(), pose, outline)
+            && distance(&self.engine.collider_pose(mover.collider), collider.shape(), pose, outline)
                 .map_or(true, |found| found.distance < mover.distance_m + margin_m)
     }
 }

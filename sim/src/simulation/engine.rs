@@ -3,22 +3,9 @@
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::touching::{Parts, Touching};
+use crate::contact::surface::Surface;
 use crate::physics::PhysicsOptions;
-
-/// Softness of contacts with trunks and foam blocks, critically damped. The engine scales the stiffness with the effective
-/// mass m, as m (2π f)². At the arm's 1 kg this is 1e4 N/m: the stiffness of the skin's layer (3e7 N/m³) over the 3–4 cm²
-/// on which a trunk touches it.
-const SKIN_ON_FIXED: SpringCoefficients<f64> = SpringCoefficients {
-    natural_frequency: 16.0,
-    damping_ratio: 1.0,
-};
-
-/// Softness of contacts with leaves and rolls, critically damped: 2e3 N/m at the 5 g that a leaf weighs. The few tenths of
-/// a newton that a leaf exerts then indent the skin by a tenth of a millimetre.
-const SKIN_ON_BENDABLE: SpringCoefficients<f64> = SpringCoefficients {
-    natural_frequency: 100.0,
-    damping_ratio: 1.0,
-};
 
 /// A Rapier world: bodies, shapes, joints and contacts.
 #[derive(Serialize, Deserialize)]
@@ -33,8 +20,10 @@ pub struct Engine {
     pub colliders: ColliderSet,
     /// Multibodies: the arm and every bendable object.
     pub joints: MultibodyJointSet,
-    /// Contacts of the last step.
+    /// What is near what.
     pub narrow_phase: NarrowPhase,
+    /// Contacts of the last step.
+    pub(super) touching: Touching,
     #[serde(skip, default = "PhysicsPipeline::new")]
     pipeline: PhysicsPipeline,
     islands: IslandManager,
@@ -54,6 +43,7 @@ impl Clone for Engine {
             colliders: self.colliders.clone(),
             joints: self.joints.clone(),
             narrow_phase: self.narrow_phase.clone(),
+            touching: self.touching.clone(),
             pipeline: PhysicsPipeline::new(),
             islands: self.islands.clone(),
             broad_phase: self.broad_phase.clone(),
@@ -69,26 +59,16 @@ impl Engine {
     pub fn new(options: PhysicsOptions) -> Self {
         let parameters = IntegrationParameters {
             dt: options.step_s,
-            num_solver_iterations: options.substeps,
-            // A recycled contact may be 5 cm away from the true one, several times the width of a taxel.
+            // The contacts are added to one free step; see `touching`.
+            num_solver_iterations: 1,
+            // Contact points that are kept while bodies move may be 5 cm away from the true ones.
             contact_recycling: false,
-            // Clustering moves impulses away from the contact points that the skin reads.
             contact_clustering: false,
-            // Friction acts whenever the contact does; the default is tuned for tall stacks.
-            friction_in_bias_pass: true,
-            friction_model: FrictionModel::Coulomb,
-            // Contacts are soft, like skin over a shell. Rigid contacts with a position correction break and return from
-            // step to step while the arm slides, and the force then chatters by tens of per cent.
             num_internal_stabilization_iterations: 0,
-            static_contact_softness: SKIN_ON_FIXED,
-            contact_softness: SKIN_ON_BENDABLE,
-            // The hand moves 5 mm in a frame at 0.5 m/s, the speed of the fastest preset. A larger distance would create
-            // contacts between mere neighbours.
+            // The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the fastest preset. A larger distance would
+            // create contacts between mere neighbours.
             normalized_prediction_distance: 0.005,
-            // With a single sweep per substep, contacts that push each other lag behind. Four sweeps reduce the error of a
-            // trunk's force from 5 % to 1 % at no measurable cost (benches/README.md).
-            num_internal_pgs_iterations: 4,
-            // Nothing here moves far enough in a step to tunnel: 0.5 m/s for 10 ms is 5 mm.
+            // Nothing here moves far enough in a step to tunnel.
             max_ccd_substeps: 0,
             ..IntegrationParameters::default()
         };
@@ -99,6 +79,7 @@ impl Engine {
             colliders: ColliderSet::new(),
             joints: MultibodyJointSet::new(),
             narrow_phase: NarrowPhase::new(),
+            touching: Touching::default(),
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
             broad_phase: BroadPhaseBvh::new(),
@@ -108,8 +89,32 @@ impl Engine {
         }
     }
 
+    /// Adds a shape to a body.
+    pub fn insert_collider(
+        &mut self,
+        shape: ColliderBuilder,
+        surface: Surface,
+        body: RigidBodyHandle,
+    ) -> ColliderHandle {
+        let shape = shape.solver_groups(InteractionGroups::none());
+        let collider = self.colliders.insert_with_parent(shape, body, &mut self.bodies);
+        self.touching.set_surface(collider, surface);
+        collider
+    }
+
+    /// The pose of a collider, world frame. The engine's own copy is that of the start of the last step.
+    pub fn collider_pose(&self, collider: ColliderHandle) -> Pose {
+        let collider = &self.colliders[collider];
+        let body = collider.parent().map(|body| *self.bodies[body].position());
+        match (body, collider.position_wrt_parent()) {
+            (Some(body), Some(on_body)) => body * *on_body,
+            _ => *collider.position(),
+        }
+    }
+
     /// Advances the world by one step.
     pub fn step(&mut self) {
+        self.touching.before_step(&self.bodies, &self.joints);
         let gravity = Vector::new(0.0, 0.0, -self.options.gravity_m_per_s2);
         self.pipeline.step(
             gravity,
@@ -126,6 +131,13 @@ impl Engine {
             &(),
             &(),
         );
+        self.touching.after_step(&mut Parts {
+            bodies: &mut self.bodies,
+            colliders: &self.colliders,
+            joints: &mut self.joints,
+            narrow_phase: &self.narrow_phase,
+            step_s: self.options.step_s,
+        });
     }
 
     /// Removes a body with its colliders and joints.
@@ -140,17 +152,6 @@ impl Engine {
             true,
         );
     }
-}
-
-/// The points of a manifold on which the solver pressed in the last step.
-///
-/// The solver uses at most four points of a manifold. The others keep the impulse of the step in which they were last used.
-/// If they were counted too, a blade on the forearm would seem to press with up to twice its force.
-pub fn pressed_points(manifold: &ContactManifold) -> impl Iterator<Item = &TrackedContact<ContactData>> {
-    let taken = manifold.data.solver_contacts.iter();
-    taken
-        .filter_map(|contact| manifold.points.get(contact.contact_indices()[0] as usize))
-        .filter(|point| point.data.impulse > 0.0)
 }
 
 /// The collision groups; every collider is in one of them.

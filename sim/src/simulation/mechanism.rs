@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape};
 
 use super::engine::{Engine, groups};
+use crate::contact::surface::Surface;
 use crate::geometry::{engine_shape, from_parry, parry_pose};
-use crate::object::FRICTION;
 use crate::object::structure::{self, Axis, CollisionGroup, Inertia, Spring, Structure};
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -41,7 +41,7 @@ impl Mechanism {
         };
         let mut mechanism = Mechanism::default();
         for body in &structure.bodies {
-            mechanism.insert_body(engine, body, foot_pose_world);
+            mechanism.insert_body(engine, body, structure.surface, foot_pose_world);
         }
         mechanism.finish(engine);
         mechanism
@@ -73,7 +73,7 @@ impl Mechanism {
     }
 
     /// Adds a body, its joint and its shapes.
-    fn insert_body(&mut self, engine: &mut Engine, body: &structure::Body, foot_pose_world: Pose) {
+    fn insert_body(&mut self, engine: &mut Engine, body: &structure::Body, surface: Surface, foot_pose_world: Pose) {
         let handle = match &body.joint {
             None => engine.bodies.insert(RigidBodyBuilder::fixed().pose(foot_pose_world)),
             Some(joint) => self.insert_jointed(engine, joint, &body.inertia),
@@ -81,11 +81,8 @@ impl Mechanism {
         self.bodies.push(handle);
         for part in &body.parts {
             let Some(shape) = collider(part) else { continue };
-            let shape = shape
-                .density(0.0)
-                .friction(FRICTION)
-                .collision_groups(engine_groups(body.collision_group));
-            let collider = engine.colliders.insert_with_parent(shape, handle, &mut engine.bodies);
+            let shape = shape.density(0.0).collision_groups(engine_groups(body.collision_group));
+            let collider = engine.insert_collider(shape, surface, handle);
             self.colliders.push(collider);
         }
     }

@@ -28,6 +28,7 @@ pub mod rig;
 mod saved;
 mod sense;
 mod tactile;
+mod touching;
 mod world;
 
 pub use contact::{Contact, contact_torque_nm};

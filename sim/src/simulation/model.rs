@@ -27,8 +27,6 @@ pub(super) struct Model {
     pub(super) outlines: Vec<(Cuboid, EnginePose)>,
     /// The bounding boxes of the outlines as a tree, to find what is near.
     pub(super) outline_tree: Bvh,
-    /// How far each object's surface gives way under pressure, m³/N.
-    pub(super) compliance_m3_per_n: Vec<f64>,
     pub(super) patches: Vec<SkinPatch>,
 }
 
@@ -54,9 +52,6 @@ impl Model {
             rest_pose_world,
             outline_tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             outlines,
-            compliance_m3_per_n: objects()
-                .map(|placed| placed.object.surface_compliance_m3_per_n())
-                .collect(),
             structures,
             patches: SkinPatch::of_arm(&arm),
             arm,

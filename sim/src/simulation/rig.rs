@@ -5,9 +5,10 @@ use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, Pose as WorldPose};
 
 use super::arm::ArmBodies;
-use super::engine::{Engine, pressed_points};
+use super::engine::Engine;
 use super::mechanism::{Mechanism, collider, engine_axis};
 use crate::arm::Arm;
+use crate::contact::surface::Surface;
 use crate::geometry::{from_parry, parry_pose};
 use crate::object::Object;
 use crate::object::structure::Axis;
@@ -35,8 +36,8 @@ pub struct FreeBody {
     pub part: BodyPart,
     /// Its mass, kg.
     pub mass_kg: f64,
-    /// Its coefficient of friction.
-    pub friction: f64,
+    /// Its surface.
+    pub surface: Surface,
     /// Its pose at the start.
     pub pose_world: WorldPose,
     /// The velocity of its origin at the start, m/s.
@@ -88,28 +89,43 @@ impl Rig {
     }
 
     /// Adds a body that cannot move. `None` if its shape has no volume.
-    pub fn add_fixed(&mut self, part: &BodyPart, friction: f64, pose_world: &WorldPose) -> Option<BodyId> {
+    pub fn add_fixed(&mut self, part: &BodyPart, surface: Surface, pose_world: &WorldPose) -> Option<BodyId> {
+        let shape = collider(part)?;
         let body = RigidBodyBuilder::fixed().pose(parry_pose(pose_world));
-        self.add(body, collider(part)?.friction(friction))
+        let body = self.engine.bodies.insert(body);
+        self.engine.insert_collider(shape, surface, body);
+        Some(self.name(body))
     }
 
     /// Adds a free body. `None` if its shape has no volume.
     pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
-        let [x, y, z] = free.may_rotate;
+        let shape = collider(&free.part)?;
+        let engine = &mut self.engine;
+        // Contacts act on articulated bodies only: the body hangs on a joint whose axes are free.
+        let origin = engine.bodies.insert(RigidBodyBuilder::fixed());
         let body = RigidBodyBuilder::dynamic()
             .pose(parry_pose(&free.pose_world))
-            .linvel(free.velocity_world)
-            .enabled_rotations(x, y, z)
             .can_sleep(false);
-        self.add(body, collider(&free.part)?.mass(free.mass_kg).friction(free.friction))
-    }
-
-    fn add(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> Option<BodyId> {
-        let engine = &mut self.engine;
         let body = engine.bodies.insert(body);
-        engine.colliders.insert_with_parent(shape, body, &mut engine.bodies);
+        engine.insert_collider(shape.mass(free.mass_kg), free.surface, body);
         // The engine would sum up the masses in its first step only.
         engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
+        let mut locked = JointAxesMask::empty();
+        for (axis, free) in JointAxesMask::ANG_AXES.iter().zip(free.may_rotate) {
+            if !free {
+                locked |= axis;
+            }
+        }
+        let mut data = GenericJoint::new(locked);
+        data.set_local_frame1(parry_pose(&free.pose_world));
+        let handle = engine.joints.insert(origin, body, data, true)?;
+        let (multibody, _) = engine.joints.get_mut(handle)?;
+        multibody.forward_kinematics(&engine.bodies, true);
+        multibody.damping_mut().fill(0.0);
+        let velocity = free.pose_world.inverse_transform_vector(free.velocity_world);
+        for (own, value) in multibody.generalized_velocity_mut().iter_mut().zip(velocity.to_array()) {
+            *own = value;
+        }
         Some(self.name(body))
     }
 
@@ -170,7 +186,16 @@ impl Rig {
 
     /// Velocity of a body's centre of mass, m/s, world frame.
     pub fn velocity_world(&self, body: BodyId) -> DVec3 {
-        self.body(body).linvel()
+        let link = self.engine.joints.rigid_body_link(self.bodies[body.0]);
+        let found = link.and_then(|link| Some((self.engine.joints.get_multibody(link.multibody)?, link.id)));
+        let Some((multibody, link)) = found else {
+            return DVec3::ZERO;
+        };
+        let columns = multibody.body_jacobian(link).column_iter();
+        columns
+            .zip(multibody.generalized_velocity().iter())
+            .map(|(column, speed)| DVec3::new(column[0], column[1], column[2]) * *speed)
+            .sum()
     }
 
     /// A body's centre of mass, m, world frame.
@@ -195,12 +220,11 @@ impl Rig {
 
     /// Sum of the normal forces on a body in the last step, N.
     pub fn pressing_force_n(&self, body: BodyId) -> f64 {
-        let colliders = self.body(body).colliders().iter();
-        let pairs = colliders.flat_map(|collider| self.engine.narrow_phase.contact_pairs_with(*collider));
-        let impulse: f64 = pairs
-            .flat_map(|pair| pair.manifolds())
-            .flat_map(pressed_points)
-            .map(|point| point.data.impulse)
+        let own = self.body(body).colliders();
+        let touches = self.engine.touching.touches.iter();
+        let impulse: f64 = touches
+            .filter(|touch| touch.colliders.iter().any(|collider| own.contains(collider)))
+            .map(|touch| touch.normal_impulse)
             .sum();
         impulse / self.engine.options.step_s
     }

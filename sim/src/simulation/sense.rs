@@ -80,10 +80,10 @@ pub(super) fn sense(world: &World, model: &Model, sensor: &mut Sensor) -> Tactil
     let mut loads: BTreeMap<(usize, usize), Load> = BTreeMap::new();
     for ((patch, _), group) in &groups {
         let skin = &patches[*patch];
-        let shape = &world.engine.colliders[group.collider];
-        let compliance = model.compliance_m3_per_n[group.object];
-        let shape_pose = world.link_pose(skin.link).inverse() * from_parry(shape.position());
-        for force in skin.spread_under(&group.points, shape.shape(), &shape_pose, compliance) {
+        let shape = world.engine.colliders[group.collider].shape();
+        let surface = &model.structures[group.object].surface;
+        let shape_pose = world.link_pose(skin.link).inverse() * from_parry(&world.engine.collider_pose(group.collider));
+        for force in skin.spread(&group.points, shape, &shape_pose, surface) {
             let load = loads.entry((*patch, force.taxel)).or_default();
             load.add(group.object as u16, force.normal_force_n, force.shear_link);
         }

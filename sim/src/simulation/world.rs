@@ -1,13 +1,12 @@
 //! The engine's side of a simulation: arm and objects as bodies, one frame of steps, and the contacts out of them.
 
-use glam::DVec3;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use super::arm::ArmBodies;
 use super::contact::Contact;
-use super::engine::{Engine, pressed_points};
+use super::engine::Engine;
 use super::mechanism::Mechanism;
 use super::model::Model;
 use super::report::{StepObserver, StepReport};
@@ -111,41 +110,32 @@ impl World {
         self.mechanisms[index] = Some(mechanism);
     }
 
+    /// The contacts of the last step between arm and objects.
     fn gather_contacts(&mut self) {
-        for (collider, link) in &self.arm.colliders {
-            let mut pairs: Vec<&ContactPair> = self.engine.narrow_phase.contact_pairs_with(*collider).collect();
-            pairs.sort_by_key(|pair| (pair.collider1.into_raw_parts(), pair.collider2.into_raw_parts()));
-            for pair in pairs {
-                let arm_is_first = pair.collider1 == *collider;
-                let other = if arm_is_first { pair.collider2 } else { pair.collider1 };
-                let Some((object, body)) = object_and_body(&self.engine.colliders[other]) else {
-                    continue;
-                };
-                for manifold in pair.manifolds() {
-                    // The normal points from the first shape to the second; the first is pushed against it.
-                    let sign = if arm_is_first { -1.0 } else { 1.0 };
-                    for point in pressed_points(manifold) {
-                        let on_shape = if arm_is_first { point.local_p1 } else { point.local_p2 };
-                        let shape = &self.engine.colliders[*collider];
-                        let on_link = shape
-                            .position_wrt_parent()
-                            .map_or(on_shape, |pose| pose.transform_point(on_shape));
-                        let inward_world = manifold.data.normal * sign;
-                        let impulse = inward_world * point.data.impulse
-                            - friction_impulse_on_first(&point.data, -manifold.data.normal) * sign;
-                        self.contacts.push(Contact {
-                            link: *link,
-                            object,
-                            body,
-                            position_link: on_link,
-                            inward_world,
-                            force_world: impulse / FRAME_PERIOD_S,
-                            penetration_m: -point.dist,
-                        });
-                        self.contact_colliders.push(other);
-                    }
-                }
-            }
+        for touch in &self.engine.touching.touches {
+            let links = touch.colliders.map(|collider| self.arm.link_of(collider));
+            let (side, link) = match links {
+                [Some(link), None] => (0, link),
+                [None, Some(link)] => (1, link),
+                _ => continue,
+            };
+            let other = touch.colliders[1 - side];
+            let Some((object, body)) = object_and_body(&self.engine.colliders[other]) else {
+                continue;
+            };
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            self.contacts.push(Contact {
+                link,
+                object,
+                body,
+                position_link: touch.position_body[side],
+                inward_world: touch.normal_world * sign,
+                force_world: touch.impulse_world * (sign / FRAME_PERIOD_S),
+                penetration_m: touch.overlap_m,
+                radius_m: touch.radius_m,
+                slip_world: touch.slip_world * sign,
+            });
+            self.contact_colliders.push(other);
         }
     }
 }
@@ -160,21 +150,4 @@ fn mark(object: usize, body: usize) -> u128 {
 fn object_and_body(collider: &Collider) -> Option<(usize, usize)> {
     let object = (collider.user_data as u64).checked_sub(1)?;
     Some((object as usize, (collider.user_data >> 64) as usize))
-}
-
-/// Friction impulse on the first body over a whole step, N s, world frame.
-///
-/// The engine reports it as two components along tangents t₁ and t₂ = d × t₁, which it does not report (d is the
-/// direction in which the contact pushes the first body). For the last substep it gives the impulse both as components
-/// (a, b) and as the vector w = a t₁ + b t₂, so t₁ = (a w − b d × w) / (a² + b²). If the last substep had no friction, the
-/// tangents are unknown and the friction of the earlier substeps, of a contact that is just breaking, is left out.
-fn friction_impulse_on_first(data: &ContactData, direction: DVec3) -> DVec3 {
-    let [a, b] = [data.warmstart_tangent_impulse.x, data.warmstart_tangent_impulse.y];
-    let squared = a * a + b * b;
-    if squared == 0.0 {
-        return DVec3::ZERO;
-    }
-    let vector = data.warmstart_tangent_world;
-    let first = (vector * a - direction.cross(vector) * b) / squared;
-    first * data.tangent_impulse.x + direction.cross(first) * data.tangent_impulse.y
 }

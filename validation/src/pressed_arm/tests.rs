@@ -129,7 +129,6 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
 fn dragging_along_a_trunk_keeps_the_balance() {
     let options = PhysicsOptions {
         step_s: 0.001,
-        substeps: 1,
         gravity_m_per_s2: 9.81,
     };
     let mut pressed = beside(trunk(), 0.017, options);

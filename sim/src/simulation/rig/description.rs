@@ -10,8 +10,6 @@ use crate::simulation::engine::Engine;
 /// The bodies and joints of a rig.
 #[derive(Clone, Debug)]
 pub struct Description {
-    /// Natural frequency, Hz, and damping ratio of the contacts with bodies that can move.
-    pub contact_softness: [f64; 2],
     /// The trees of joints, each from its root on.
     pub trees: Vec<Vec<LinkDescription>>,
 }
@@ -84,11 +82,7 @@ impl Description {
             engine.joints.multibodies().map(|tree| describe(tree, engine)).collect();
         // The engine may list them in any order.
         trees.sort_by_key(|tree| tree.first().map(|root| root.body));
-        let softness = &engine.parameters.contact_softness;
-        Description {
-            contact_softness: [softness.natural_frequency, softness.damping_ratio],
-            trees,
-        }
+        Description { trees }
     }
 }
 
@@ -105,7 +99,8 @@ fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
             let axes = free.enumerate().map(|(number, axis)| {
                 let degree = link.assembly_id() + number;
                 let (stiffness, rest) = link.joint.spring(axis);
-                let limited = joint.limit_axes.bits() & (1 << axis) != 0;
+                // The engine names a joint by the body that it carries.
+                let stop = engine.touching.stops.iter().find(|stop| stop.joint.0 == handle.0);
                 AxisDescription {
                     axis,
                     coordinate: link.joint.coords()[axis],
@@ -113,7 +108,7 @@ fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
                     rest,
                     damping: tree.damping()[degree],
                     armature: tree.armature()[degree],
-                    limits: limited.then(|| [joint.limits[axis].min, joint.limits[axis].max]),
+                    limits: stop.map(|stop| stop.limits_rad),
                 }
             });
             LinkDescription {

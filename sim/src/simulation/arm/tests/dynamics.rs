@@ -49,7 +49,6 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
     let step_s = 1e-4;
     let options = PhysicsOptions {
         step_s,
-        substeps: 1,
         gravity_m_per_s2: 9.81,
     };
     let mut engine = Engine::new(options);
@@ -94,7 +93,6 @@ fn end_effector_force_at_rest_is_held_by_the_springs() {
     let arm = Arm::cody().unwrap();
     let options = PhysicsOptions {
         step_s: 0.005,
-        substeps: 4,
         gravity_m_per_s2: 9.81,
     };
     let posture = arm.start_posture_rad();

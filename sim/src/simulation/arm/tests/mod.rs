@@ -13,7 +13,6 @@ mod dynamics;
 
 const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
-    substeps: 4,
     gravity_m_per_s2: 9.81,
 };
 

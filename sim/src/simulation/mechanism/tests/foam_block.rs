@@ -20,7 +20,6 @@ fn a_load_presses_the_top_in() {
     let relaxing_share = block.parameters()["relaxing_share"];
     let options = PhysicsOptions {
         step_s: 0.005,
-        substeps: 1,
         gravity_m_per_s2: 0.0,
     };
     let mut engine = Engine::new(options);

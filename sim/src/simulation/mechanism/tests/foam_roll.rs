@@ -21,7 +21,6 @@ fn a_push_creeps_and_recovers() {
     };
     let options = PhysicsOptions {
         step_s: 0.005,
-        substeps: 1,
         gravity_m_per_s2: 0.0,
     };
     let mut engine = Engine::new(options);
@@ -82,7 +81,6 @@ fn roll(modulus_pa: f64) -> FoamRoll {
 fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     let options = PhysicsOptions {
         step_s: 0.005,
-        substeps: 2,
         gravity_m_per_s2: 9.81,
     };
     let mut engine = Engine::new(options);

@@ -11,7 +11,6 @@ use crate::simulation::engine::Engine;
 fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
     let options = PhysicsOptions {
         step_s: 0.01,
-        substeps: 1,
         gravity_m_per_s2: 0.0,
     };
     let mut engine = Engine::new(options);

@@ -1,0 +1,158 @@
+//! The contact law of one patch over one step.
+//!
+//! A patch is an elastic foundation with loss (Kelvin-Voigt): in a column of area a with the overlap h the pressure is
+//! k (h + τ dh/dt), and never negative. Within a step the overlap changes to h − Δt v, where v is the speed at which the
+//! surfaces part at the end of the step. The impulse of the column is therefore Δt k a · max(0, h − (Δt + τ) v). If the
+//! column closes only during the step (h < 0), loss acts for the part of the step in which it is closed:
+//! Δt k a · max(0, (1 + τ/Δt) h − (Δt + τ) v). Both are slopes of convex functions of v.
+//!
+//! Friction acts at the patch's centre of pressure, on the slip (v₁, v₂) there and on the angular velocity ω about the normal.
+//! It is Coulomb's, for a patch whose limit surface is an ellipsoid (Howe & Cutkosky, "Practical force-motion models for
+//! sliding manipulation", 1996): the vector (f₁, f₂, moment/r) is opposite to (v₁, v₂, r ω) and has the magnitude μ N, where r
+//! is the mean distance of the pressure from its centre. A patch that sticks gives way elastically by [`STICTION_M`] before it
+//! slips, as surfaces with asperities do. The displacement is kept from step to step, so a patch that sticks does not creep.
+
+use glam::{DVec2, DVec3};
+use nalgebra::{Matrix3, Vector3};
+
+use super::patch::Node;
+
+/// Tangential displacement at which a patch begins to slip, m. Choice: asperities slide after 1 to 100 µm; it is well below
+/// what a taxel resolves, and the arm passes it within one step of 5 ms at 2 mm/s.
+pub const STICTION_M: f64 = 1e-5;
+
+/// The speeds at which two bodies part at a patch: along the normal (m/s), and the angular velocities about the two tangents
+/// (rad/s), of the first body relative to the second.
+pub type NormalSpeeds = Vector3<f64>;
+
+/// Slip of the first body against the second along the two tangents, m/s, and r times the angular velocity about the normal.
+pub type SlipSpeeds = Vector3<f64>;
+
+/// What the law returns for a velocity: the impulse on the first body (N s, and N m s), and minus its derivative by the
+/// velocity, which is symmetric and positive semidefinite.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Impulse.
+    pub impulse: Vector3<f64>,
+    /// Minus its derivative.
+    pub stiffness: Matrix3<f64>,
+}
+
+/// The constants of a patch in one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Law {
+    /// Foundation modulus, N/m³.
+    pub stiffness_n_per_m3: f64,
+    /// Loss time, s.
+    pub loss_time_s: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Length of the step, s.
+    pub step_s: f64,
+}
+
+impl Law {
+    /// The overlap that a column presses with if the surfaces do not part or approach, m.
+    fn pressed_m(&self, overlap_m: f64) -> f64 {
+        if overlap_m >= 0.0 {
+            overlap_m
+        } else {
+            (1.0 + self.loss_time_s / self.step_s) * overlap_m
+        }
+    }
+
+    /// The overlap beyond which a column presses at the parting speed `speed`, m.
+    pub fn closing_m(&self, speed: f64) -> f64 {
+        if speed < 0.0 {
+            self.step_s * speed
+        } else {
+            (self.step_s + self.loss_time_s) * speed
+        }
+    }
+
+    /// Normal impulse and moments about the tangents.
+    pub fn normal(&self, nodes: &[Node], speeds: &NormalSpeeds) -> Response {
+        let rate = self.step_s + self.loss_time_s;
+        let scale = self.step_s * self.stiffness_n_per_m3;
+        let mut impulse = [0.0; 3];
+        let mut stiffness = [0.0; 6];
+        for node in nodes {
+            let DVec2 { x, y } = node.place;
+            let speed = speeds[0] + y * speeds[1] - x * speeds[2];
+            let pressed = self.pressed_m(node.overlap_m) - rate * speed;
+            if pressed > 0.0 {
+                let modulus = scale * node.area_m2;
+                let force = modulus * pressed;
+                impulse[0] += force;
+                impulse[1] += force * y;
+                impulse[2] -= force * x;
+                let slope = modulus * rate;
+                stiffness[0] += slope;
+                stiffness[1] += slope * y;
+                stiffness[2] -= slope * x;
+                stiffness[3] += slope * y * y;
+                stiffness[4] -= slope * x * y;
+                stiffness[5] += slope * x * x;
+            }
+        }
+        let [a, b, c, d, e, f] = stiffness;
+        Response {
+            impulse: Vector3::from(impulse),
+            stiffness: Matrix3::new(a, b, c, b, d, e, c, e, f),
+        }
+    }
+
+    /// Friction at most `limit` (N s) large. `stuck` is the elastic displacement at the start of the step, m.
+    pub fn friction(&self, stuck: &Vector3<f64>, limit: f64, speeds: &SlipSpeeds) -> Response {
+        let displaced = stuck + speeds * self.step_s;
+        let distance = displaced.norm();
+        let softness = limit / distance.max(STICTION_M);
+        let mut stiffness = Matrix3::from_diagonal_element(softness * self.step_s);
+        if distance > STICTION_M {
+            stiffness -= displaced * displaced.transpose() * (softness * self.step_s / (distance * distance));
+        }
+        Response {
+            impulse: displaced * -softness,
+            stiffness,
+        }
+    }
+
+    /// The elastic displacement at the end of the step.
+    pub fn stuck_after(&self, stuck: &Vector3<f64>, speeds: &SlipSpeeds) -> Vector3<f64> {
+        let displaced = stuck + speeds * self.step_s;
+        displaced * (STICTION_M / displaced.norm().max(STICTION_M))
+    }
+
+    /// Centre of pressure in the tangent plane, m, and the mean distance r of the pressure from it, m, at the parting speeds
+    /// `speeds`. If nothing presses there, those of the columns' areas.
+    pub fn center_and_radius(&self, nodes: &[Node], speeds: &NormalSpeeds) -> (DVec2, f64) {
+        let rate = self.step_s + self.loss_time_s;
+        let force = |node: &Node| {
+            let speed = speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2];
+            node.area_m2 * (self.pressed_m(node.overlap_m) - rate * speed).max(0.0)
+        };
+        let total: f64 = nodes.iter().map(force).sum();
+        let weight = |node: &Node| if total > 0.0 { force(node) } else { node.area_m2 };
+        let sum: f64 = nodes.iter().map(weight).sum();
+        if sum <= 0.0 {
+            return (DVec2::ZERO, 0.0);
+        }
+        let center = nodes.iter().map(|node| node.place * weight(node)).sum::<DVec2>() / sum;
+        let radius = nodes
+            .iter()
+            .map(|node| node.place.distance(center) * weight(node))
+            .sum::<f64>()
+            / sum;
+        (center, radius)
+    }
+}
+
+/// The place where a normal impulse with its moments about the tangents acts, in the tangent plane, m.
+pub fn center_of_pressure(impulse: &Vector3<f64>) -> DVec2 {
+    DVec2::new(-impulse[2], impulse[1]) / impulse[0]
+}
+
+/// A vector of the tangent plane in the world frame.
+pub fn in_plane(tangents_world: &[DVec3; 2], x: f64, y: f64) -> DVec3 {
+    tangents_world[0] * x + tangents_world[1] * y
+}

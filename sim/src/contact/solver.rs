@@ -1,0 +1,516 @@
+//! The velocities at the end of a step, under the contact law.
+//!
+//! Without contacts the engine would end the step with the generalized velocities u*. With the mass matrix M of its implicit
+//! step (which includes joint springs and dampers), the velocities u with contacts satisfy
+//!
+//!   M (u − u*) = Σ Jᵀ λ(J u),
+//!
+//! where J gives the speeds of a patch from u, and λ is the impulse of [`super::law`]. For friction limits μ N that are held
+//! fixed this is the minimum of a strictly convex function: the kinetic term and the potentials of the law. Newton's method
+//! with a line search along the convex function finds it from any start. The limits are those of the present iterate, so that
+//! usually the whole converges together; if it does not within [`JOINT_ITERATIONS`], the limits are held until the convex
+//! function is minimized, and then renewed, half way. What remains unsolved is reported as the residual.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::envelope::Envelope;
+use super::law::{Law, NormalSpeeds, SlipSpeeds};
+use super::patch::Node;
+
+/// Rows of a patch: parting speed and angular velocities about the tangents, then slip and r times the angular velocity
+/// about the normal.
+pub const ROWS: usize = 6;
+
+/// Iterations in which the friction limits follow the iterate.
+const JOINT_ITERATIONS: usize = 12;
+/// Iterations altogether.
+const MAX_ITERATIONS: usize = 200;
+/// The residual at which the iteration ends, relative to the largest generalized impulse.
+const TOLERANCE: f64 = 1e-6;
+/// Below this, N s or N m s, an impulse is rounding.
+const NO_IMPULSE: f64 = 1e-14;
+
+/// The degrees of freedom of one articulated body among all.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Index of its first velocity.
+    pub offset: usize,
+    /// Number of its velocities.
+    pub size: usize,
+    /// Where its mass matrix begins.
+    mass: usize,
+}
+
+/// What moves one side of a patch.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    block: usize,
+    /// Where its columns begin: one for each velocity of the block.
+    columns: usize,
+}
+
+/// One patch as the solver sees it.
+#[derive(Clone, Debug)]
+struct Patch {
+    law: Law,
+    nodes: (usize, usize),
+    sides: [Option<Side>; 2],
+    stuck: Vector3<f64>,
+    speeds: [f64; ROWS],
+    change: [f64; ROWS],
+    impulse: [f64; ROWS],
+    limit: f64,
+    held: f64,
+}
+
+/// An end stop of a joint: a one-sided spring with loss on one velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop {
+    /// Index of the velocity.
+    pub index: usize,
+    /// +1 if the stop is at the lower limit, −1 at the upper one.
+    pub sign: f64,
+    /// How far the joint is beyond the limit, rad; negative inside.
+    pub overlap_rad: f64,
+    /// Stiffness, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// Loss time, s.
+    pub loss_time_s: f64,
+}
+
+impl Stop {
+    /// The impulse at the velocity `speed` away from the stop, and minus its derivative.
+    fn response(&self, speed: f64, step_s: f64) -> (f64, f64) {
+        let rate = step_s + self.loss_time_s;
+        let scale = if self.overlap_rad < 0.0 { rate / step_s } else { 1.0 };
+        let pressed = scale * self.overlap_rad - rate * speed;
+        let modulus = step_s * self.stiffness_nm_per_rad;
+        if pressed > 0.0 {
+            (modulus * pressed, modulus * rate)
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}
+
+/// The outcome for one patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Solved {
+    /// Normal impulse on the first body and its moments about the tangents, N s and N m s.
+    pub normal_impulse: Vector3<f64>,
+    /// Friction impulse along the tangents, N s, and moment about the normal over r.
+    pub friction_impulse: Vector3<f64>,
+    /// Parting speeds at the end of the step.
+    pub normal_speeds: NormalSpeeds,
+    /// Slip at the end of the step.
+    pub slip_speeds: SlipSpeeds,
+    /// Elastic displacement at the end of the step, m.
+    pub stuck_m: Vector3<f64>,
+}
+
+/// How a solution went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Convergence {
+    /// Iterations.
+    pub iterations: usize,
+    /// Largest entry of the residual, relative to the largest generalized impulse.
+    pub residual: f64,
+}
+
+/// Contacts of one step. Its buffers are kept from step to step.
+#[derive(Clone, Debug, Default)]
+pub struct Solver {
+    step_s: f64,
+    blocks: Vec<Block>,
+    mass: Vec<f64>,
+    columns: Vec<[f64; ROWS]>,
+    nodes: Vec<Node>,
+    patches: Vec<Patch>,
+    stops: Vec<Stop>,
+    free: Vec<f64>,
+    velocity: Vec<f64>,
+    impulse: Vec<f64>,
+    residual: Vec<f64>,
+    step: Vec<f64>,
+    hessian: Envelope,
+}
+
+impl Solver {
+    /// Forgets the last step.
+    pub fn start(&mut self, step_s: f64) {
+        self.step_s = step_s;
+        self.blocks.clear();
+        self.mass.clear();
+        self.columns.clear();
+        self.nodes.clear();
+        self.patches.clear();
+        self.stops.clear();
+        self.free.clear();
+        self.velocity.clear();
+    }
+
+    /// Adds an articulated body with its velocities at the start of the step, and at its end if nothing touched it. `mass`
+    /// returns the entries of its mass matrix. Bodies that many others touch should come last.
+    pub fn add_block(
+        &mut self,
+        before: impl Iterator<Item = f64>,
+        free: impl Iterator<Item = f64>,
+        mass: impl Fn(usize, usize) -> f64,
+    ) -> usize {
+        let offset = self.free.len();
+        self.free.extend(free);
+        self.velocity.extend(before);
+        let size = self.free.len() - offset;
+        self.blocks.push(Block {
+            offset,
+            size,
+            mass: self.mass.len(),
+        });
+        for row in 0..size {
+            self.mass.extend((0..size).map(|column| mass(row, column)));
+        }
+        self.blocks.len() - 1
+    }
+
+    /// Adds a patch with its columns of area, and returns its index.
+    pub fn add_patch(&mut self, law: Law, nodes: &[Node], stuck_m: Vector3<f64>) -> usize {
+        let first = self.nodes.len();
+        self.nodes.extend_from_slice(nodes);
+        self.patches.push(Patch {
+            law,
+            nodes: (first, self.nodes.len()),
+            sides: [None; 2],
+            stuck: stuck_m,
+            speeds: [0.0; ROWS],
+            change: [0.0; ROWS],
+            impulse: [0.0; ROWS],
+            limit: 0.0,
+            held: 0.0,
+        });
+        self.patches.len() - 1
+    }
+
+    /// Says how a block moves one side of the last patch: the six speeds of that side for each velocity of the block, with a
+    /// minus for the second side.
+    pub fn add_side(&mut self, patch: usize, side: usize, block: usize, columns: impl Iterator<Item = [f64; ROWS]>) {
+        let first = self.columns.len();
+        self.columns.extend(columns);
+        self.patches[patch].sides[side] = Some(Side { block, columns: first });
+    }
+
+    /// Adds the end stop of a joint.
+    pub fn add_stop(&mut self, stop: Stop) {
+        self.stops.push(stop);
+    }
+
+    /// The velocities of a block.
+    pub fn velocity(&self, block: usize) -> &[f64] {
+        let block = self.blocks[block];
+        &self.velocity[block.offset..block.offset + block.size]
+    }
+
+    /// By how much contacts changed the velocities of a block.
+    pub fn change(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
+        let block = self.blocks[block];
+        let range = block.offset..block.offset + block.size;
+        self.velocity[range.clone()]
+            .iter()
+            .zip(&self.free[range])
+            .map(|(u, free)| u - free)
+    }
+
+    /// Index of a block's first velocity.
+    pub fn offset(&self, block: usize) -> usize {
+        self.blocks[block].offset
+    }
+
+    /// The impulse of the stop number `stop`, Nm s.
+    pub fn stop_impulse(&self, stop: usize) -> f64 {
+        let stop = &self.stops[stop];
+        stop.sign * stop.response(stop.sign * self.velocity[stop.index], self.step_s).0
+    }
+
+    /// The outcome for a patch.
+    pub fn solved(&self, patch: usize) -> Solved {
+        let patch = &self.patches[patch];
+        let (normal_speeds, slip_speeds) = split(&patch.speeds);
+        let (normal_impulse, friction_impulse) = split(&patch.impulse);
+        Solved {
+            normal_impulse,
+            friction_impulse,
+            normal_speeds,
+            slip_speeds,
+            stuck_m: patch.law.stuck_after(&patch.stuck, &slip_speeds),
+        }
+    }
+
+    /// Finds the velocities at the end of the step.
+    pub fn solve(&mut self) -> Convergence {
+        let size = self.velocity.len();
+        self.residual.resize(size, 0.0);
+        self.impulse.resize(size, 0.0);
+        self.step.resize(size, 0.0);
+        self.shape_hessian();
+        self.read_speeds(false);
+        let mut iterations = 0;
+        loop {
+            let hold_limits = iterations >= JOINT_ITERATIONS;
+            self.evaluate(hold_limits);
+            let mut residual = self.relative_residual();
+            let is_last = iterations == MAX_ITERATIONS;
+            if hold_limits && (is_last || residual <= TOLERANCE) {
+                // What the held limits hide counts as well.
+                self.hold_limits();
+                self.evaluate(false);
+                residual = self.relative_residual();
+                if !is_last && residual > TOLERANCE {
+                    self.move_limits();
+                    self.evaluate(true);
+                }
+            }
+            if is_last || residual <= TOLERANCE {
+                return Convergence { iterations, residual };
+            }
+            iterations += 1;
+            self.assemble();
+            self.hessian.factorize();
+            for (step, residual) in self.step.iter_mut().zip(&self.residual) {
+                *step = -residual;
+            }
+            self.hessian.solve(&mut self.step);
+            self.read_speeds(true);
+            let share = self.line_search();
+            for (velocity, step) in self.velocity.iter_mut().zip(&self.step) {
+                *velocity += share * step;
+            }
+            for patch in &mut self.patches {
+                for (speed, change) in patch.speeds.iter_mut().zip(&patch.change) {
+                    *speed += share * change;
+                }
+            }
+        }
+    }
+
+    /// A row begins at the first block that its own touches.
+    fn shape_hessian(&mut self) {
+        let mut first: Vec<usize> = (0..self.blocks.len()).collect();
+        for patch in &self.patches {
+            if let [Some(a), Some(b)] = &patch.sides {
+                let (low, high) = (a.block.min(b.block), a.block.max(b.block));
+                first[high] = first[high].min(low);
+            }
+        }
+        let blocks = &self.blocks;
+        let rows = blocks.iter().zip(&first);
+        let columns = rows.flat_map(|(block, first)| std::iter::repeat_n(blocks[*first].offset, block.size));
+        self.hessian.reset(columns);
+    }
+
+    /// Speeds of the patches at the present velocities, or their change along the Newton step.
+    fn read_speeds(&mut self, along_step: bool) {
+        let velocity = if along_step { &self.step } else { &self.velocity };
+        for patch in &mut self.patches {
+            let mut speeds = [0.0; ROWS];
+            for side in patch.sides.iter().flatten() {
+                let block = self.blocks[side.block];
+                let columns = &self.columns[side.columns..side.columns + block.size];
+                for (column, velocity) in columns.iter().zip(&velocity[block.offset..]) {
+                    for (speed, entry) in speeds.iter_mut().zip(column) {
+                        *speed += entry * velocity;
+                    }
+                }
+            }
+            if along_step {
+                patch.change = speeds;
+            } else {
+                patch.speeds = speeds;
+            }
+        }
+    }
+
+    /// Impulses and the residual M (u − u*) − Σ Jᵀ λ at the present speeds, with friction limits that are held or those of the
+    /// normal impulses.
+    fn evaluate(&mut self, hold_limits: bool) {
+        self.impulse.fill(0.0);
+        for patch in &mut self.patches {
+            let (normal_speeds, slip_speeds) = split(&patch.speeds);
+            let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
+            let normal = patch.law.normal(nodes, &normal_speeds).impulse;
+            if !hold_limits {
+                patch.limit = patch.law.friction * normal[0];
+            }
+            let friction = patch.law.friction(&patch.stuck, patch.limit, &slip_speeds).impulse;
+            patch.impulse = [normal[0], normal[1], normal[2], friction[0], friction[1], friction[2]];
+            for side in patch.sides.iter().flatten() {
+                let block = self.blocks[side.block];
+                let columns = &self.columns[side.columns..side.columns + block.size];
+                for (column, sum) in columns.iter().zip(&mut self.impulse[block.offset..]) {
+                    let parts = column
+                        .iter()
+                        .zip(&patch.impulse)
+                        .map(|(entry, impulse)| entry * impulse);
+                    *sum += parts.sum::<f64>();
+                }
+            }
+        }
+        for stop in &self.stops {
+            let (impulse, _) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
+            self.impulse[stop.index] += stop.sign * impulse;
+        }
+        for block in &self.blocks {
+            for row in 0..block.size {
+                let mass = &self.mass[block.mass + row * block.size..][..block.size];
+                let range = block.offset..block.offset + block.size;
+                let change = self.velocity[range.clone()].iter().zip(&self.free[range]);
+                let momentum: f64 = mass.iter().zip(change).map(|(mass, (u, free))| mass * (u - free)).sum();
+                self.residual[block.offset + row] = momentum - self.impulse[block.offset + row];
+            }
+        }
+    }
+
+    fn relative_residual(&self) -> f64 {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        largest(&self.residual) / largest(&self.impulse).max(NO_IMPULSE / TOLERANCE)
+    }
+
+    fn hold_limits(&mut self) {
+        for patch in &mut self.patches {
+            patch.held = patch.limit;
+        }
+    }
+
+    /// Moves the friction limits half way from those that were held to the present ones.
+    fn move_limits(&mut self) {
+        for patch in &mut self.patches {
+            patch.limit = 0.5 * (patch.held + patch.limit);
+        }
+    }
+
+    /// The matrix M + Σ Jᵀ (−∂λ/∂v) J.
+    fn assemble(&mut self) {
+        self.hessian.clear();
+        for block in &self.blocks {
+            for row in 0..block.size {
+                let mass = &self.mass[block.mass + row * block.size..][..=row];
+                let at = block.offset + row;
+                let first = self.hessian.row_mut(at, block.offset);
+                first.copy_from_slice(mass);
+            }
+        }
+        for patch in &self.patches {
+            let (normal_speeds, slip_speeds) = split(&patch.speeds);
+            let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
+            let normal = patch.law.normal(nodes, &normal_speeds).stiffness;
+            if normal[(0, 0)] == 0.0 && patch.limit == 0.0 {
+                continue;
+            }
+            let friction = patch.law.friction(&patch.stuck, patch.limit, &slip_speeds).stiffness;
+            for own in patch.sides.iter().flatten() {
+                let own_block = self.blocks[own.block];
+                for row in 0..own_block.size {
+                    let pushed = push(&self.columns[own.columns + row], &normal, &friction);
+                    for other in patch.sides.iter().flatten() {
+                        if other.block > own.block {
+                            continue;
+                        }
+                        let other_block = self.blocks[other.block];
+                        let width = if other.block == own.block {
+                            row + 1
+                        } else {
+                            other_block.size
+                        };
+                        let columns = &self.columns[other.columns..other.columns + width];
+                        let target = self.hessian.row_mut(own_block.offset + row, other_block.offset);
+                        for (entry, column) in target.iter_mut().zip(columns) {
+                            *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
+                        }
+                    }
+                }
+            }
+        }
+        for stop in &self.stops {
+            let (_, stiffness) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
+            self.hessian.row_mut(stop.index, stop.index)[0] += stiffness;
+        }
+    }
+
+    /// The share of the Newton step to take: 1, or less where the slope of the convex function has turned before.
+    fn line_search(&self) -> f64 {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let at_start = dot(&self.step, &self.residual);
+        // The kinetic part of the slope is linear along the step.
+        let kinetic = at_start + dot(&self.step, &self.impulse);
+        let kinetic_rate = self.kinetic_along_step();
+        let slope = |share: f64| {
+            let mut slope = kinetic + share * kinetic_rate;
+            for patch in &self.patches {
+                let mut speeds = patch.speeds;
+                for (speed, change) in speeds.iter_mut().zip(&patch.change) {
+                    *speed += share * change;
+                }
+                let (normal_speeds, slip_speeds) = split(&speeds);
+                let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
+                let normal = patch.law.normal(nodes, &normal_speeds).impulse;
+                let friction = patch.law.friction(&patch.stuck, patch.limit, &slip_speeds).impulse;
+                let (normal_change, slip_change) = split(&patch.change);
+                slope -= normal.dot(&normal_change) + friction.dot(&slip_change);
+            }
+            for stop in &self.stops {
+                let speed = stop.sign * (self.velocity[stop.index] + share * self.step[stop.index]);
+                slope -= stop.response(speed, self.step_s).0 * stop.sign * self.step[stop.index];
+            }
+            slope
+        };
+        let at_end = slope(1.0);
+        if at_end <= 0.3 * at_start.abs() {
+            return 1.0;
+        }
+        // Regula falsi with an occasional bisection: the slope rises along the step.
+        let (mut low, mut high) = ((0.0, at_start), (1.0, at_end));
+        let mut share = 1.0;
+        for trial in 0..MAX_SEARCH {
+            share = if trial % 3 == 2 {
+                0.5 * (low.0 + high.0)
+            } else {
+                low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)
+            };
+            let found = slope(share);
+            if found.abs() < 0.1 * at_start.abs() {
+                break;
+            }
+            if found > 0.0 {
+                high = (share, found);
+            } else {
+                low = (share, found);
+            }
+        }
+        share
+    }
+
+    fn kinetic_along_step(&self) -> f64 {
+        let mut sum = 0.0;
+        for block in &self.blocks {
+            let step = &self.step[block.offset..block.offset + block.size];
+            for row in 0..block.size {
+                let mass = &self.mass[block.mass + row * block.size..][..block.size];
+                sum += step[row] * mass.iter().zip(step).map(|(mass, step)| mass * step).sum::<f64>();
+            }
+        }
+        sum
+    }
+}
+
+/// Trials of the line search.
+const MAX_SEARCH: usize = 20;
+
+fn split(values: &[f64; ROWS]) -> (Vector3<f64>, Vector3<f64>) {
+    let [a, b, c, d, e, f] = *values;
+    (Vector3::new(a, b, c), Vector3::new(d, e, f))
+}
+
+/// A column times the stiffness of its patch.
+fn push(column: &[f64; ROWS], normal: &Matrix3<f64>, friction: &Matrix3<f64>) -> [f64; ROWS] {
+    let (first, second) = split(column);
+    let (first, second) = (normal * first, friction * second);
+    [first[0], first[1], first[2], second[0], second[1], second[2]]
+}

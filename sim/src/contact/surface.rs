@@ -1,0 +1,61 @@
+//! The surface of a body: how it gives way under pressure, and its friction.
+
+use serde::{Deserialize, Serialize};
+
+/// The surface of a link or an object. The layer under it is an elastic foundation (Winkler): it deflects by the pressure on
+/// it times its compliance, independently of its surroundings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Surface {
+    /// Deflection per pressure, m³/N; 0 for a surface that is rigid compared with skin.
+    pub compliance_m3_per_n: f64,
+    /// Loss time τ, s: under a deflection h the pressure is (h + τ dh/dt) / compliance, and never negative.
+    pub loss_time_s: f64,
+    /// Coefficient of friction. That of a contact is the mean over both surfaces.
+    pub friction: f64,
+}
+
+impl Surface {
+    /// A surface that is rigid compared with skin.
+    pub fn hard(friction: f64) -> Self {
+        Surface {
+            compliance_m3_per_n: 0.0,
+            loss_time_s: HARD_LOSS_TIME_S,
+            friction,
+        }
+    }
+}
+
+/// Loss time of the contact of two hard surfaces, s. Choice: as of soft rubber, for plastic that bends and rubs.
+const HARD_LOSS_TIME_S: f64 = 0.002;
+
+/// Two surfaces that touch, in series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interface {
+    /// Foundation modulus, N/m³: pressure per overlap of the undeformed shapes.
+    pub stiffness_n_per_m3: f64,
+    /// Loss time, s.
+    pub loss_time_s: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// The first surface's share of the overlap.
+    pub share_of_first: f64,
+}
+
+/// Compliance of two hard surfaces together, m³/N. Choice: a tenth of that of Cody's skin. A plastic shell or blade under a
+/// local load bends, which the rigid shapes do not show; this stands for it.
+const MIN_COMPLIANCE_M3_PER_N: f64 = 1.0 / 3e8;
+
+impl Surface {
+    /// The contact of two surfaces. Under the same pressure their deflections add up, and each dissipates its share.
+    pub fn with(&self, other: &Surface) -> Interface {
+        let compliances = [self.compliance_m3_per_n, other.compliance_m3_per_n];
+        let sum = compliances[0] + compliances[1];
+        let share_of_first = if sum > 0.0 { compliances[0] / sum } else { 0.5 };
+        Interface {
+            stiffness_n_per_m3: 1.0 / sum.max(MIN_COMPLIANCE_M3_PER_N),
+            loss_time_s: share_of_first * self.loss_time_s + (1.0 - share_of_first) * other.loss_time_s,
+            friction: 0.5 * (self.friction + other.friction),
+            share_of_first,
+        }
+    }
+}

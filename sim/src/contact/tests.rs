@@ -1,0 +1,185 @@
+//! Tests of the law on patches with closed forms, and of the solver.
+
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
+use nalgebra::Vector3;
+use parry3d::shape::SharedShape;
+use proptest::prelude::*;
+use underbrush_recording::Pose;
+
+use super::law::{Law, STICTION_M};
+use super::patch::{Node, Pair};
+use super::solver::{ROWS, Solver};
+
+const LAW: Law = Law {
+    stiffness_n_per_m3: 3e7,
+    loss_time_s: 0.002,
+    friction: 0.35,
+    step_s: 0.005,
+};
+
+/// The first shape above the second, each with its pose, in contact near the origin, under a vertical normal.
+fn nodes(first: (SharedShape, Pose), second: (SharedShape, Pose)) -> Vec<Node> {
+    let pair = Pair {
+        shapes: [first.0.as_ref(), second.0.as_ref()],
+        poses_world: [first.1, second.1],
+    };
+    let mut nodes = Vec::new();
+    pair.nodes(&pair.plane(DVec3::ZERO, DVec3::Z), 0.0, &mut nodes);
+    nodes
+}
+
+/// The static force of a patch, N.
+fn force_n(nodes: &[Node]) -> f64 {
+    LAW.normal(nodes, &Vector3::zeros()).impulse[0] / LAW.step_s
+}
+
+fn at(height_m: f64) -> Pose {
+    Pose::from_position(DVec3::Z * height_m)
+}
+
+/// A cylinder about y (as parry's are), rotated by `angle_rad` about the vertical, at this height.
+fn lying(radius_m: f64, angle_rad: f64, height_m: f64) -> (SharedShape, Pose) {
+    let pose = Pose::new(DVec3::Z * height_m, DQuat::from_rotation_z(angle_rad));
+    (SharedShape::cylinder(0.12, radius_m), pose)
+}
+
+proptest! {
+    /// Pins force against depth for a ball on a plane, k π R d², and for crossed cylinders, k π √(R₁R₂) d² / sin α. Both
+    /// are the first term in d / R, and the quadrature of an ellipse is within 0.3 %.
+    #[test]
+    fn balls_and_crossed_cylinders_press_with_the_closed_form(
+        radius_m in 0.01..0.06f64,
+        other_m in 0.01..0.06f64,
+        depth_m in 1e-5..2e-3f64,
+        angle_rad in 0.5..2.6f64,
+    ) {
+        let table = || (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1));
+        let ball = nodes((SharedShape::ball(radius_m), at(radius_m - depth_m)), table());
+        let expected = LAW.stiffness_n_per_m3 * PI * radius_m * depth_m.powi(2);
+        let relative = force_n(&ball) / expected - 1.0;
+        prop_assert!(relative.abs() < 5e-3 + depth_m / radius_m, "ball: {relative}");
+        let crossed = nodes(lying(radius_m, angle_rad, radius_m - depth_m), lying(other_m, 0.0, -other_m));
+        let expected = LAW.stiffness_n_per_m3 * PI * (radius_m * other_m).sqrt() * depth_m.powi(2) / angle_rad.sin();
+        let relative = force_n(&crossed) / expected - 1.0;
+        let slender = depth_m / radius_m.min(other_m) / angle_rad.sin().powi(2);
+        prop_assert!(relative.abs() < 5e-3 + slender, "crossed: {relative}");
+    }
+
+    /// Pins a blade of width w across a cylinder, k w (4/3) √(2R) d^1.5, however the blade lies around it, and a flat box,
+    /// k d times its area, to the error of the parabola for the circle.
+    #[test]
+    fn blades_and_flats_press_with_the_closed_form(
+        radius_m in 0.02..0.06f64,
+        depth_m in 1e-5..1e-3f64,
+        width_m in 0.002..0.05f64,
+        offset_m in -0.02..0.02f64,
+    ) {
+        let blade = (SharedShape::cuboid(width_m / 2.0, 0.1, 0.001), Pose::from_position(DVec3::new(0.0, offset_m, -0.001)));
+        let cylinder = lying(radius_m, std::f64::consts::FRAC_PI_2, radius_m - depth_m);
+        let expected = LAW.stiffness_n_per_m3 * width_m * 4.0 / 3.0 * (2.0 * radius_m).sqrt() * depth_m.powf(1.5);
+        let relative = force_n(&nodes(cylinder, blade)) / expected - 1.0;
+        prop_assert!(relative.abs() < 2e-3 + depth_m / radius_m, "blade: {relative}");
+        let flat = nodes(
+            (SharedShape::cuboid(width_m / 2.0, 0.03, 0.01), at(0.01 - depth_m)),
+            (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1)),
+        );
+        let expected = LAW.stiffness_n_per_m3 * depth_m * width_m * 0.06;
+        prop_assert!((force_n(&flat) / expected - 1.0).abs() < 1e-3);
+    }
+
+    /// Pins that the law's stiffness is minus the derivative of its impulse, by central differences, for the normal part and
+    /// for friction.
+    #[test]
+    fn the_stiffness_is_the_slope_of_the_impulse(
+        speeds in prop::array::uniform3(-0.1..0.1f64),
+        slip in prop::array::uniform3(-0.02..0.02f64),
+        stuck in prop::array::uniform3(-6e-6..6e-6f64),
+    ) {
+        let nodes = nodes(lying(0.046, 1.3, 0.045), lying(0.015, 0.0, -0.015));
+        let stuck = Vector3::from(stuck);
+        let slip = Vector3::from(slip);
+        let normal = |at: &Vector3<f64>| LAW.normal(&nodes, at);
+        let friction = |at: &Vector3<f64>| LAW.friction(&stuck, 0.01, at);
+        // The normal impulse has kinks where a column begins to press, which the differences must not straddle.
+        let speeds = Vector3::new(speeds[0], 3.0 * speeds[1], 3.0 * speeds[2]);
+        let step = 1e-7;
+        for axis in 0..3 {
+            let change = Vector3::from_fn(|row, _| if row == axis { step } else { 0.0 });
+            let slope = (normal(&(speeds + change)).impulse - normal(&(speeds - change)).impulse) / (-2.0 * step);
+            let own = normal(&speeds).stiffness.column(axis).into_owned();
+            prop_assert!((slope - own).norm() <= 1e-4 * normal(&speeds).stiffness.norm() + 1e-9);
+            let slope = (friction(&(slip + change)).impulse - friction(&(slip - change)).impulse) / (-2.0 * step);
+            let own = friction(&slip).stiffness.column(axis).into_owned();
+            prop_assert!((slope - own).norm() <= 1e-3 * friction(&slip).stiffness.norm());
+        }
+    }
+
+    /// Pins Coulomb's law of a sliding block of any mass matrix: the solver's friction opposes the slip at the end of the step
+    /// to 1e-6, with μ times the normal force, whatever the coupling between the tangents.
+    #[test]
+    fn friction_opposes_the_slip_for_any_mass_matrix(
+        entries in prop::array::uniform9(-1.0..1.0f64),
+        push in prop::array::uniform2(-1.0..1.0f64),
+    ) {
+        let root = nalgebra::Matrix3::from_row_slice(&entries);
+        let mass = root * root.transpose() + nalgebra::Matrix3::identity() * 0.2;
+        let free = [push[0] * 2.0, push[1] * 2.0, -0.3];
+        prop_assume!(push[0].hypot(push[1]) > 0.5);
+        let table = (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1));
+        let nodes = nodes((SharedShape::ball(0.05), at(0.049)), table);
+        let mut solver = Solver::default();
+        solver.start(LAW.step_s);
+        let block = solver.add_block(free.into_iter(), free.into_iter(), |row, column| mass[(row, column)]);
+        let patch = solver.add_patch(LAW, &nodes, Vector3::zeros());
+        // Velocities are (tangent, tangent, normal).
+        let mut columns = [[0.0; ROWS]; 3];
+        (columns[0][3], columns[1][4], columns[2][0]) = (1.0, 1.0, 1.0);
+        solver.add_side(patch, 0, block, columns.into_iter());
+        let convergence = solver.solve();
+        prop_assert!(convergence.residual < 1e-8, "{convergence:?}");
+        let solved = solver.solved(patch);
+        let (slip, force) = (solved.slip_speeds, solved.friction_impulse);
+        if slip.norm() * LAW.step_s > STICTION_M {
+            let cosine = -force.dot(&slip) / (force.norm() * slip.norm());
+            prop_assert!(cosine > 1.0 - 1e-9, "{cosine}");
+            prop_assert!((force.norm() / (LAW.friction * solved.normal_impulse[0]) - 1.0).abs() < 1e-6);
+        }
+        // Impulse and momentum balance.
+        let change: Vec<f64> = solver.change(block).collect();
+        let momentum = mass * Vector3::from_row_slice(&change);
+        let impulse = Vector3::new(force[0], force[1], solved.normal_impulse[0]);
+        prop_assert!((momentum - impulse).norm() < 1e-8 * impulse.norm());
+    }
+}
+
+/// Pins that a patch which sticks does not creep: under a steady push below the friction limit the displacement stays within
+/// the stiction distance for ten thousand steps.
+#[test]
+fn a_patch_that_sticks_does_not_creep() {
+    let nodes = nodes(
+        (SharedShape::ball(0.05), at(0.049)),
+        (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1)),
+    );
+    let weight_n = force_n(&nodes);
+    let mass = 1.0;
+    let mut stuck = Vector3::zeros();
+    let (mut velocity, mut place) = (0.0, 0.0);
+    for _ in 0..10_000 {
+        let mut solver = Solver::default();
+        solver.start(LAW.step_s);
+        // The overlap is held; a push of 0.9 of the limit acts along the first tangent.
+        let free = velocity + LAW.step_s * 0.9 * LAW.friction * weight_n / mass;
+        let block = solver.add_block(std::iter::once(velocity), std::iter::once(free), |_, _| mass);
+        let patch = solver.add_patch(LAW, &nodes, stuck);
+        let mut column = [0.0; ROWS];
+        column[3] = 1.0;
+        solver.add_side(patch, 0, block, std::iter::once(column));
+        solver.solve();
+        velocity = solver.velocity(block)[0];
+        place += velocity * LAW.step_s;
+        stuck = solver.solved(patch).stuck_m;
+    }
+    assert!(place.abs() < STICTION_M, "crept by {place} m");
+}
