@@ -9,6 +9,8 @@ use glam::DVec3;
 use parry3d::shape::{Capsule, Cuboid, Shape};
 use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
+use underbrush_sim::contact::surface::Surface;
+use underbrush_sim::object::FRICTION;
 use underbrush_sim::skin::{ContactPoint, SkinPatch};
 
 /// A taxel in the middle of the forearm: row 8 of 16, column 12 of 24.
@@ -21,6 +23,7 @@ fn forearm(force_n: f64) -> (SkinPatch, ContactPoint) {
         SkinPatch::of_arm(&arm).swap_remove(arm.skin.layout.patch_index("forearm").expect("Cody has a forearm"));
     let inward = -patch.normals_link[TAXEL];
     let contact = ContactPoint {
+        radius_m: 0.02,
         position_link: patch.centers_link[TAXEL],
         inward_link: inward,
         force_link: inward * force_n,
@@ -51,6 +54,7 @@ fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
 }
 
 fn spread(criterion: &mut Criterion) {
+    let object = Surface::hard(FRICTION);
     let mut group = criterion.benchmark_group("skin/spread_one_contact");
     for (name, force_n) in [("trunk", 10.0), ("leaf", 1.0)] {
         let (patch, contact) = forearm(force_n);
@@ -59,7 +63,7 @@ fn spread(criterion: &mut Criterion) {
         } else {
             leaf(&contact)
         };
-        let forces = patch.spread(&[contact], shape.as_ref(), &pose);
+        let forces = patch.spread(&[contact], shape.as_ref(), &pose, &object);
         assert!(forces.len() > 1, "the {name} touches {} taxels", forces.len());
         let sum: DVec3 = forces
             .iter()
@@ -72,7 +76,7 @@ fn spread(criterion: &mut Criterion) {
         group.bench_function(
             BenchmarkId::new(name, format!("{force_n} N on {} taxels", forces.len())),
             |bencher| {
-                bencher.iter(|| patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose)));
+                bencher.iter(|| patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose), &object));
             },
         );
     }

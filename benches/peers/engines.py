@@ -22,8 +22,8 @@ def ours(*words):
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 
-def our_run(leaves, layout, step_s, substeps, dormancy):
-    return ours("run", leaves, layout, step_s, substeps, str(dormancy).lower())
+def our_run(leaves, layout, step_s, dormancy):
+    return ours("run", leaves, layout, step_s, str(dormancy).lower())
 
 
 class Peer:

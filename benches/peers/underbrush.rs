@@ -26,10 +26,9 @@ fn main() {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words[..] {
         ["setup", leaves, layout] => setup(&sweep_of(leaves, layout)),
-        ["run", leaves, layout, step_s, substeps, dormancy] => {
+        ["run", leaves, layout, step_s, dormancy] => {
             let options = PhysicsOptions {
                 step_s: step_s.parse().unwrap(),
-                substeps: substeps.parse().unwrap(),
                 ..PhysicsSection::default().options()
             };
             run(bare(sweep_of(leaves, layout)), options, dormancy.parse().unwrap())
@@ -161,15 +160,11 @@ fn setup(sweep: &Sweep) -> Value {
         .iter()
         .map(|tree| tree.iter().map(link).collect())
         .collect();
-    let [natural_frequency_hz, damping_ratio] = description.contact_softness;
     json!({
         "engine": ENGINE,
         "frame_period_s": underbrush_recording::FRAME_PERIOD_S,
         "gravity_m_per_s2": options.gravity_m_per_s2,
-        "contact_natural_frequency_hz": natural_frequency_hz,
-        "contact_damping_ratio": damping_ratio,
         "default_step_s": options.step_s,
-        "default_substeps": options.substeps,
         "arm": arm(sweep, &links),
         "trees": trees,
         "equilibrium_rad": (0..Sweep::frames()).map(|frame| Sweep::equilibrium_rad(&sweep.arm, frame)).collect::<Vec<_>>(),

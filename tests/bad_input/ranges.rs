@@ -40,7 +40,6 @@ const SCENE: &[Key] = &[
     Key("[goals]\nz_m = { normal = [V, 0.1] }\n", "goals.z_m", "-0.2", "0 -1 1e-300"),
     Key("[goals]\nz_m = { normal = [-0.2, V] }\n", "goals.z_m", "0.1", "0 1e-300"),
     Key("[physics]\nstep_s = V\n", "physics.step_s", "0.005", ""),
-    Key("[physics]\nsubsteps = V\n", "physics.substeps", "4", ""),
     Key("[physics]\ngravity_m_per_s2 = V\n", "physics.gravity_m_per_s2", "1.62", "0 1e-300"),
     Key("[sensor]\nnoise_n = V\n", "sensor.noise_n", "0.001", "0"),
     Key("[sensor]\ngate_sigmas = V\n", "sensor.gate_sigmas", "3.0", "0 1e-300"),

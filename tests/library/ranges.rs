@@ -79,8 +79,7 @@ fn ends_of_a_scene_s_ranges_can_be_simulated() {
     #[rustfmt::skip]
     let ends = [
         ("[physics]\ngravity_m_per_s2 = V\n", ["0", "30"]),
-        ("[physics]\nsubsteps = 1\nstep_s = V\n", ["0.0001", "0.01"]),
-        ("[physics]\nsubsteps = V\n", ["1", "64"]),
+        ("[physics]\nstep_s = V\n", ["0.0001", "0.01"]),
         ("[robot]\nstiffness_scale = V\n", ["0.1", "10"]),
         ("[workspace]\ntable_height_m = V\n", ["-5", "5"]),
         ("[sensor]\nnoise_n = V\n", ["1e-6", "1"]),

@@ -23,6 +23,10 @@ pub const CHECK: Check = Check {
             falsifications: &[SMOOTH_BOX],
         },
         Case {
+            compare: every_direction,
+            falsifications: &[SMOOTH_FLOOR],
+        },
+        Case {
             compare: sliding_forearm,
             falsifications: &[ROUGH_FOREARM],
         },
@@ -32,6 +36,11 @@ pub const CHECK: Check = Check {
 const SMOOTH_BOX: Falsification = Falsification {
     wrong: "friction of the simulated box",
     by: "10 % too low",
+    breaks: Breaks::Every,
+};
+const SMOOTH_FLOOR: Falsification = Falsification {
+    wrong: "friction under the simulated box that slides in twelve directions",
+    by: "10 % too low, and a floor that slopes by 1 %",
     breaks: Breaks::Every,
 };
 const ROUGH_FOREARM: Falsification = Falsification {
@@ -134,6 +143,63 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     ])
 }
 
+/// A free box that slides over a level floor in twelve directions: its deceleration, and the angle from the slip.
+fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const SPEED_M_PER_S: f64 = 1.0;
+    const STEPS: u32 = 20;
+    let surface = Surface::hard(FRICTION * simulated.with(SMOOTH_FLOOR, 1.0, 0.9));
+    let slope_rad = simulated.with(SMOOTH_FLOOR, 0.0, 0.01);
+    let (mut farthest_rad, mut slowest, mut fastest) = (0.0_f64, f64::INFINITY, 0.0_f64);
+    for hour in 0..12 {
+        let direction = DVec3::X.rotate_z(f64::from(hour) * std::f64::consts::PI / 6.0 + 0.1);
+        let mut rig = Rig::new(OPTIONS);
+        let floor = cuboid(DVec3::new(10.0, 10.0, 0.1), DVec3::Z * -0.05);
+        rig.add_fixed(&floor, surface, &Pose::from_orientation(DQuat::from_rotation_y(slope_rad)));
+        let sliding = rig.add_free(&FreeBody {
+            part: cuboid(DVec3::new(0.12, 0.1, 0.02), DVec3::ZERO),
+            mass_kg: 0.5,
+            surface,
+            pose_world: Pose::from_position(DVec3::Z * 0.01),
+            velocity_world: direction * SPEED_M_PER_S,
+            may_rotate: [true; 3],
+        });
+        let sliding = sliding.ok_or_else(|| CheckError::Case("a box without volume".into()))?;
+        for _ in 0..STEPS {
+            rig.step();
+        }
+        let before = rig.velocity_world(sliding).with_z(0.0);
+        for _ in 0..STEPS {
+            rig.step();
+        }
+        let change = before - rig.velocity_world(sliding).with_z(0.0);
+        farthest_rad = farthest_rad.max(change.angle_between(direction));
+        let deceleration = change.length() / (f64::from(STEPS) * OPTIONS.step_s);
+        (slowest, fastest) = (slowest.min(deceleration), fastest.max(deceleration));
+    }
+    let expected = FRICTION * GRAVITY_M_PER_S2;
+    let reason = "1 %: as on a slope";
+    Ok(vec![
+        Comparison::at_most(
+            "box that slides in twelve directions, largest angle between friction and slip",
+            "deg",
+            0.0,
+            farthest_rad.to_degrees(),
+            0.5,
+            "0.5°: the box tilts a little at first, and keeps a little rotation",
+        ),
+        Comparison::relative("box that slides in twelve directions, slowest deceleration", "m/s²", expected, slowest, 0.01, reason),
+        Comparison::relative("box that slides in twelve directions, fastest deceleration", "m/s²", expected, fastest, 0.01, reason),
+    ])
+}
+
+/// A box of this size about this centre.
+fn cuboid(size_m: DVec3, center: DVec3) -> BodyPart {
+    BodyPart {
+        shape: BodyShape::Box { size_m },
+        pose_body: Pose::from_position(center),
+    }
+}
+
 /// The slope at which a box begins to slide, by bisection.
 fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
     let (mut holds, mut slips) = (0.1, 0.8);
@@ -152,10 +218,6 @@ fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
 
 /// Speed of a box down a slope after each step of one second, m/s.
 fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
-    let cuboid = |size_m: DVec3, center: DVec3| BodyPart {
-        shape: BodyShape::Box { size_m },
-        pose_body: Pose::from_position(center),
-    };
     let surface = Surface::hard(friction);
     let mut rig = Rig::new(OPTIONS);
     let tilt = Pose::from_orientation(DQuat::from_rotation_y(slope_rad));

@@ -11,6 +11,7 @@
 
 mod check;
 mod comparison;
+mod contact_law;
 mod convergence;
 mod determinism;
 mod driven;
@@ -61,6 +62,7 @@ pub const CHECKS: &[Check] = &[
     determinism::CHECK,
     sensor::CHECK,
     hmm::CHECK,
+    contact_law::CHECK,
 ];
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ pub const LEAF: Leaf = Leaf {
     segments: 5,
 };
 
-/// Where on the forearm's axis the object is touched, m, link frame: under its skin.
+/// Where on the forearm's axis the object is touched unless a check says otherwise, m, link frame: under its skin.
 const PLACE_LINK: DVec3 = DVec3::new(0.0, 0.0, 0.10);
 /// Radius of the forearm's collision shape, m.
 pub const FOREARM_RADIUS_M: f64 = 0.04604;
@@ -43,6 +43,8 @@ pub struct Beside {
     pub gap_m: f64,
     /// From the forearm's axis down to the object's foot, m.
     pub drop_m: f64,
+    /// How much nearer to the elbow than usual the object is touched, m.
+    pub along_m: f64,
     /// Rotation of the object about the vertical from where it faces the forearm, rad.
     pub rotation_rad: f64,
 }
@@ -54,6 +56,7 @@ impl Beside {
             object,
             gap_m,
             drop_m,
+            along_m: 0.0,
             rotation_rad: 0.0,
         }
     }
@@ -69,6 +72,8 @@ pub struct PressedArm {
     pub posture_rad: Vec<f64>,
     /// Index of the forearm.
     pub forearm: usize,
+    /// Where on the forearm's axis the object is touched, m, link frame.
+    pub place_link: DVec3,
     /// The pushing direction: horizontal, across the forearm, unit.
     pub across_world: DVec3,
 }
@@ -84,7 +89,8 @@ impl PressedArm {
         let forearm = arm
             .link_index("forearm")
             .ok_or_else(|| CheckError::Case("the arm has no forearm".into()))?;
-        let place = poses[forearm].transform_point(PLACE_LINK);
+        let place_link = PLACE_LINK + DVec3::Z * beside.along_m;
+        let place = poses[forearm].transform_point(place_link);
         let along = poses[forearm].transform_vector(DVec3::Z);
         let across_world = DVec3::Z.cross(along).normalize();
         let placed = PlacedObject {
@@ -112,6 +118,7 @@ impl PressedArm {
             simulation,
             posture_rad,
             forearm,
+            place_link,
             across_world,
         })
     }
@@ -124,7 +131,7 @@ impl PressedArm {
     /// Equilibrium angles that would press with `force_n` across the forearm if nothing moved, rad.
     pub fn pressing_rad(&self, force_n: f64) -> Vec<f64> {
         let poses = self.arm.forward_kinematics(&self.posture_rad);
-        let place = poses[self.forearm].transform_point(PLACE_LINK);
+        let place = poses[self.forearm].transform_point(self.place_link);
         let torque = self.jacobian(&poses, place).transpose() * Vector3::from(self.across_world.to_array()) * force_n;
         let springs = self.posture_rad.iter().zip(&self.arm.joints).zip(torque.iter());
         springs
@@ -136,12 +143,12 @@ impl PressedArm {
     /// the way, with the least energy of the springs, rad.
     pub fn moving_rad(&self, distance_m: f64) -> Vec<f64> {
         let mut moved = self.posture_rad.clone();
-        let start = self.arm.forward_kinematics(&moved)[self.forearm].transform_point(PLACE_LINK);
+        let start = self.arm.forward_kinematics(&moved)[self.forearm].transform_point(self.place_link);
         let goal = start + self.across_world * distance_m;
         // Newton's method. The distance is short, so three steps would be enough.
         for _ in 0..6 {
             let poses = self.arm.forward_kinematics(&moved);
-            let place = poses[self.forearm].transform_point(PLACE_LINK);
+            let place = poses[self.forearm].transform_point(self.place_link);
             let jacobian = self.jacobian(&poses, place);
             let softness = self.arm.joints.iter().map(|joint| 1.0 / joint.stiffness_nm_per_rad);
             let softness = DMatrix::from_diagonal(&DVector::from_iterator(moved.len(), softness));

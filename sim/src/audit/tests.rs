@@ -125,6 +125,8 @@ fn jumps_are_changes_of_a_links_force() {
         inward_world: DVec3::X,
         force_world: DVec3::X * force,
         penetration_m: 0.0,
+        radius_m: 0.0,
+        slip_world: DVec3::ZERO,
     };
     let mut jump = Jump::new(3);
     assert_eq!(jump.observe(&[contact(1, 2.0), contact(1, 1.0)], 2.0), 6.0);

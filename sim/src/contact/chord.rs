@@ -132,7 +132,7 @@ fn through_hull(hull: &ConvexPolyhedron, line: &Line) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parry3d::query::{Ray, RayCast};
+    use parry3d::query::Ray;
     use parry3d::shape::SharedShape;
     use proptest::prelude::*;
 

@@ -55,8 +55,8 @@ const OUTWARDS: [[usize; 3]; 2] = [[2, 1, 0], [2, 3, 4]];
 const FIRST_EXTENT_M: f64 = 0.004;
 /// No patch is larger than this, m.
 const MAX_EXTENT_M: f64 = 1.0;
-/// An extent is bisected this often: to 1e-4 of itself.
-const BISECTIONS: usize = 13;
+/// An extent is bisected this often: to half a thousandth of itself.
+const BISECTIONS: usize = 10;
 
 /// Two shapes in contact.
 #[derive(Clone, Copy)]

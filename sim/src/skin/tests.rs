@@ -4,6 +4,10 @@ use parry3d::shape::{Capsule, Cuboid};
 use proptest::prelude::*;
 
 use super::*;
+use crate::object::FRICTION;
+
+/// Friction between Cody's skin and an object: the mean of 0.3 and 0.4.
+const MU: f64 = 0.35;
 
 /// The middle taxel of Cody's forearm: row 8 of 16, column 12 of 24.
 const TAXEL: usize = 8 * 24 + 12;
@@ -24,9 +28,10 @@ fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: 
     let position_link = rotation * skin.centers_link[TAXEL] + DVec3::Z * along_m;
     let tangent = DVec3::Z * slip_rad.cos() + normal.cross(DVec3::Z) * slip_rad.sin();
     ContactPoint {
+        radius_m: 0.02,
         position_link,
         inward_link: -normal,
-        force_link: (tangent * (slip * skin.friction) - normal) * force_n,
+        force_link: (tangent * (slip * MU) - normal) * force_n,
     }
 }
 
@@ -50,8 +55,8 @@ fn force(skin: &SkinPatch, taxel: &TaxelForce) -> DVec3 {
 }
 
 /// Largest shear over what the cone allows, over the taxels.
-fn largest_slip(skin: &SkinPatch, forces: &[TaxelForce]) -> f64 {
-    let slip = |taxel: &TaxelForce| taxel.shear_link.length() / (skin.friction * taxel.normal_force_n);
+fn largest_slip(forces: &[TaxelForce]) -> f64 {
+    let slip = |taxel: &TaxelForce| taxel.shear_link.length() / (MU * taxel.normal_force_n);
     forces.iter().map(slip).fold(0.0, f64::max)
 }
 
@@ -72,7 +77,7 @@ proptest! {
         let skin = forearm();
         let contact = contact(&skin, along_m, around_rad, force_n, slip, slip_rad);
         let (shape, pose) = trunk(&contact, radius_m, angle_rad);
-        let forces = skin.spread(&[contact], &shape, &pose);
+        let forces = skin.spread(&[contact], &shape, &pose, &Surface::hard(FRICTION));
         let sum: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
         prop_assert!(sum.distance(contact.force_link) < 1e-9 * force_n);
         let moment: DVec3 = forces.iter().map(|taxel| skin.centers_link[taxel.taxel].cross(force(&skin, taxel))).sum();
@@ -81,7 +86,7 @@ proptest! {
         // Then the taxels' cones together contain the contact's cone, because they extend beyond it on both sides.
         let side = |taxel: &TaxelForce| skin.normals_link[taxel.taxel].cross(-contact.inward_link).z;
         if forces.iter().any(|taxel| side(taxel) > 0.0) && forces.iter().any(|taxel| side(taxel) < 0.0) {
-            let slip = largest_slip(&skin, &forces);
+            let slip = largest_slip(&forces);
             prop_assert!(slip < 1.0 + 1e-6, "{slip} of the cone on {} taxels", forces.len());
         }
     }
@@ -95,7 +100,7 @@ fn a_broad_contact_looks_like_the_real_one() {
     let skin = forearm();
     let contact = contact(&skin, 0.0054, 0.13, 8.99, 0.0, 0.0);
     let (shape, pose) = trunk(&contact, 0.02, std::f64::consts::FRAC_PI_2);
-    let forces = skin.spread(&[contact], &shape, &pose);
+    let forces = skin.spread(&[contact], &shape, &pose, &Surface::hard(FRICTION));
     // Weaker ones are among the spurious readings of that frame (up to 0.10 N).
     let lit: Vec<f64> = forces
         .iter()
@@ -124,11 +129,16 @@ fn edge_and_round_differ() {
     let at = press(1.0);
     // A blade 1 mm thick and 4 cm broad, its edge across the sleeve.
     let blade = Cuboid::new(DVec3::new(0.1, 0.0005, 0.02));
-    let edge = skin.spread(&[at], &blade, &over(&at, 0.02, std::f64::consts::FRAC_PI_2));
+    let edge = skin.spread(
+        &[at],
+        &blade,
+        &over(&at, 0.02, std::f64::consts::FRAC_PI_2),
+        &Surface::hard(FRICTION),
+    );
     let round = |force_n: f64| {
         let at = press(force_n);
         let (shape, pose) = trunk(&at, 0.02, std::f64::consts::FRAC_PI_2);
-        rows_and_columns(&skin.spread(&[at], &shape, &pose))
+        rows_and_columns(&skin.spread(&[at], &shape, &pose, &Surface::hard(FRICTION)))
     };
     let [rows, columns] = rows_and_columns(&edge);
     assert!(rows == 1 && columns >= 3, "edge {rows} × {columns}");
@@ -153,7 +163,7 @@ fn a_lone_taxel_feels_the_whole_force() {
         let contact = contact(&whole, along_m, around_rad, 2.0, 0.3, 1.0);
         assert!(skin.covers(&contact), "{along_m} m, {around_rad} rad");
         let (shape, pose) = trunk(&contact, 0.015, 1.0);
-        let forces = skin.spread(&[contact], &shape, &pose);
+        let forces = skin.spread(&[contact], &shape, &pose, &Surface::hard(FRICTION));
         assert_eq!(forces.len(), 1);
         let missed = TaxelForce {
             taxel: TAXEL,

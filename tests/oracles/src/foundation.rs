@@ -13,6 +13,17 @@ pub fn crossed_cylinders_force_n(stiffness_n_per_m3: f64, radii_m: [f64; 2], dep
     PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt() * depth_m * depth_m
 }
 
+/// Volume of the cap of height `depth_m` of a ball, m³: π d² (3R − d) / 3.
+pub fn cap_volume_m3(radius_m: f64, depth_m: f64) -> f64 {
+    PI * depth_m * depth_m * (3.0 * radius_m - depth_m) / 3.0
+}
+
+/// Area of the segment of height `depth_m` of a disc, m²: R² acos(1 − d/R) − (R − d) √(2Rd − d²).
+pub fn segment_area_m2(radius_m: f64, depth_m: f64) -> f64 {
+    let half_chord = (2.0 * radius_m * depth_m - depth_m * depth_m).sqrt();
+    radius_m * radius_m * (1.0 - depth_m / radius_m).acos() - (radius_m - depth_m) * half_chord
+}
+
 /// Depth, m, at which two bodies that part as x²/2R₁ + y²/2R₂ press with `force_n`.
 pub fn depth_m(stiffness_n_per_m3: f64, radii_m: [f64; 2], force_n: f64) -> f64 {
     (force_n / (PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt())).sqrt()
@@ -29,6 +40,17 @@ pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, pla
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    /// Pins volume and area against their first terms, π R d² and (4/3) √(2R) d^1.5, and a whole half of ball and disc.
+    #[test]
+    fn caps_and_segments() {
+        let (radius, depth) = (0.03_f64, 1e-6_f64);
+        assert_relative_eq!(cap_volume_m3(radius, depth), PI * radius * depth * depth, max_relative = 1e-4);
+        let first = 4.0 / 3.0 * (2.0 * radius).sqrt() * depth.powf(1.5);
+        assert_relative_eq!(segment_area_m2(radius, depth), first, max_relative = 1e-4);
+        assert_relative_eq!(cap_volume_m3(radius, radius), 2.0 / 3.0 * PI * radius.powi(3), epsilon = 1e-15);
+        assert_relative_eq!(segment_area_m2(radius, radius), PI * radius * radius / 2.0, epsilon = 1e-15);
+    }
 
     /// Pins the forces against the integral of the pressure over the contact, by the midpoint rule.
     #[test]

@@ -47,6 +47,27 @@ impl Oscillator {
         1.0 - (-decay * time_s).exp() * ((damped * time_s).cos() + decay / damped * (damped * time_s).sin())
     }
 
+    /// A mass that meets a spring with loss at `speed`, and leaves it when k (x + τ dx/dt), with the loss time τ, has fallen to
+    /// zero: the largest displacement and the speed of leaving, for x = v/ω_d e^(−ζω₀t) sin ω_d t.
+    pub fn rebound(&self, speed: f64, loss_time_s: f64) -> (f64, f64) {
+        let decay = self.damping_ratio * self.frequency_rad_per_s;
+        let damped = self.damped_frequency_rad_per_s();
+        let place = |time: f64| speed / damped * (-decay * time).exp() * (damped * time).sin();
+        let velocity =
+            |time: f64| speed * (-decay * time).exp() * ((damped * time).cos() - decay / damped * (damped * time).sin());
+        let turning = (damped / decay).atan() / damped;
+        let (mut low, mut high) = (turning, PI / damped);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if place(middle) + loss_time_s * velocity(middle) > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (place(turning), -velocity(low))
+    }
+
     /// The oscillator that implicit Euler with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the factor
     /// 1 / (1 − s Δt) per step, which is that of an oscillator, too.
     pub fn under_implicit_euler(&self, step_s: f64) -> Oscillator {
@@ -88,6 +109,25 @@ mod tests {
             let expected = EXAMPLE.step_response(f64::from(index) * step);
             assert!((state[0] - expected).abs() < 1e-10);
         }
+    }
+
+    /// Pins the rebound: with hardly any loss the speed returns and the depth is v/ω₀; with loss, energy and a fine integration.
+    #[test]
+    fn a_rebound_keeps_what_the_loss_leaves() {
+        let elastic = Oscillator::new(0.5, 1e4, 1e-6);
+        let (depth, speed) = elastic.rebound(0.2, 1e-10);
+        assert_relative_eq!(speed, 0.2, max_relative = 1e-6);
+        assert_relative_eq!(depth, 0.2 / elastic.frequency_rad_per_s, max_relative = 1e-6);
+        let (stiffness, mass, loss) = (1.2e4, 0.5, 0.002);
+        let (depth, speed) = Oscillator::new(mass, stiffness, stiffness * loss).rebound(0.2, loss);
+        let (mut x, mut v, step, mut deepest) = (0.0, 0.2, 1e-7, 0.0_f64);
+        while x + loss * v > 0.0 {
+            v -= step * stiffness / mass * (x + loss * v);
+            x += step * v;
+            deepest = deepest.max(x);
+        }
+        assert_relative_eq!(depth, deepest, max_relative = 1e-4);
+        assert_relative_eq!(speed, -v, max_relative = 1e-4);
     }
 
     /// Pins overshoot and decrement as extremes of the step response half a period apart.

@@ -1,0 +1,274 @@
+//! Check 18: the law of contact in the dynamics: force against overlap, loss, and the same skin along the whole arm.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DQuat, DVec3};
+use underbrush_oracles::{foundation, oscillator::Oscillator};
+use underbrush_recording::{BodyPart, BodyShape, Pose};
+use underbrush_sim::arm::Arm;
+use underbrush_sim::contact::surface::Surface;
+use underbrush_sim::object::trunk::Trunk;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
+
+use crate::pressed_arm::{self, Beside, FOREARM_RADIUS_M, PressedArm};
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+
+/// Check 18.
+pub const CHECK: Check = Check {
+    number: 18,
+    name: "contact-law",
+    summary: "Bodies rest at the overlap of an elastic foundation whatever their mass, rebound as its loss says, and the \
+              forearm has the same skin from wrist to elbow",
+    cases: &[
+        Case {
+            compare: resting,
+            falsifications: &[STIFF_SURFACE],
+        },
+        Case {
+            compare: rebound,
+            falsifications: &[LOSSY_SURFACE, STIFF_PUNCH],
+        },
+        Case {
+            compare: along_the_forearm,
+            falsifications: &[STIFF_SKIN],
+        },
+    ],
+};
+
+const STIFF_SURFACE: Falsification = Falsification {
+    wrong: "stiffness of the simulated surface",
+    by: "10 % too high",
+    breaks: Breaks::Every,
+};
+const LOSSY_SURFACE: Falsification = Falsification {
+    wrong: "loss time of the simulated surface",
+    by: "twice as long",
+    breaks: Breaks::Every,
+};
+const STIFF_PUNCH: Falsification = Falsification {
+    wrong: "stiffness of the surface under the punch",
+    by: "10 % too high",
+    breaks: Breaks::Named(&["deepest overlap"]),
+};
+const STIFF_SKIN: Falsification = Falsification {
+    wrong: "stiffness of the simulated skin",
+    by: "30 % too high",
+    breaks: Breaks::Every,
+};
+
+const STIFFNESS_N_PER_M3: f64 = 3e7;
+const GRAVITY_M_PER_S2: f64 = 9.81;
+
+fn soft(stiffness_n_per_m3: f64, loss_time_s: f64) -> Surface {
+    Surface {
+        compliance_m3_per_n: 1.0 / stiffness_n_per_m3,
+        loss_time_s,
+        friction: 0.4,
+    }
+}
+
+fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
+    BodyPart { shape, pose_body }
+}
+
+/// A cylinder about the horizontal axis at this angle from x.
+fn lying(radius_m: f64, angle_rad: f64) -> BodyPart {
+    let axis = DQuat::from_rotation_z(angle_rad) * DQuat::from_rotation_y(FRAC_PI_2);
+    let shape = BodyShape::Cylinder {
+        radius_m,
+        length_m: 0.24,
+    };
+    part(shape, Pose::from_orientation(axis))
+}
+
+fn cuboid(size_m: DVec3) -> BodyPart {
+    part(BodyShape::Box { size_m }, Pose::IDENTITY)
+}
+
+/// A body that rests on another: the shapes, how far the upper one's centre is over the lower one's where they just touch,
+/// and the volume of their overlap at a depth.
+struct Resting {
+    name: &'static str,
+    upper: BodyPart,
+    lower: BodyPart,
+    height_m: f64,
+    overlap_m3: fn(f64) -> f64,
+}
+
+const BALL_M: f64 = 0.03;
+const CYLINDER_M: f64 = 0.046;
+const POST_M: f64 = 0.015;
+const CROSSING_RAD: f64 = 1.1;
+const BLADE_M: f64 = 0.03;
+const PUNCH_M: f64 = 0.02;
+
+fn bodies() -> [Resting; 4] {
+    let table = || cuboid(DVec3::new(1.0, 1.0, 0.1));
+    [
+        Resting {
+            name: "ball on a table",
+            upper: part(BodyShape::Sphere { radius_m: BALL_M }, Pose::IDENTITY),
+            lower: table(),
+            height_m: 0.05 + BALL_M,
+            overlap_m3: |depth| foundation::cap_volume_m3(BALL_M, depth),
+        },
+        Resting {
+            name: "cylinder across a post",
+            upper: lying(CYLINDER_M, CROSSING_RAD),
+            lower: lying(POST_M, 0.0),
+            height_m: CYLINDER_M + POST_M,
+            overlap_m3: |depth| {
+                foundation::crossed_cylinders_force_n(1.0, [CYLINDER_M, POST_M], depth) / CROSSING_RAD.sin()
+            },
+        },
+        Resting {
+            name: "cylinder across a blade",
+            upper: lying(CYLINDER_M, FRAC_PI_2),
+            lower: cuboid(DVec3::new(0.3, BLADE_M, 0.002)),
+            height_m: CYLINDER_M + 0.001,
+            overlap_m3: |depth| BLADE_M * foundation::segment_area_m2(CYLINDER_M, depth),
+        },
+        Resting {
+            name: "flat punch on a table",
+            upper: cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04)),
+            lower: table(),
+            height_m: 0.07,
+            overlap_m3: |depth| PUNCH_M * PUNCH_M * depth,
+        },
+    ]
+}
+
+/// Forces that bodies of very different mass exert at rest, from the depth at which they rest.
+fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_SURFACE, 1.0, 1.1);
+    let mut comparisons = Vec::new();
+    for body in bodies() {
+        for mass_kg in [0.005, 1.0] {
+            let mut rig = Rig::new(PhysicsOptions {
+                step_s: 0.005,
+                gravity_m_per_s2: GRAVITY_M_PER_S2,
+            });
+            let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
+            let upper = rig.add_free(&FreeBody {
+                part: body.upper.clone(),
+                mass_kg,
+                // A long loss time, so that it comes to rest soon.
+                surface: soft(stiffness, 0.05),
+                pose_world: Pose::from_position(DVec3::Z * body.height_m),
+                velocity_world: DVec3::ZERO,
+                may_rotate: [false; 3],
+            });
+            let (Some(_), Some(upper)) = (lower, upper) else {
+                return Err(CheckError::Case("a body without volume".into()));
+            };
+            for _ in 0..1000 {
+                rig.step();
+            }
+            let depth_m = body.height_m - rig.pose_world(upper).position.z;
+            comparisons.push(Comparison::relative(
+                format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3),
+                "N",
+                mass_kg * GRAVITY_M_PER_S2,
+                STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m),
+                0.02,
+                "2 %: the quadrature over an ellipse (0.5 %), and terms of order d / R in the closed form for cylinders",
+            ));
+        }
+    }
+    Ok(comparisons)
+}
+
+const REBOUND_STEP_S: f64 = 1e-4;
+
+/// A flat punch, which is a linear oscillator while it touches.
+fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const MASS_KG: f64 = 0.5;
+    const SPEED_M_PER_S: f64 = 0.2;
+    const LOSS_TIME_S: f64 = 0.002;
+    let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_PUNCH, 1.0, 1.1);
+    let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_SURFACE, 1.0, 2.0);
+    let mut rig = Rig::new(PhysicsOptions {
+        step_s: REBOUND_STEP_S,
+        gravity_m_per_s2: 0.0,
+    });
+    let table = rig.add_fixed(&cuboid(DVec3::new(1.0, 1.0, 0.1)), Surface::hard(0.4), &Pose::IDENTITY);
+    let punch = rig.add_free(&FreeBody {
+        part: cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04)),
+        mass_kg: MASS_KG,
+        surface: soft(stiffness, loss_time_s),
+        pose_world: Pose::from_position(DVec3::Z * 0.07),
+        velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
+        may_rotate: [false; 3],
+    });
+    let (Some(_), Some(punch)) = (table, punch) else {
+        return Err(CheckError::Case("a body without volume".into()));
+    };
+    let depth_m = |rig: &Rig, punch: BodyId| 0.07 - rig.pose_world(punch).position.z;
+    let mut deepest_m = 0.0_f64;
+    for _ in 0..1000 {
+        rig.step();
+        deepest_m = deepest_m.max(depth_m(&rig, punch));
+    }
+    let spring = STIFFNESS_N_PER_M3 * PUNCH_M * PUNCH_M;
+    let exact = Oscillator::new(MASS_KG, spring, spring * LOSS_TIME_S).under_implicit_euler(REBOUND_STEP_S);
+    let (depth, speed) = exact.rebound(SPEED_M_PER_S, LOSS_TIME_S);
+    let reason = "1 %: the period of the contact, 20 ms, is resolved by 200 steps, whose own damping the closed form includes";
+    Ok(vec![
+        Comparison::relative("punch that rebounds, deepest overlap", "m", depth, deepest_m, 0.01, reason),
+        Comparison::relative(
+            "punch that rebounds, speed afterwards",
+            "m/s",
+            speed,
+            rig.velocity_world(punch).z,
+            0.01,
+            reason,
+        ),
+    ])
+}
+
+/// A trunk pressed into the skin near the wrist, in the middle and near the elbow.
+fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const RADIUS_M: f64 = 0.015;
+    let arm = Arm::cody()?;
+    let mut comparisons = Vec::new();
+    for (name, along_m) in [("near the wrist", -0.05), ("in the middle", 0.0), ("near the elbow", 0.07)] {
+        let mut soft = arm.clone();
+        soft.skin.stiffness_n_per_m3 *= simulated.with(STIFF_SKIN, 1.0, 1.3);
+        let trunk = Trunk {
+            diameter_m: 2.0 * RADIUS_M,
+            height_m: 0.6,
+        };
+        let beside = Beside {
+            along_m,
+            ..Beside::facing(Box::new(trunk), 0.017, 0.3)
+        };
+        let mut pressed = PressedArm::new(arm.clone(), soft, beside, pressed_arm::OPTIONS)?;
+        let equilibrium = pressed.pressing_rad(9.0);
+        pressed.hold(&equilibrium, 5.0);
+        let forearm = pressed.report().link_pose_world[pressed.forearm];
+        let foot = pressed.simulation.clutter().objects[0].foot_world;
+        let axis = forearm.transform_vector(DVec3::Z);
+        // The distance of two lines, and their angle.
+        let normal = axis.cross(DVec3::Z);
+        let distance_m = (foot - forearm.position).dot(normal.normalize()).abs();
+        let depth_m = FOREARM_RADIUS_M + RADIUS_M - distance_m;
+        let law =
+            foundation::crossed_cylinders_force_n(arm.skin.stiffness_n_per_m3, [FOREARM_RADIUS_M, RADIUS_M], depth_m);
+        let force_n: f64 = pressed
+            .report()
+            .contacts
+            .iter()
+            .map(|contact| contact.force_world.dot(contact.inward_world))
+            .sum();
+        comparisons.push(Comparison::relative(
+            format!("trunk on the forearm {name}, π k √(R₁R₂) d² / sin α"),
+            "N",
+            force_n,
+            law / normal.length(),
+            0.05,
+            "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters",
+        ));
+    }
+    Ok(comparisons)
+}
