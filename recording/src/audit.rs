@@ -29,6 +29,8 @@ pub struct Audit {
     pub energy_residual: f64,
     /// Estimated numerical damping of the implicit integrator, relative to the same work.
     pub integrator_energy_share: f64,
+    /// Largest residual of the contact solver over all steps, relative to the largest generalized impulse.
+    pub largest_contact_residual: f64,
     /// Deepest penetration between a link and an object in contact, m.
     pub deepest_penetration_m: f64,
     /// Largest change of the contact force on a link from one frame's mean to the next, N.
@@ -79,12 +81,13 @@ impl Audit {
     ];
 
     /// All residuals.
-    pub const FIELDS: [AuditField; 8] = fields![
+    pub const FIELDS: [AuditField; 9] = fields![
         AuditField: largest_force_residual,
         largest_moment_residual_m,
         largest_static_residual,
         energy_residual,
         integrator_energy_share,
+        largest_contact_residual,
         deepest_penetration_m,
         largest_frame_force_jump_n,
         largest_step_force_jump_n,

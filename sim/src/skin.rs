@@ -1,16 +1,17 @@
 //! From solver contacts to taxel forces: a thin elastic layer over the hard link spreads each contact over the taxels under
 //! it, and conserves its force.
 //!
-//! The layer is an elastic foundation (Winkler): a sub-point j of a taxel, of area a_j, is pressed by
-//! p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the signed gap
-//! g_j to the sub-point; it is pushed in by a depth δ and two tilts t, so h_j = δ + t·x_j − g_j, where x_j is the
-//! sub-point's place in the tangent plane of the contact. δ and t are those for which the pressures add up to the
-//! solver's normal force and to its moment about the tangents: the minimum of a convex, piecewise quadratic energy,
-//! found by Newton's method. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
-//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. If this
-//! takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as possible
-//! (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels lie on
-//! one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
+//! The layer is the elastic foundation (Winkler) of [`crate::contact`]: a sub-point j of a taxel, of area a_j, is pressed by
+//! p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the gap g_j to the
+//! sub-point along the contact's normal (negative where they overlap; the distance if it is beside the object). It is moved by a further depth δ and two tilts t, so
+//! h_j = δ + t·x_j − g_j, where x_j is the sub-point's place in the tangent plane of the contact. δ and t are those for which
+//! the pressures add up to the solver's normal force and to its moment about the tangents: the minimum of a convex, piecewise
+//! quadratic energy, found by Newton's method. They are small, and stand for the loss of the layer, for movement within a
+//! frame and for taxels that do not cover all of the contact. What the taxels' normals cannot carry (friction, and the
+//! sideways rest on a curved skin) is spread as shear in proportion to pressure, so that the vector sum over the taxels is the
+//! solver's force. If this takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as
+//! possible (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels
+//! lie on one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -20,6 +21,7 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
+use crate::contact::chord::{Line, chord};
 use crate::contact::surface::Surface;
 use crate::geometry::signed_distance_m;
 use crate::newton::minimize;
@@ -81,9 +83,9 @@ pub struct TaxelForce {
 /// The layer looks for indented taxels this much farther from a contact than its radius, m: by more than a taxel's diagonal.
 const SEARCH_MARGIN_M: f64 = 0.015;
 
-/// Sub-points along each side of a taxel. Three resolve a contact narrower than a taxel to 3 mm; the pressure of a trunk
-/// changes by less than a fifth between them.
-const POINTS_PER_SIDE: usize = 3;
+/// Sub-points along each side of a taxel. Four resolve a contact narrower than a taxel to 2.3 mm; the pressure of a trunk
+/// changes by less than a sixth between them.
+const POINTS_PER_SIDE: usize = 4;
 
 impl SkinPatch {
     /// The patches of an arm's skin, in the layout's order.
@@ -149,14 +151,21 @@ impl SkinPatch {
             .sum::<DVec3>()
             / weight;
         let (across, along) = inward.any_orthonormal_pair();
+        let direction = shape_pose.inverse_transform_vector(inward);
         let cells: Vec<Cell> = self
             .nearby(contacts)
             .filter(|point| faces(point.normal_link, inward))
             .map(|point| {
+                let origin = shape_pose.inverse_transform_point(point.position_link);
+                // Beside an edge, the layer is dragged along as far as it is away from it.
+                let gap = chord(shape, &Line { origin, direction }).map_or_else(
+                    || signed_distance_m(shape, shape_pose, point.position_link),
+                    |[_, surface]| -surface,
+                );
                 let offset = point.position_link - center;
                 Cell {
                     taxel: point.taxel,
-                    gap: signed_distance_m(shape, shape_pose, point.position_link),
+                    gap,
                     place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
                     stiffness: interface.stiffness_n_per_m3 * point.area_m2,
                     share: -point.normal_link.dot(inward),

@@ -93,6 +93,8 @@ struct Resting {
     upper: BodyPart,
     lower: BodyPart,
     height_m: f64,
+    /// 1 / R of the thinner of two cylinders, whose closed form is the first term in d / R, 1/m; 0 for exact forms.
+    curvature_per_m: f64,
     overlap_m3: fn(f64) -> f64,
 }
 
@@ -111,6 +113,7 @@ fn bodies() -> [Resting; 4] {
             upper: part(BodyShape::Sphere { radius_m: BALL_M }, Pose::IDENTITY),
             lower: table(),
             height_m: 0.05 + BALL_M,
+            curvature_per_m: 0.0,
             overlap_m3: |depth| foundation::cap_volume_m3(BALL_M, depth),
         },
         Resting {
@@ -118,6 +121,7 @@ fn bodies() -> [Resting; 4] {
             upper: lying(CYLINDER_M, CROSSING_RAD),
             lower: lying(POST_M, 0.0),
             height_m: CYLINDER_M + POST_M,
+            curvature_per_m: 1.0 / POST_M,
             overlap_m3: |depth| {
                 foundation::crossed_cylinders_force_n(1.0, [CYLINDER_M, POST_M], depth) / CROSSING_RAD.sin()
             },
@@ -127,6 +131,7 @@ fn bodies() -> [Resting; 4] {
             upper: lying(CYLINDER_M, FRAC_PI_2),
             lower: cuboid(DVec3::new(0.3, BLADE_M, 0.002)),
             height_m: CYLINDER_M + 0.001,
+            curvature_per_m: 0.0,
             overlap_m3: |depth| BLADE_M * foundation::segment_area_m2(CYLINDER_M, depth),
         },
         Resting {
@@ -134,6 +139,7 @@ fn bodies() -> [Resting; 4] {
             upper: cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04)),
             lower: table(),
             height_m: 0.07,
+            curvature_per_m: 0.0,
             overlap_m3: |depth| PUNCH_M * PUNCH_M * depth,
         },
     ]
@@ -167,12 +173,16 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             }
             let depth_m = body.height_m - rig.pose_world(upper).position.z;
             comparisons.push(Comparison::relative(
-                format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3),
+                format!(
+                    "{}, k times the overlap's volume at rest, {} g",
+                    body.name,
+                    mass_kg * 1e3
+                ),
                 "N",
                 mass_kg * GRAVITY_M_PER_S2,
                 STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m),
-                0.02,
-                "2 %: the quadrature over an ellipse (0.5 %), and terms of order d / R in the closed form for cylinders",
+                0.005 + body.curvature_per_m * depth_m / 4.0,
+                "0.5 % of quadrature, and d / 4R where the closed form is the first term in d / R",
             ));
         }
     }
@@ -213,9 +223,17 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let spring = STIFFNESS_N_PER_M3 * PUNCH_M * PUNCH_M;
     let exact = Oscillator::new(MASS_KG, spring, spring * LOSS_TIME_S).under_implicit_euler(REBOUND_STEP_S);
     let (depth, speed) = exact.rebound(SPEED_M_PER_S, LOSS_TIME_S);
-    let reason = "1 %: the period of the contact, 20 ms, is resolved by 200 steps, whose own damping the closed form includes";
+    let reason =
+        "1 %: the period of the contact, 20 ms, is resolved by 200 steps, whose own damping the closed form includes";
     Ok(vec![
-        Comparison::relative("punch that rebounds, deepest overlap", "m", depth, deepest_m, 0.01, reason),
+        Comparison::relative(
+            "punch that rebounds, deepest overlap",
+            "m",
+            depth,
+            deepest_m,
+            0.01,
+            reason,
+        ),
         Comparison::relative(
             "punch that rebounds, speed afterwards",
             "m/s",
@@ -232,7 +250,11 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
     const RADIUS_M: f64 = 0.015;
     let arm = Arm::cody()?;
     let mut comparisons = Vec::new();
-    for (name, along_m) in [("near the wrist", -0.05), ("in the middle", 0.0), ("near the elbow", 0.07)] {
+    for (name, along_m) in [
+        ("near the wrist", -0.05),
+        ("in the middle", 0.0),
+        ("near the elbow", 0.07),
+    ] {
         let mut soft = arm.clone();
         soft.skin.stiffness_n_per_m3 *= simulated.with(STIFF_SKIN, 1.0, 1.3);
         let trunk = Trunk {
@@ -259,6 +281,7 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
             .report()
             .contacts
             .iter()
+            .filter(|contact| contact.link == pressed.forearm)
             .map(|contact| contact.force_world.dot(contact.inward_world))
             .sum();
         comparisons.push(Comparison::relative(

@@ -183,6 +183,9 @@ impl EnergyBalance {
             let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);
             let mean_force_world = contact.force_world * (FRAME_PERIOD_S / step_s);
             sums.contacts_j -= mean_force_world.dot(place(&self.now) - place(last));
+            let mean_moment_world = contact.moment_world * (FRAME_PERIOD_S / step_s);
+            let spin = |state: &ArmState| state.links[contact.link].angular_velocity_world;
+            sums.contacts_j -= 0.5 * step_s * mean_moment_world.dot(spin(last) + spin(&self.now));
         }
     }
 }

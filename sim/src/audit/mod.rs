@@ -32,8 +32,9 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
         let (max, reason) = match field.name {
             "largest_force_residual" => (1e-9, "the skin conserves force; rounding alone gives 1e-15"),
             "largest_moment_residual_m" => (
-                farthest_contact_m,
-                "a taxel does not measure where on it a force acts; the error can be as large as the spacing of the sparsest taxels",
+                farthest_contact_m + DEEPEST_M,
+                "a taxel does not measure where on it a force acts; the error can be as large as the spacing of the sparsest \
+                 taxels and the depth of the contact",
             ),
             "largest_static_residual" => (
                 STATIC_RESIDUAL,
@@ -44,8 +45,12 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
                 "first order in the step, within which impacts and dampers are not resolved",
             ),
             "integrator_energy_share" => (0.05, "first order in the step, which is 5 ms by default"),
+            "largest_contact_residual" => (
+                1e-5,
+                "the contact solver stops at 1e-6; ten times that means that it did not converge",
+            ),
             "deepest_penetration_m" => (
-                0.01,
+                DEEPEST_M,
                 "the skin's cover is a few millimetres thick; a link any deeper is inside the object",
             ),
             "largest_frame_force_jump_n" => (20.0, "more than a taxel's largest force of 17 N from one frame to the next"),
@@ -54,6 +59,9 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
         Some(Bound { field, max, reason })
     })
 }
+
+/// Largest overlap of link and object, m.
+const DEEPEST_M: f64 = 0.01;
 
 /// A joint slower than this counts as resting, rad/s. Choice: Cody's strongest damper then exerts 34 mNm.
 const REST_RATE_RAD_PER_S: f64 = 5e-3;
@@ -152,6 +160,7 @@ impl Auditor {
     pub fn observe_step(&mut self, step: &StepReport) {
         self.energy.observe_step(step);
         let audit = &mut self.audit;
+        audit.largest_contact_residual = audit.largest_contact_residual.max(step.contact_residual);
         for contact in step.contacts {
             audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
         }

@@ -3,7 +3,7 @@
 //! Nothing here knows of the engine. [`crate::simulation`] takes shapes, poses, Jacobians and mass matrices from it, and gives
 //! it back what contacts change. `docs/physics.md` derives the method.
 
-mod chord;
+pub mod chord;
 mod envelope;
 pub mod law;
 pub mod patch;

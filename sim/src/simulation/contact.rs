@@ -23,6 +23,9 @@ pub struct Contact {
     /// This contact's share of the mean force on the link over the frame, N, world frame: the impulse of normal force and
     /// friction in this step, divided by the 10 ms of the frame.
     pub force_world: DVec3,
+    /// This contact's share of the mean moment on the link over the frame, about the position, Nm, world frame: the friction
+    /// of a patch that rotates about its normal.
+    pub moment_world: DVec3,
     /// Largest overlap of the two undeformed shapes along the normal at the end of the step, m: how far skin and object
     /// together give way.
     pub penetration_m: f64,
@@ -44,7 +47,7 @@ impl Contact {
     }
 }
 
-/// Torques that contacts exert on the joints, Σ Jᵀ f, Nm. `torque_nm` has one entry for each joint and is overwritten.
+/// Torques that forces and moments of contacts exert on the joints, Σ Jᵀ f, Nm. `torque_nm` has one entry for each joint and is overwritten.
 pub fn contact_torque_nm(arm: &Arm, link_pose_world: &[Pose], contacts: &[Contact], torque_nm: &mut [f64]) {
     torque_nm.fill(0.0);
     for contact in contacts {
@@ -53,7 +56,7 @@ pub fn contact_torque_nm(arm: &Arm, link_pose_world: &[Pose], contacts: &[Contac
         for (joint, torque) in torque_nm.iter_mut().enumerate().take(contact.link) {
             let pose = &link_pose_world[joint + 1];
             let axis = pose.transform_vector(arm.joints[joint].axis_child);
-            *torque += axis.dot((point - pose.position).cross(contact.force_world));
+            *torque += axis.dot((point - pose.position).cross(contact.force_world) + contact.moment_world);
         }
     }
 }

@@ -93,6 +93,8 @@ pub struct StepReport<'a> {
     pub link_pose_world: &'a [Pose],
     /// The contacts of this step.
     pub contacts: &'a [Contact],
+    /// Residual of the contact solver in this step, relative to the largest generalized impulse.
+    pub contact_residual: f64,
 }
 
 /// Called after each engine step.

@@ -30,6 +30,8 @@ pub(super) struct Touch {
     pub(super) normal_impulse: f64,
     /// Impulse on the first body with friction, N s, world frame.
     pub(super) impulse_world: DVec3,
+    /// Moment of the friction on the first body about the normal, N m s, world frame.
+    pub(super) moment_world: DVec3,
     /// Largest overlap of the undeformed shapes at the end of the step, m.
     pub(super) overlap_m: f64,
     /// Distance of the farthest part of the patch from its centre of pressure, m.
@@ -447,6 +449,7 @@ impl Touching {
                 normal_world: plane.normal_world,
                 normal_impulse,
                 impulse_world: plane.normal_world * normal_impulse + tangential(&solved.friction_impulse),
+                moment_world: plane.normal_world * (candidate.radius_m * solved.friction_impulse[2]),
                 overlap_m: overlaps.fold(f64::NEG_INFINITY, f64::max),
                 radius_m: nodes.iter().map(|node| node.place.distance(at)).fold(0.0, f64::max),
                 slip_world: tangential(&solved.slip_speeds),

@@ -74,6 +74,7 @@ impl World {
                     joints: &joints,
                     link_pose_world: &link_pose_world,
                     contacts: &self.contacts[earlier..],
+                    contact_residual: self.engine.touching.convergence.residual,
                 });
             }
         }
@@ -131,6 +132,7 @@ impl World {
                 position_link: touch.position_body[side],
                 inward_world: touch.normal_world * sign,
                 force_world: touch.impulse_world * (sign / FRAME_PERIOD_S),
+                moment_world: touch.moment_world * (sign / FRAME_PERIOD_S),
                 penetration_m: touch.overlap_m,
                 radius_m: touch.radius_m,
                 slip_world: touch.slip_world * sign,

@@ -18,6 +18,19 @@ pub fn cap_volume_m3(radius_m: f64, depth_m: f64) -> f64 {
     PI * depth_m * depth_m * (3.0 * radius_m - depth_m) / 3.0
 }
 
+/// Volume of the overlap of two cylinders that cross at a right angle, `depth_m` deep along their common normal, m³: the
+/// segments of the second over the chord of the first, by the midpoint rule.
+pub fn crossed_volume_m3(radii_m: [f64; 2], depth_m: f64) -> f64 {
+    let half_chord = (2.0 * radii_m[0] * depth_m - depth_m * depth_m).sqrt();
+    let steps = 2000;
+    let spacing = 2.0 * half_chord / f64::from(steps);
+    (0..steps)
+        .map(|index| (f64::from(index) + 0.5) * spacing - half_chord)
+        .map(|x| depth_m - radii_m[0] + (radii_m[0] * radii_m[0] - x * x).sqrt())
+        .map(|left| segment_area_m2(radii_m[1], left.max(0.0)) * spacing)
+        .sum()
+}
+
 /// Area of the segment of height `depth_m` of a disc, m²: R² acos(1 − d/R) − (R − d) √(2Rd − d²).
 pub fn segment_area_m2(radius_m: f64, depth_m: f64) -> f64 {
     let half_chord = (2.0 * radius_m * depth_m - depth_m * depth_m).sqrt();
@@ -45,11 +58,26 @@ mod tests {
     #[test]
     fn caps_and_segments() {
         let (radius, depth) = (0.03_f64, 1e-6_f64);
-        assert_relative_eq!(cap_volume_m3(radius, depth), PI * radius * depth * depth, max_relative = 1e-4);
+        assert_relative_eq!(
+            cap_volume_m3(radius, depth),
+            PI * radius * depth * depth,
+            max_relative = 1e-4
+        );
+        let parabolic = crossed_cylinders_force_n(1.0, [radius, 0.5 * radius], depth);
+        let volume = crossed_volume_m3([radius, 0.5 * radius], depth);
+        assert_relative_eq!(volume, parabolic, max_relative = 1e-3);
         let first = 4.0 / 3.0 * (2.0 * radius).sqrt() * depth.powf(1.5);
         assert_relative_eq!(segment_area_m2(radius, depth), first, max_relative = 1e-4);
-        assert_relative_eq!(cap_volume_m3(radius, radius), 2.0 / 3.0 * PI * radius.powi(3), epsilon = 1e-15);
-        assert_relative_eq!(segment_area_m2(radius, radius), PI * radius * radius / 2.0, epsilon = 1e-15);
+        assert_relative_eq!(
+            cap_volume_m3(radius, radius),
+            2.0 / 3.0 * PI * radius.powi(3),
+            epsilon = 1e-15
+        );
+        assert_relative_eq!(
+            segment_area_m2(radius, radius),
+            PI * radius * radius / 2.0,
+            epsilon = 1e-15
+        );
     }
 
     /// Pins the forces against the integral of the pressure over the contact, by the midpoint rule.

@@ -53,8 +53,9 @@ impl Oscillator {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
         let damped = self.damped_frequency_rad_per_s();
         let place = |time: f64| speed / damped * (-decay * time).exp() * (damped * time).sin();
-        let velocity =
-            |time: f64| speed * (-decay * time).exp() * ((damped * time).cos() - decay / damped * (damped * time).sin());
+        let velocity = |time: f64| {
+            speed * (-decay * time).exp() * ((damped * time).cos() - decay / damped * (damped * time).sin())
+        };
         let turning = (damped / decay).atan() / damped;
         let (mut low, mut high) = (turning, PI / damped);
         for _ in 0..60 {
