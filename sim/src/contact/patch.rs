@@ -131,8 +131,9 @@ impl Pair<'_> {
     }
 
     /// A tangent plane whose tangents suit the shapes: along the edges of a box, else along the axes of relative curvature.
+    /// Strips lie along the second tangent.
     pub fn plane(&self, origin_world: DVec3, normal_world: DVec3) -> Plane {
-        let strip = self.box_edge(normal_world).or_else(|| self.least_curved(normal_world));
+        let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
         let along = strip.map_or_else(
             || normal_world.any_orthonormal_vector(),
             |strip| {
@@ -141,7 +142,6 @@ impl Pair<'_> {
                     .normalize_or(normal_world.any_orthonormal_vector())
             },
         );
-        // The second tangent is that of the strips.
         let second = along;
         let first = second.cross(normal_world);
         Plane {
@@ -175,7 +175,7 @@ impl Pair<'_> {
 
     /// The direction in the tangent plane in which the two surfaces part fastest. Strips along it are short, and strips
     /// across it end where the region is widest.
-    fn least_curved(&self, normal_world: DVec3) -> Option<DVec3> {
+    fn most_curved(&self, normal_world: DVec3) -> Option<DVec3> {
         let (first, second) = normal_world.any_orthonormal_pair();
         // The relative curvature tensor in (first, second): a capsule curves across its axis.
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);

@@ -8,7 +8,7 @@
 //! where J gives the speeds of a patch from u, and λ is the impulse of [`super::law`]. For friction limits μ N that are held
 //! fixed this is the minimum of a strictly convex function: the kinetic term and the potentials of the law. Newton's method
 //! with a line search along the convex function finds it from any start. The limits are those of the present iterate, so that
-//! usually the whole converges together; if it does not within [`JOINT_ITERATIONS`], the limits are held until the convex
+//! usually the whole converges together; if it does not within `JOINT_ITERATIONS`, the limits are held until the convex
 //! function is minimized, and then renewed, half way. What remains unsolved is reported as the residual.
 
 use nalgebra::{Matrix3, Vector3};
@@ -32,11 +32,11 @@ const NO_IMPULSE: f64 = 1e-14;
 
 /// The degrees of freedom of one articulated body among all.
 #[derive(Clone, Copy, Debug)]
-pub struct Block {
+struct Block {
     /// Index of its first velocity.
-    pub offset: usize,
+    offset: usize,
     /// Number of its velocities.
-    pub size: usize,
+    size: usize,
     /// Where its mass matrix begins.
     mass: usize,
 }
@@ -190,7 +190,7 @@ impl Solver {
         self.patches.len() - 1
     }
 
-    /// Says how a block moves one side of the last patch: the six speeds of that side for each velocity of the block, with a
+    /// Says how a block moves one side of a patch: the six speeds of that side for each velocity of the block, with a
     /// minus for the second side.
     pub fn add_side(&mut self, patch: usize, side: usize, block: usize, columns: impl Iterator<Item = [f64; ROWS]>) {
         let first = self.columns.len();
@@ -222,12 +222,6 @@ impl Solver {
     /// Index of a block's first velocity.
     pub fn offset(&self, block: usize) -> usize {
         self.blocks[block].offset
-    }
-
-    /// The impulse of the stop number `stop`, Nm s.
-    pub fn stop_impulse(&self, stop: usize) -> f64 {
-        let stop = &self.stops[stop];
-        stop.sign * stop.response(stop.sign * self.velocity[stop.index], self.step_s).0
     }
 
     /// The outcome for a patch.

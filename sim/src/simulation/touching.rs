@@ -109,7 +109,6 @@ struct Scratch {
 struct Copied {
     index: MultibodyIndex,
     velocity: Vec<f64>,
-    links: usize,
     poses: Vec<Pose>,
     centers_of_mass: Vec<DVec3>,
     jacobians: Vec<Jacobian<f64>>,
@@ -176,7 +175,6 @@ impl Touching {
                 scratch.bodies.push(Copied {
                     index,
                     velocity: Vec::new(),
-                    links: 0,
                     poses: Vec::new(),
                     centers_of_mass: Vec::new(),
                     jacobians: Vec::new(),
@@ -257,7 +255,7 @@ impl Touching {
             &pair,
             manifold,
             known.map(|kept| body_poses[1].transform_vector(kept.normal)),
-        )?;
+        );
         let interface = self.surface(handles[0])?.with(&self.surface(handles[1])?);
         let law = Law {
             stiffness_n_per_m3: interface.stiffness_n_per_m3,
@@ -309,8 +307,8 @@ impl Touching {
         Some(&self.kept[at].1)
     }
 
-    /// What another pair of shapes of the same two bodies keeps. A blade that slips between two shapes of one link must not
-    /// be pushed to either side by them.
+    /// What another pair of shapes of the same two bodies keeps. A blade between two shapes of
+    /// one link must not be pushed towards one by the other.
     fn sibling(&self, bodies: &PairKey) -> Option<&Kept> {
         let mut kept = self.kept.iter().map(|(_, kept)| kept);
         kept.find(|kept| kept.bodies == *bodies)
@@ -490,7 +488,6 @@ impl Copied {
         self.velocity.extend(multibody.generalized_velocity().iter());
         self.poses.clear();
         self.centers_of_mass.clear();
-        self.links = multibody.num_links();
         for (number, link) in multibody.links().enumerate() {
             let pose = *link.local_to_world();
             let mass = &bodies[link.rigid_body_handle()].mass_properties().local_mprops;
@@ -539,8 +536,8 @@ impl Candidate {
     }
 }
 
-/// The tangent plane of a contact; `None` if the engine's points lie on neither shape's side.
-fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>) -> Option<Plane> {
+/// The tangent plane of a contact, in the middle of the engine's points.
+fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>) -> Plane {
     // The engine's normal points from the first shape to the second.
     let found = -manifold.data.normal;
     let deepest = manifold
@@ -566,10 +563,10 @@ fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>) ->
             .overlap_m(&plane)
             .is_some_and(|overlap| 0.0 < overlap && overlap < MAX_KEPT_OVERLAP_M)
         {
-            return Some(plane);
+            return plane;
         }
     }
-    Some(pair.plane(origin, found))
+    pair.plane(origin, found)
 }
 
 /// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half of the thinner one, and
