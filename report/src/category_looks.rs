@@ -65,7 +65,7 @@ pub struct CategoryLooks {
 }
 
 impl CategoryLooks {
-    /// The looks of some categories, by name. Further ones look different in another order.
+    /// The looks of some categories, by name. The order of the names decides the look of further ones.
     pub fn of<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut further: Vec<String> = Vec::new();
         for name in names {

@@ -10,9 +10,8 @@
 //! * the **integrator** dissipates energy numerically. For one step h of the implicit Euler rule on M v̇ = −K x,
 //!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v.
 //!
-//! The rest is the residual: impacts within a step, friction that the solver does not report, and gyroscopic terms. Steps
-//! that begin or end with a joint at a mechanical limit are left out, because the engine does not report the work of a stop
-//! and corrects joints that have passed one.
+//! The rest is the residual: impacts within a step, and gyroscopic terms. Steps that begin or end with a joint at a mechanical
+//! limit are left out, because no term holds the work of a stop.
 
 use glam::DVec3;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};

@@ -16,6 +16,7 @@ use glam::{DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 
 use super::patch::Node;
+use super::surface::Interface;
 
 /// Tangential displacement at which a patch begins to slip, m. Choice: asperities slide after 1 to 100 µm; it is well below
 /// what a taxel resolves, and the arm passes it within one step of 5 ms at 2 mm/s.
@@ -30,7 +31,7 @@ pub type SlipSpeeds = Vector3<f64>;
 
 /// What the law returns for a velocity: the impulse on the first body (N s, and N m s), and minus its derivative by the
 /// velocity, which is symmetric and positive semidefinite.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Response {
     /// Impulse.
     pub impulse: Vector3<f64>,
@@ -41,12 +42,8 @@ pub struct Response {
 /// The constants of a patch in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
-    /// Foundation modulus, N/m³.
-    pub stiffness_n_per_m3: f64,
-    /// Loss time, s.
-    pub loss_time_s: f64,
-    /// Coefficient of friction.
-    pub friction: f64,
+    /// The two surfaces.
+    pub interface: Interface,
     /// Length of the step, s.
     pub step_s: f64,
 }
@@ -57,7 +54,7 @@ impl Law {
         if overlap_m >= 0.0 {
             overlap_m
         } else {
-            (1.0 + self.loss_time_s / self.step_s) * overlap_m
+            (1.0 + self.interface.loss_time_s / self.step_s) * overlap_m
         }
     }
 
@@ -66,14 +63,14 @@ impl Law {
         if speed < 0.0 {
             self.step_s * speed
         } else {
-            (self.step_s + self.loss_time_s) * speed
+            (self.step_s + self.interface.loss_time_s) * speed
         }
     }
 
     /// Normal impulse and moments about the tangents.
     pub fn normal(&self, nodes: &[Node], speeds: &NormalSpeeds) -> Response {
-        let rate = self.step_s + self.loss_time_s;
-        let scale = self.step_s * self.stiffness_n_per_m3;
+        let rate = self.step_s + self.interface.loss_time_s;
+        let scale = self.step_s * self.interface.stiffness_n_per_m3;
         let mut impulse = [0.0; 3];
         let mut stiffness = [0.0; 6];
         for node in nodes {
@@ -102,9 +99,9 @@ impl Law {
         }
     }
 
-    /// Friction at most `limit` (N s) large. `stuck` is the elastic displacement at the start of the step, m.
-    pub fn friction(&self, stuck: &Vector3<f64>, limit: f64, speeds: &SlipSpeeds) -> Response {
-        let displaced = stuck + speeds * self.step_s;
+    /// Friction at most `limit` (N s) large. `deflection` is the elastic displacement at the start of the step, m.
+    pub fn friction(&self, deflection: &Vector3<f64>, limit: f64, speeds: &SlipSpeeds) -> Response {
+        let displaced = deflection + speeds * self.step_s;
         let distance = displaced.norm();
         let softness = limit / distance.max(STICTION_M);
         let mut stiffness = Matrix3::from_diagonal_element(softness * self.step_s);
@@ -118,15 +115,15 @@ impl Law {
     }
 
     /// The elastic displacement at the end of the step.
-    pub fn stuck_after(&self, stuck: &Vector3<f64>, speeds: &SlipSpeeds) -> Vector3<f64> {
-        let displaced = stuck + speeds * self.step_s;
+    pub fn deflection_after(&self, deflection: &Vector3<f64>, speeds: &SlipSpeeds) -> Vector3<f64> {
+        let displaced = deflection + speeds * self.step_s;
         displaced * (STICTION_M / displaced.norm().max(STICTION_M))
     }
 
     /// Centre of pressure in the tangent plane, m, and the mean distance r of the pressure from it, m, at the parting speeds
     /// `speeds`. If nothing presses there, those of the columns' areas.
     pub fn center_and_radius(&self, nodes: &[Node], speeds: &NormalSpeeds) -> (DVec2, f64) {
-        let rate = self.step_s + self.loss_time_s;
+        let rate = self.step_s + self.interface.loss_time_s;
         let force = |node: &Node| {
             let speed = speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2];
             node.area_m2 * (self.pressed_m(node.overlap_m) - rate * speed).max(0.0)

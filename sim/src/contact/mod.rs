@@ -8,6 +8,7 @@ mod envelope;
 pub mod law;
 pub mod patch;
 pub mod solver;
+pub mod stop;
 pub mod surface;
 
 #[cfg(test)]

@@ -10,23 +10,9 @@ pub struct Surface {
     pub compliance_m3_per_n: f64,
     /// Loss time τ, s: under a deflection h the pressure is (h + τ dh/dt) / compliance, and never negative.
     pub loss_time_s: f64,
-    /// Coefficient of friction. That of a contact is the mean over both surfaces.
+    /// Coefficient of friction. A contact has the mean of the coefficients of its two surfaces.
     pub friction: f64,
 }
-
-impl Surface {
-    /// A surface that is rigid compared with skin.
-    pub fn hard(friction: f64) -> Self {
-        Surface {
-            compliance_m3_per_n: 0.0,
-            loss_time_s: HARD_LOSS_TIME_S,
-            friction,
-        }
-    }
-}
-
-/// Loss time of the contact of two hard surfaces, s. Choice: as of soft rubber, for plastic that bends and rubs.
-const HARD_LOSS_TIME_S: f64 = 0.002;
 
 /// Two surfaces that touch, in series.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,25 +23,33 @@ pub struct Interface {
     pub loss_time_s: f64,
     /// Coefficient of friction.
     pub friction: f64,
-    /// The first surface's share of the overlap.
-    pub share_of_first: f64,
 }
 
-/// Compliance of two hard surfaces together, m³/N. Choice: a tenth of that of Cody's skin. A plastic shell or blade under a
-/// local load bends, which the rigid shapes do not show; this stands for it.
+/// Loss time of the contact of two hard surfaces, s. Choice: that of soft rubber.
+const HARD_LOSS_TIME_S: f64 = 0.002;
+
+/// Compliance of two hard surfaces together, m³/N. Choice: a tenth of that of Cody's skin. A plastic shell or blade bends
+/// under a local load; the simulated shapes are rigid, so this compliance stands for the bending.
 const MIN_COMPLIANCE_M3_PER_N: f64 = 1.0 / 3e8;
 
 impl Surface {
+    /// A surface that is rigid compared with skin.
+    pub fn hard(friction: f64) -> Self {
+        Surface {
+            compliance_m3_per_n: 0.0,
+            loss_time_s: HARD_LOSS_TIME_S,
+            friction,
+        }
+    }
+
     /// The contact of two surfaces. Under the same pressure their deflections add up, and each dissipates its share.
     pub fn with(&self, other: &Surface) -> Interface {
-        let compliances = [self.compliance_m3_per_n, other.compliance_m3_per_n];
-        let sum = compliances[0] + compliances[1];
-        let share_of_first = if sum > 0.0 { compliances[0] / sum } else { 0.5 };
+        let sum = self.compliance_m3_per_n + other.compliance_m3_per_n;
+        let own_share = if sum > 0.0 { self.compliance_m3_per_n / sum } else { 0.5 };
         Interface {
             stiffness_n_per_m3: 1.0 / sum.max(MIN_COMPLIANCE_M3_PER_N),
-            loss_time_s: share_of_first * self.loss_time_s + (1.0 - share_of_first) * other.loss_time_s,
+            loss_time_s: own_share * self.loss_time_s + (1.0 - own_share) * other.loss_time_s,
             friction: 0.5 * (self.friction + other.friction),
-            share_of_first,
         }
     }
 }

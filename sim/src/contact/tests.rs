@@ -11,11 +11,14 @@ use underbrush_recording::Pose;
 use super::law::{Law, STICTION_M};
 use super::patch::{Node, Pair};
 use super::solver::{ROWS, Solver};
+use super::surface::Interface;
 
 const LAW: Law = Law {
-    stiffness_n_per_m3: 3e7,
-    loss_time_s: 0.002,
-    friction: 0.35,
+    interface: Interface {
+        stiffness_n_per_m3: 3e7,
+        loss_time_s: 0.002,
+        friction: 0.35,
+    },
     step_s: 0.005,
 };
 
@@ -57,11 +60,11 @@ proptest! {
     ) {
         let table = || (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1));
         let ball = nodes((SharedShape::ball(radius_m), at(radius_m - depth_m)), table());
-        let expected = LAW.stiffness_n_per_m3 * PI * radius_m * depth_m.powi(2);
+        let expected = LAW.interface.stiffness_n_per_m3 * PI * radius_m * depth_m.powi(2);
         let relative = force_n(&ball) / expected - 1.0;
         prop_assert!(relative.abs() < 5e-3 + depth_m / radius_m, "ball: {relative}");
         let crossed = nodes(lying(radius_m, angle_rad, radius_m - depth_m), lying(other_m, 0.0, -other_m));
-        let expected = LAW.stiffness_n_per_m3 * PI * (radius_m * other_m).sqrt() * depth_m.powi(2) / angle_rad.sin();
+        let expected = LAW.interface.stiffness_n_per_m3 * PI * (radius_m * other_m).sqrt() * depth_m.powi(2) / angle_rad.sin();
         let relative = force_n(&crossed) / expected - 1.0;
         let slender = depth_m / radius_m.min(other_m) / angle_rad.sin().powi(2);
         prop_assert!(relative.abs() < 5e-3 + slender, "crossed: {relative}");
@@ -78,14 +81,14 @@ proptest! {
     ) {
         let blade = (SharedShape::cuboid(width_m / 2.0, 0.1, 0.001), Pose::from_position(DVec3::new(0.0, offset_m, -0.001)));
         let cylinder = lying(radius_m, std::f64::consts::FRAC_PI_2, radius_m - depth_m);
-        let expected = LAW.stiffness_n_per_m3 * width_m * 4.0 / 3.0 * (2.0 * radius_m).sqrt() * depth_m.powf(1.5);
+        let expected = LAW.interface.stiffness_n_per_m3 * width_m * 4.0 / 3.0 * (2.0 * radius_m).sqrt() * depth_m.powf(1.5);
         let relative = force_n(&nodes(cylinder, blade)) / expected - 1.0;
         prop_assert!(relative.abs() < 2e-3 + depth_m / radius_m, "blade: {relative}");
         let flat = nodes(
             (SharedShape::cuboid(width_m / 2.0, 0.03, 0.01), at(0.01 - depth_m)),
             (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1)),
         );
-        let expected = LAW.stiffness_n_per_m3 * depth_m * width_m * 0.06;
+        let expected = LAW.interface.stiffness_n_per_m3 * depth_m * width_m * 0.06;
         prop_assert!((force_n(&flat) / expected - 1.0).abs() < 3e-3);
     }
 
@@ -95,13 +98,13 @@ proptest! {
     fn the_stiffness_is_the_slope_of_the_impulse(
         speeds in prop::array::uniform3(-0.1..0.1f64),
         slip in prop::array::uniform3(-0.02..0.02f64),
-        stuck in prop::array::uniform3(-6e-6..6e-6f64),
+        deflection in prop::array::uniform3(-6e-6..6e-6f64),
     ) {
         let nodes = nodes(lying(0.046, 1.3, 0.045), lying(0.015, 0.0, -0.015));
-        let stuck = Vector3::from(stuck);
+        let deflection = Vector3::from(deflection);
         let slip = Vector3::from(slip);
         let normal = |at: &Vector3<f64>| LAW.normal(&nodes, at);
-        let friction = |at: &Vector3<f64>| LAW.friction(&stuck, 0.01, at);
+        let friction = |at: &Vector3<f64>| LAW.friction(&deflection, 0.01, at);
         // The normal impulse has kinks where a column begins to press, which the differences must not straddle.
         let speeds = Vector3::new(speeds[0], 3.0 * speeds[1], 3.0 * speeds[2]);
         let step = 1e-7;
@@ -144,7 +147,7 @@ proptest! {
         if slip.norm() * LAW.step_s > STICTION_M {
             let cosine = -force.dot(&slip) / (force.norm() * slip.norm());
             prop_assert!(cosine > 1.0 - 1e-9, "{cosine}");
-            prop_assert!((force.norm() / (LAW.friction * solved.normal_impulse[0]) - 1.0).abs() < 1e-5);
+            prop_assert!((force.norm() / (LAW.interface.friction * solved.normal_impulse[0]) - 1.0).abs() < 1e-5);
         }
         // Impulse and momentum balance.
         let change: Vec<f64> = solver.change(block).collect();
@@ -164,22 +167,22 @@ fn a_patch_that_sticks_does_not_creep() {
     );
     let weight_n = force_n(&nodes);
     let mass = 1.0;
-    let mut stuck = Vector3::zeros();
+    let mut deflection = Vector3::zeros();
     let (mut velocity, mut place) = (0.0, 0.0);
     for _ in 0..10_000 {
         let mut solver = Solver::default();
         solver.start(LAW.step_s);
         // The overlap is held; a push of 0.9 of the limit acts along the first tangent.
-        let free = velocity + LAW.step_s * 0.9 * LAW.friction * weight_n / mass;
+        let free = velocity + LAW.step_s * 0.9 * LAW.interface.friction * weight_n / mass;
         let block = solver.add_block(std::iter::once(velocity), std::iter::once(free), |_, _| mass);
-        let patch = solver.add_patch(LAW, &nodes, stuck);
+        let patch = solver.add_patch(LAW, &nodes, deflection);
         let mut column = [0.0; ROWS];
         column[3] = 1.0;
         solver.add_side(patch, 0, block, std::iter::once(column));
         solver.solve();
         velocity = solver.velocity(block)[0];
         place += velocity * LAW.step_s;
-        stuck = solver.solved(patch).stuck_m;
+        deflection = solver.solved(patch).deflection_m;
     }
     assert!(place.abs() < STICTION_M, "crept by {place} m");
 }

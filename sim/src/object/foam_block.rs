@@ -117,8 +117,7 @@ impl Specification for FoamBlockSpecification {
 }
 
 /// Density of the foam without water, kg/m³: a dry brick of two litres weighs some 50 g. Choice: in wet foam, too, only
-/// this mass moves with the top, and the water flows through the cells. (The softness of the engine's contacts scales
-/// with the moving mass; at 25 g they have the skin's 1e4 N/m, see `SKIN_ON_BENDABLE`.)
+/// this mass moves with the top, and the water flows through the cells.
 const DENSITY_KG_PER_M3: f64 = 25.0;
 /// Share of the stiffness that relaxes, and the relaxation time, s. Choices: dry phenolic foam is a brittle solid and
 /// creeps little; in soaked foam water must flow, which takes some seconds over a hand's breadth.

@@ -3,9 +3,9 @@
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::contact_step::JointStop;
 use super::engine::{Engine, groups};
 use super::report::JointState;
-use super::touching::JointStop;
 use crate::arm::{Arm, Link};
 use crate::geometry::{engine_shape, from_parry, parry_pose};
 
@@ -75,7 +75,7 @@ impl ArmBodies {
             };
             bodies.joints.push(handle);
             if joint.limits_rad.iter().all(|limit| limit.is_finite()) {
-                engine.touching.stops.push(JointStop {
+                engine.contact_step.stops.push(JointStop {
                     joint: handle,
                     axis: AXIS,
                     limits_rad: joint.limits_rad,

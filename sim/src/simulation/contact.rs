@@ -7,7 +7,7 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::skin::ContactPoint;
 
-/// One contact point between the arm and an object, in one engine step.
+/// The contact between one shape of the arm and one shape of an object, in one step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// The link, index in [`Arm::links`].
@@ -16,7 +16,7 @@ pub struct Contact {
     pub object: usize,
     /// The object's body, index in [`crate::object::structure::Structure::bodies`].
     pub body: usize,
-    /// Position on the link's surface, m, link frame.
+    /// Centre of pressure when the step began, in the middle of the overlap of the two shapes, m, link frame.
     pub position_link: DVec3,
     /// Direction of the normal force on the link, unit, world frame.
     pub inward_world: DVec3,

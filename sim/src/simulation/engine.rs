@@ -3,7 +3,7 @@
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::touching::{Parts, Touching};
+use super::contact_step::{ContactStep, Parts};
 use crate::contact::surface::Surface;
 use crate::physics::PhysicsOptions;
 
@@ -23,7 +23,7 @@ pub struct Engine {
     /// What is near what.
     pub narrow_phase: NarrowPhase,
     /// Contacts of the last step.
-    pub(super) touching: Touching,
+    pub(super) contact_step: ContactStep,
     #[serde(skip, default = "PhysicsPipeline::new")]
     pipeline: PhysicsPipeline,
     islands: IslandManager,
@@ -43,7 +43,7 @@ impl Clone for Engine {
             colliders: self.colliders.clone(),
             joints: self.joints.clone(),
             narrow_phase: self.narrow_phase.clone(),
-            touching: self.touching.clone(),
+            contact_step: self.contact_step.clone(),
             pipeline: PhysicsPipeline::new(),
             islands: self.islands.clone(),
             broad_phase: self.broad_phase.clone(),
@@ -59,7 +59,7 @@ impl Engine {
     pub fn new(options: PhysicsOptions) -> Self {
         let parameters = IntegrationParameters {
             dt: options.step_s,
-            // The contacts are added to one free step; see `touching`.
+            // The contacts are added to one free step; see `contact_step`.
             num_solver_iterations: 1,
             // Contact points that are kept while bodies move may be 5 cm away from the true ones.
             contact_recycling: false,
@@ -79,7 +79,7 @@ impl Engine {
             colliders: ColliderSet::new(),
             joints: MultibodyJointSet::new(),
             narrow_phase: NarrowPhase::new(),
-            touching: Touching::default(),
+            contact_step: ContactStep::default(),
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
             broad_phase: BroadPhaseBvh::new(),
@@ -98,7 +98,7 @@ impl Engine {
     ) -> ColliderHandle {
         let shape = shape.solver_groups(InteractionGroups::none());
         let collider = self.colliders.insert_with_parent(shape, body, &mut self.bodies);
-        self.touching.set_surface(collider, surface);
+        self.contact_step.set_surface(collider, surface);
         collider
     }
 
@@ -114,7 +114,7 @@ impl Engine {
 
     /// Advances the world by one step.
     pub fn step(&mut self) {
-        self.touching.before_step(&self.bodies, &self.joints);
+        self.contact_step.before_step(&self.bodies, &self.joints);
         let gravity = Vector::new(0.0, 0.0, -self.options.gravity_m_per_s2);
         self.pipeline.step(
             gravity,
@@ -131,7 +131,7 @@ impl Engine {
             &(),
             &(),
         );
-        self.touching.after_step(&mut Parts {
+        self.contact_step.after_step(&mut Parts {
             bodies: &mut self.bodies,
             colliders: &self.colliders,
             joints: &mut self.joints,

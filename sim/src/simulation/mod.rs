@@ -19,6 +19,7 @@ use world::World;
 
 mod arm;
 mod contact;
+mod contact_step;
 mod dormancy;
 mod engine;
 mod mechanism;
@@ -28,7 +29,6 @@ pub mod rig;
 mod saved;
 mod sense;
 mod tactile;
-mod touching;
 mod world;
 
 pub use contact::{Contact, contact_torque_nm};

@@ -221,10 +221,10 @@ impl Rig {
     /// Sum of the normal forces on a body in the last step, N.
     pub fn pressing_force_n(&self, body: BodyId) -> f64 {
         let own = self.body(body).colliders();
-        let touches = self.engine.touching.touches.iter();
-        let impulse: f64 = touches
-            .filter(|touch| touch.colliders.iter().any(|collider| own.contains(collider)))
-            .map(|touch| touch.normal_impulse)
+        let contacts = self.engine.contact_step.contacts.iter();
+        let impulse: f64 = contacts
+            .filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)))
+            .map(|contact| contact.normal_impulse)
             .sum();
         impulse / self.engine.options.step_s
     }

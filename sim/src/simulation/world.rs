@@ -74,7 +74,7 @@ impl World {
                     joints: &joints,
                     link_pose_world: &link_pose_world,
                     contacts: &self.contacts[earlier..],
-                    contact_residual: self.engine.touching.convergence.residual,
+                    contact_residual: self.engine.contact_step.convergence.residual,
                 });
             }
         }
@@ -113,14 +113,14 @@ impl World {
 
     /// The contacts of the last step between arm and objects.
     fn gather_contacts(&mut self) {
-        for touch in &self.engine.touching.touches {
-            let links = touch.colliders.map(|collider| self.arm.link_of(collider));
+        for contact in &self.engine.contact_step.contacts {
+            let links = contact.colliders.map(|collider| self.arm.link_of(collider));
             let (side, link) = match links {
                 [Some(link), None] => (0, link),
                 [None, Some(link)] => (1, link),
                 _ => continue,
             };
-            let other = touch.colliders[1 - side];
+            let other = contact.colliders[1 - side];
             let Some((object, body)) = object_and_body(&self.engine.colliders[other]) else {
                 continue;
             };
@@ -129,13 +129,13 @@ impl World {
                 link,
                 object,
                 body,
-                position_link: touch.position_body[side],
-                inward_world: touch.normal_world * sign,
-                force_world: touch.impulse_world * (sign / FRAME_PERIOD_S),
-                moment_world: touch.moment_world * (sign / FRAME_PERIOD_S),
-                penetration_m: touch.overlap_m,
-                radius_m: touch.radius_m,
-                slip_world: touch.slip_world * sign,
+                position_link: contact.position_body[side],
+                inward_world: contact.normal_world * sign,
+                force_world: contact.impulse_world * (sign / FRAME_PERIOD_S),
+                moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),
+                penetration_m: contact.overlap_m,
+                radius_m: contact.radius_m,
+                slip_world: contact.slip_world * sign,
             });
             self.contact_colliders.push(other);
         }

@@ -100,7 +100,7 @@ fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
                 let degree = link.assembly_id() + number;
                 let (stiffness, rest) = link.joint.spring(axis);
                 // The engine names a joint by the body that it carries.
-                let stop = engine.touching.stops.iter().find(|stop| stop.joint.0 == handle.0);
+                let stop = engine.contact_step.stops.iter().find(|stop| stop.joint.0 == handle.0);
                 AxisDescription {
                     axis,
                     coordinate: link.joint.coords()[axis],

@@ -11,11 +11,14 @@
 //! usually the whole converges together; if it does not within `JOINT_ITERATIONS`, the limits are held until the convex
 //! function is minimized, and then renewed, half way. What remains unsolved is reported as the residual.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::envelope::Envelope;
-use super::law::{Law, NormalSpeeds, SlipSpeeds};
+use super::law::{Law, NormalSpeeds, Response, SlipSpeeds};
 use super::patch::Node;
+use super::stop::Stop;
+
+mod newton_step;
 
 /// Rows of a patch: parting speed and angular velocities about the tangents, then slip and r times the angular velocity
 /// about the normal.
@@ -55,42 +58,15 @@ struct Patch {
     law: Law,
     nodes: (usize, usize),
     sides: [Option<Side>; 2],
-    stuck: Vector3<f64>,
+    deflection: Vector3<f64>,
     speeds: [f64; ROWS],
     change: [f64; ROWS],
-    impulse: [f64; ROWS],
+    /// The law at the present speeds.
+    normal: Response,
+    friction: Response,
+    /// Largest friction impulse, N s, and the one that was held before.
     limit: f64,
     held: f64,
-}
-
-/// An end stop of a joint: a one-sided spring with loss on one velocity.
-#[derive(Clone, Copy, Debug)]
-pub struct Stop {
-    /// Index of the velocity.
-    pub index: usize,
-    /// +1 if the stop is at the lower limit, −1 at the upper one.
-    pub sign: f64,
-    /// How far the joint is beyond the limit, rad; negative inside.
-    pub overlap_rad: f64,
-    /// Stiffness, Nm/rad.
-    pub stiffness_nm_per_rad: f64,
-    /// Loss time, s.
-    pub loss_time_s: f64,
-}
-
-impl Stop {
-    /// The impulse at the velocity `speed` away from the stop, and minus its derivative.
-    fn response(&self, speed: f64, step_s: f64) -> (f64, f64) {
-        let rate = step_s + self.loss_time_s;
-        let scale = if self.overlap_rad < 0.0 { rate / step_s } else { 1.0 };
-        let pressed = scale * self.overlap_rad - rate * speed;
-        let modulus = step_s * self.stiffness_nm_per_rad;
-        if pressed > 0.0 {
-            (modulus * pressed, modulus * rate)
-        } else {
-            (0.0, 0.0)
-        }
-    }
 }
 
 /// The outcome for one patch.
@@ -105,7 +81,7 @@ pub struct Solved {
     /// Slip at the end of the step.
     pub slip_speeds: SlipSpeeds,
     /// Elastic displacement at the end of the step, m.
-    pub stuck_m: Vector3<f64>,
+    pub deflection_m: Vector3<f64>,
 }
 
 /// How a solution went.
@@ -173,17 +149,18 @@ impl Solver {
     }
 
     /// Adds a patch with its columns of area, and returns its index.
-    pub fn add_patch(&mut self, law: Law, nodes: &[Node], stuck_m: Vector3<f64>) -> usize {
+    pub fn add_patch(&mut self, law: Law, nodes: &[Node], deflection_m: Vector3<f64>) -> usize {
         let first = self.nodes.len();
         self.nodes.extend_from_slice(nodes);
         self.patches.push(Patch {
             law,
             nodes: (first, self.nodes.len()),
             sides: [None; 2],
-            stuck: stuck_m,
+            deflection: deflection_m,
             speeds: [0.0; ROWS],
             change: [0.0; ROWS],
-            impulse: [0.0; ROWS],
+            normal: Response::default(),
+            friction: Response::default(),
             limit: 0.0,
             held: 0.0,
         });
@@ -228,13 +205,12 @@ impl Solver {
     pub fn solved(&self, patch: usize) -> Solved {
         let patch = &self.patches[patch];
         let (normal_speeds, slip_speeds) = split(&patch.speeds);
-        let (normal_impulse, friction_impulse) = split(&patch.impulse);
         Solved {
-            normal_impulse,
-            friction_impulse,
+            normal_impulse: patch.normal.impulse,
+            friction_impulse: patch.friction.impulse,
             normal_speeds,
             slip_speeds,
-            stuck_m: patch.law.stuck_after(&patch.stuck, &slip_speeds),
+            deflection_m: patch.law.deflection_after(&patch.deflection, &slip_speeds),
         }
     }
 
@@ -285,21 +261,6 @@ impl Solver {
         }
     }
 
-    /// A row begins at the first block that its own touches.
-    fn shape_hessian(&mut self) {
-        let mut first: Vec<usize> = (0..self.blocks.len()).collect();
-        for patch in &self.patches {
-            if let [Some(a), Some(b)] = &patch.sides {
-                let (low, high) = (a.block.min(b.block), a.block.max(b.block));
-                first[high] = first[high].min(low);
-            }
-        }
-        let blocks = &self.blocks;
-        let rows = blocks.iter().zip(&first);
-        let columns = rows.flat_map(|(block, first)| std::iter::repeat_n(blocks[*first].offset, block.size));
-        self.hessian.reset(columns);
-    }
-
     /// Speeds of the patches at the present velocities, or their change along the Newton step.
     fn read_speeds(&mut self, along_step: bool) {
         let velocity = if along_step { &self.step } else { &self.velocity };
@@ -329,20 +290,18 @@ impl Solver {
         for patch in &mut self.patches {
             let (normal_speeds, slip_speeds) = split(&patch.speeds);
             let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
-            let normal = patch.law.normal(nodes, &normal_speeds).impulse;
+            patch.normal = patch.law.normal(nodes, &normal_speeds);
             if !hold_limits {
-                patch.limit = patch.law.friction * normal[0];
+                patch.limit = patch.law.interface.friction * patch.normal.impulse[0];
             }
-            let friction = patch.law.friction(&patch.stuck, patch.limit, &slip_speeds).impulse;
-            patch.impulse = [normal[0], normal[1], normal[2], friction[0], friction[1], friction[2]];
+            patch.friction = patch.law.friction(&patch.deflection, patch.limit, &slip_speeds);
+            let (normal, friction) = (&patch.normal.impulse, &patch.friction.impulse);
+            let impulse = [normal[0], normal[1], normal[2], friction[0], friction[1], friction[2]];
             for side in patch.sides.iter().flatten() {
                 let block = self.blocks[side.block];
                 let columns = &self.columns[side.columns..side.columns + block.size];
                 for (column, sum) in columns.iter().zip(&mut self.impulse[block.offset..]) {
-                    let parts = column
-                        .iter()
-                        .zip(&patch.impulse)
-                        .map(|(entry, impulse)| entry * impulse);
+                    let parts = column.iter().zip(&impulse).map(|(entry, impulse)| entry * impulse);
                     *sum += parts.sum::<f64>();
                 }
             }
@@ -379,132 +338,10 @@ impl Solver {
             patch.limit = 0.5 * (patch.held + patch.limit);
         }
     }
-
-    /// The matrix M + Σ Jᵀ (−∂λ/∂v) J.
-    fn assemble(&mut self) {
-        self.hessian.clear();
-        for block in &self.blocks {
-            for row in 0..block.size {
-                let mass = &self.mass[block.mass + row * block.size..][..=row];
-                let at = block.offset + row;
-                let first = self.hessian.row_mut(at, block.offset);
-                first.copy_from_slice(mass);
-            }
-        }
-        for patch in &self.patches {
-            let (normal_speeds, slip_speeds) = split(&patch.speeds);
-            let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
-            let normal = patch.law.normal(nodes, &normal_speeds).stiffness;
-            if normal[(0, 0)] == 0.0 && patch.limit == 0.0 {
-                continue;
-            }
-            let friction = patch.law.friction(&patch.stuck, patch.limit, &slip_speeds).stiffness;
-            for own in patch.sides.iter().flatten() {
-                let own_block = self.blocks[own.block];
-                for row in 0..own_block.size {
-                    let pushed = push(&self.columns[own.columns + row], &normal, &friction);
-                    for other in patch.sides.iter().flatten() {
-                        if other.block > own.block {
-                            continue;
-                        }
-                        let other_block = self.blocks[other.block];
-                        let width = if other.block == own.block {
-                            row + 1
-                        } else {
-                            other_block.size
-                        };
-                        let columns = &self.columns[other.columns..other.columns + width];
-                        let target = self.hessian.row_mut(own_block.offset + row, other_block.offset);
-                        for (entry, column) in target.iter_mut().zip(columns) {
-                            *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
-                        }
-                    }
-                }
-            }
-        }
-        for stop in &self.stops {
-            let (_, stiffness) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
-            self.hessian.row_mut(stop.index, stop.index)[0] += stiffness;
-        }
-    }
-
-    /// The share of the Newton step to take: 1, or less where the slope of the convex function has turned before.
-    fn line_search(&self) -> f64 {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let at_start = dot(&self.step, &self.residual);
-        // The kinetic part of the slope is linear along the step.
-        let kinetic = at_start + dot(&self.step, &self.impulse);
-        let kinetic_rate = self.kinetic_along_step();
-        let slope = |share: f64| {
-            let mut slope = kinetic + share * kinetic_rate;
-            for patch in &self.patches {
-                let mut speeds = patch.speeds;
-                for (speed, change) in speeds.iter_mut().zip(&patch.change) {
-                    *speed += share * change;
-                }
-                let (normal_speeds, slip_speeds) = split(&speeds);
-                let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
-                let normal = patch.law.normal(nodes, &normal_speeds).impulse;
-                let friction = patch.law.friction(&patch.stuck, patch.limit, &slip_speeds).impulse;
-                let (normal_change, slip_change) = split(&patch.change);
-                slope -= normal.dot(&normal_change) + friction.dot(&slip_change);
-            }
-            for stop in &self.stops {
-                let speed = stop.sign * (self.velocity[stop.index] + share * self.step[stop.index]);
-                slope -= stop.response(speed, self.step_s).0 * stop.sign * self.step[stop.index];
-            }
-            slope
-        };
-        let at_end = slope(1.0);
-        if at_end <= 0.3 * at_start.abs() {
-            return 1.0;
-        }
-        // Regula falsi with an occasional bisection: the slope rises along the step.
-        let (mut low, mut high) = ((0.0, at_start), (1.0, at_end));
-        let mut share = 1.0;
-        for trial in 0..MAX_SEARCH {
-            share = if trial % 3 == 2 {
-                0.5 * (low.0 + high.0)
-            } else {
-                low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)
-            };
-            let found = slope(share);
-            if found.abs() < 0.1 * at_start.abs() {
-                break;
-            }
-            if found > 0.0 {
-                high = (share, found);
-            } else {
-                low = (share, found);
-            }
-        }
-        share
-    }
-
-    fn kinetic_along_step(&self) -> f64 {
-        let mut sum = 0.0;
-        for block in &self.blocks {
-            let step = &self.step[block.offset..block.offset + block.size];
-            for row in 0..block.size {
-                let mass = &self.mass[block.mass + row * block.size..][..block.size];
-                sum += step[row] * mass.iter().zip(step).map(|(mass, step)| mass * step).sum::<f64>();
-            }
-        }
-        sum
-    }
 }
 
-/// Trials of the line search.
-const MAX_SEARCH: usize = 20;
-
+/// The first three and the last three rows.
 fn split(values: &[f64; ROWS]) -> (Vector3<f64>, Vector3<f64>) {
     let [a, b, c, d, e, f] = *values;
     (Vector3::new(a, b, c), Vector3::new(d, e, f))
-}
-
-/// A column times the stiffness of its patch.
-fn push(column: &[f64; ROWS], normal: &Matrix3<f64>, friction: &Matrix3<f64>) -> [f64; ROWS] {
-    let (first, second) = split(column);
-    let (first, second) = (normal * first, friction * second);
-    [first[0], first[1], first[2], second[0], second[1], second[2]]
 }

@@ -1,0 +1,142 @@
+//! One step of Newton's method: the matrix, and how far to go.
+
+use nalgebra::Matrix3;
+
+use super::{ROWS, Solver, split};
+
+/// Trials of the line search.
+const MAX_SEARCH: usize = 20;
+
+impl Solver {
+    /// A row begins at the first block that its own touches.
+    pub(super) fn shape_hessian(&mut self) {
+        let mut first: Vec<usize> = (0..self.blocks.len()).collect();
+        for patch in &self.patches {
+            if let [Some(a), Some(b)] = &patch.sides {
+                let (low, high) = (a.block.min(b.block), a.block.max(b.block));
+                first[high] = first[high].min(low);
+            }
+        }
+        let blocks = &self.blocks;
+        let rows = blocks.iter().zip(&first);
+        let columns = rows.flat_map(|(block, first)| std::iter::repeat_n(blocks[*first].offset, block.size));
+        self.hessian.reset(columns);
+    }
+
+    /// The matrix M + Σ Jᵀ (−∂λ/∂v) J.
+    pub(super) fn assemble(&mut self) {
+        self.hessian.clear();
+        for block in &self.blocks {
+            for row in 0..block.size {
+                let mass = &self.mass[block.mass + row * block.size..][..=row];
+                let at = block.offset + row;
+                let first = self.hessian.row_mut(at, block.offset);
+                first.copy_from_slice(mass);
+            }
+        }
+        for patch in &self.patches {
+            let (normal, friction) = (&patch.normal.stiffness, &patch.friction.stiffness);
+            if normal[(0, 0)] == 0.0 && patch.limit == 0.0 {
+                continue;
+            }
+            for own in patch.sides.iter().flatten() {
+                let own_block = self.blocks[own.block];
+                for row in 0..own_block.size {
+                    let pushed = push(&self.columns[own.columns + row], normal, friction);
+                    for other in patch.sides.iter().flatten() {
+                        if other.block > own.block {
+                            continue;
+                        }
+                        let other_block = self.blocks[other.block];
+                        let width = if other.block == own.block {
+                            row + 1
+                        } else {
+                            other_block.size
+                        };
+                        let columns = &self.columns[other.columns..other.columns + width];
+                        let target = self.hessian.row_mut(own_block.offset + row, other_block.offset);
+                        for (entry, column) in target.iter_mut().zip(columns) {
+                            *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
+                        }
+                    }
+                }
+            }
+        }
+        for stop in &self.stops {
+            let (_, stiffness) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
+            self.hessian.row_mut(stop.index, stop.index)[0] += stiffness;
+        }
+    }
+
+    /// The share of the Newton step to take: 1, or less where the slope of the convex function has turned before.
+    pub(super) fn line_search(&self) -> f64 {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let at_start = dot(&self.step, &self.residual);
+        // The kinetic part of the slope is linear along the step.
+        let kinetic = at_start + dot(&self.step, &self.impulse);
+        let kinetic_rate = self.kinetic_along_step();
+        let slope = |share: f64| {
+            let mut slope = kinetic + share * kinetic_rate;
+            for patch in &self.patches {
+                let mut speeds = patch.speeds;
+                for (speed, change) in speeds.iter_mut().zip(&patch.change) {
+                    *speed += share * change;
+                }
+                let (normal_speeds, slip_speeds) = split(&speeds);
+                let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
+                let normal = patch.law.normal(nodes, &normal_speeds).impulse;
+                let friction = patch.law.friction(&patch.deflection, patch.limit, &slip_speeds).impulse;
+                let (normal_change, slip_change) = split(&patch.change);
+                slope -= normal.dot(&normal_change) + friction.dot(&slip_change);
+            }
+            for stop in &self.stops {
+                let speed = stop.sign * (self.velocity[stop.index] + share * self.step[stop.index]);
+                slope -= stop.response(speed, self.step_s).0 * stop.sign * self.step[stop.index];
+            }
+            slope
+        };
+        let at_end = slope(1.0);
+        if at_end <= 0.3 * at_start.abs() {
+            return 1.0;
+        }
+        // Regula falsi with an occasional bisection: the slope rises along the step.
+        let (mut low, mut high) = ((0.0, at_start), (1.0, at_end));
+        let mut share = 1.0;
+        for trial in 0..MAX_SEARCH {
+            share = if trial % 3 == 2 {
+                0.5 * (low.0 + high.0)
+            } else {
+                low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1)
+            };
+            let found = slope(share);
+            if found.abs() < 0.1 * at_start.abs() {
+                break;
+            }
+            if found > 0.0 {
+                high = (share, found);
+            } else {
+                low = (share, found);
+            }
+        }
+        share
+    }
+
+    fn kinetic_along_step(&self) -> f64 {
+        let mut sum = 0.0;
+        for block in &self.blocks {
+            let step = &self.step[block.offset..block.offset + block.size];
+            for row in 0..block.size {
+                let mass = &self.mass[block.mass + row * block.size..][..block.size];
+                sum += step[row] * mass.iter().zip(step).map(|(mass, step)| mass * step).sum::<f64>();
+            }
+        }
+        sum
+    }
+}
+
+/// A column times the stiffness of its patch.
+fn push(column: &[f64; ROWS], normal: &Matrix3<f64>, friction: &Matrix3<f64>) -> [f64; ROWS] {
+    let (first, second) = split(column);
+    let (first, second) = (normal * first, friction * second);
+    [first[0], first[1], first[2], second[0], second[1], second[2]]
+}

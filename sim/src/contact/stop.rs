@@ -1,0 +1,31 @@
+//! The law of an end stop of a joint.
+
+/// An end stop of a joint: a one-sided spring with loss on one velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop {
+    /// Index of the velocity.
+    pub index: usize,
+    /// +1 if the stop is at the lower limit, −1 at the upper one.
+    pub sign: f64,
+    /// How far the joint is beyond the limit, rad; negative inside.
+    pub overlap_rad: f64,
+    /// Stiffness, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// Loss time, s.
+    pub loss_time_s: f64,
+}
+
+impl Stop {
+    /// The impulse at the velocity `speed` away from the stop, and minus its derivative.
+    pub(super) fn response(&self, speed: f64, step_s: f64) -> (f64, f64) {
+        let rate = step_s + self.loss_time_s;
+        let scale = if self.overlap_rad < 0.0 { rate / step_s } else { 1.0 };
+        let pressed = scale * self.overlap_rad - rate * speed;
+        let modulus = step_s * self.stiffness_nm_per_rad;
+        if pressed > 0.0 {
+            (modulus * pressed, modulus * rate)
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The patches that may press in a step, from the pairs of shapes that the engine found near each other.
+
+use glam::{DVec2, DVec3};
+use nalgebra::Vector3;
+use rapier3d::prelude::*;
+use underbrush_recording::Pose as WorldPose;
+
+use super::copied::{Copied, LinkOf, body_pose, link_of, relative_speeds};
+use super::{ContactStep, PairKey, Parts, key};
+use crate::contact::law::{Law, in_plane};
+use crate::contact::patch::{Node, Pair, Plane};
+use crate::contact::solver::ROWS;
+use crate::geometry::from_parry;
+
+/// A patch before the solution.
+#[derive(Clone)]
+pub(super) struct Candidate {
+    pub(super) colliders: [ColliderHandle; 2],
+    pub(super) bodies: PairKey,
+    pub(super) links: [Option<LinkOf>; 2],
+    pub(super) body_poses: [WorldPose; 2],
+    pub(super) plane: Plane,
+    pub(super) law: Law,
+    pub(super) nodes: (usize, usize),
+    pub(super) center: DVec2,
+    pub(super) radius_m: f64,
+    pub(super) deflection: Vector3<f64>,
+}
+
+impl ContactStep {
+    /// The patch of a pair of shapes, if it may press.
+    pub(super) fn candidate(
+        &self,
+        handles: [ColliderHandle; 2],
+        copies: &[Copied],
+        nodes: &mut Vec<Node>,
+        parts: &Parts,
+    ) -> Option<Candidate> {
+        let colliders = handles.map(|handle| &parts.colliders[handle]);
+        let links = colliders.map(|collider| link_of(collider, copies, parts));
+        if links.iter().all(Option::is_none) {
+            return None;
+        }
+        let [first, second] = [0, 1].map(|side| body_pose(colliders[side], links[side], copies, parts));
+        let body_poses = [first?, second?];
+        let shape_poses = [0, 1].map(|side| {
+            let on_body = colliders[side].position_wrt_parent();
+            on_body.map_or(body_poses[side], |pose| body_poses[side] * from_parry(pose))
+        });
+        let pair = Pair {
+            shapes: colliders.map(|collider| collider.shape()),
+            poses_world: shape_poses,
+        };
+        let found = parts.narrow_phase.contact_pair(handles[0], handles[1])?;
+        let manifold = found.manifolds().iter().find(|manifold| !manifold.points.is_empty())?;
+        let kept = self.kept(&key(&handles));
+        let bodies = [colliders[0].parent()?, colliders[1].parent()?].map(|body| body.into_raw_parts());
+        let known = kept.or_else(|| self.sibling(&bodies));
+        let plane = place(
+            &pair,
+            manifold,
+            known.map(|kept| body_poses[1].transform_vector(kept.normal)),
+        );
+        let law = Law {
+            interface: self.surface(handles[0])?.with(&self.surface(handles[1])?),
+            step_s: parts.step_s,
+        };
+        let overlap_m = pair.overlap_m(&plane)?;
+        let before = relative_speeds(&plane, links, copies, |body, index| copies[body].velocity[index]);
+        // Where surfaces stay in contact their speed hardly changes. A surface that is about to arrive may be accelerated.
+        let mut over_m = law.closing_m(before[0]);
+        if overlap_m <= over_m {
+            let free = relative_speeds(&plane, links, copies, |body, index| {
+                let multibody = parts.joints.get_multibody(copies[body].index);
+                multibody.map_or(0.0, |multibody| multibody.generalized_velocity()[index])
+            });
+            over_m = law.closing_m(free[0]);
+        }
+        let first_node = nodes.len();
+        pair.nodes(&plane, over_m, nodes);
+        if nodes.len() == first_node {
+            return None;
+        }
+        let (center, radius_m) = law.center_and_radius(&nodes[first_node..], &before);
+        let deflection = kept.map_or(Vector3::zeros(), |kept| {
+            let deflection_world = body_poses[1].transform_vector(kept.deflection);
+            Vector3::new(
+                deflection_world.dot(plane.tangents_world[0]),
+                deflection_world.dot(plane.tangents_world[1]),
+                kept.deflection_about_normal,
+            )
+        });
+        Some(Candidate {
+            colliders: handles,
+            bodies,
+            links,
+            body_poses,
+            plane,
+            law,
+            nodes: (first_node, nodes.len()),
+            center,
+            radius_m,
+            deflection,
+        })
+    }
+}
+
+impl Candidate {
+    /// The six speeds of one side for each generalized velocity.
+    pub(super) fn columns<'a>(
+        &'a self,
+        copied: &'a Copied,
+        link: usize,
+        sign: f64,
+    ) -> impl Iterator<Item = [f64; ROWS]> + 'a {
+        let plane = &self.plane;
+        let [first, second] = plane.tangents_world;
+        let normal = plane.normal_world;
+        let to_center = in_plane(&plane.tangents_world, self.center.x, self.center.y);
+        copied
+            .motion_of(link, plane.origin_world)
+            .map(move |[linear, angular]| {
+                let at_center = linear + angular.cross(to_center);
+                [
+                    sign * linear.dot(normal),
+                    sign * angular.dot(first),
+                    sign * angular.dot(second),
+                    sign * at_center.dot(first),
+                    sign * at_center.dot(second),
+                    sign * self.radius_m * angular.dot(normal),
+                ]
+            })
+    }
+}
+
+/// The tangent plane of a contact, in the middle of the engine's points.
+fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>) -> Plane {
+    // The engine's normal points from the first shape to the second.
+    let found = -manifold.data.normal;
+    let deepest = manifold
+        .points
+        .iter()
+        .map(|point| point.dist)
+        .fold(f64::INFINITY, f64::min);
+    // The mean of the points that are nearly as deep as the deepest: if the shapes overlap at all, they overlap there.
+    let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+    for point in &manifold.points {
+        let weight = (1e-3 - (point.dist - deepest)).max(0.0);
+        let [first, second] = pair.poses_world;
+        let middle = 0.5 * (first.transform_point(point.local_p1) + second.transform_point(point.local_p2));
+        sum += middle * weight;
+        weights += weight;
+    }
+    let origin = sum / weights;
+    if let Some(kept) = kept_normal
+        && kept.dot(found) < FLIPPED_COSINE
+    {
+        let plane = pair.plane(origin, kept);
+        if pair
+            .overlap_m(&plane)
+            .is_some_and(|overlap| 0.0 < overlap && overlap < MAX_KEPT_OVERLAP_M)
+        {
+            return plane;
+        }
+    }
+    pair.plane(origin, found)
+}
+
+/// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half of the thinner one, and
+/// the shortest way out is now on the other side. The shapes are then held to the side from which they met.
+const FLIPPED_COSINE: f64 = -0.5;
+
+/// A normal is not kept where the overlap along it is larger, m: three times the thickness of a soft skin.
+const MAX_KEPT_OVERLAP_M: f64 = 0.01;

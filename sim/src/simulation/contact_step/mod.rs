@@ -1,0 +1,349 @@
+//! Contacts between the engine's bodies, added to a step that the engine made without any.
+//!
+//! The engine finds which shapes are near each other, but its own solver presses on none of them: no collider is in a solver
+//! group. Before its step the poses, Jacobians and velocities of every articulated body are copied. After it, the patches of
+//! the shapes that overlap are made from those poses, [`crate::contact::solver`] finds the velocities with contacts, and these
+//! replace the engine's, with positions to match.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, Vector3};
+use rapier3d::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::contact::law::{center_of_pressure, in_plane};
+use crate::contact::patch::Node;
+use crate::contact::solver::{Convergence, Solver};
+use crate::contact::surface::Surface;
+use candidate::Candidate;
+use copied::{Copied, mass_matrix};
+
+mod candidate;
+mod copied;
+mod stops;
+
+pub(super) use stops::JointStop;
+
+/// What two shapes did to each other in one step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PatchContact {
+    /// The shapes.
+    pub(super) colliders: [ColliderHandle; 2],
+    /// Centre of pressure when the step began, in the frames of the two bodies, m.
+    pub(super) position_body: [DVec3; 2],
+    /// Unit normal, world frame: the first body is pushed along it.
+    pub(super) normal_world: DVec3,
+    /// Normal impulse on the first body, N s.
+    pub(super) normal_impulse: f64,
+    /// Impulse on the first body with friction, N s, world frame.
+    pub(super) impulse_world: DVec3,
+    /// Moment of the friction on the first body about the normal, N m s, world frame.
+    pub(super) moment_world: DVec3,
+    /// Largest overlap of the undeformed shapes at the end of the step, m.
+    pub(super) overlap_m: f64,
+    /// Distance of the farthest part of the patch from its centre of pressure, m.
+    pub(super) radius_m: f64,
+    /// Velocity of the first surface against the second at the end of the step, in the tangent plane, m/s, world frame.
+    pub(super) slip_world: DVec3,
+}
+
+/// Two colliders, as raw handles, which can be sorted.
+type PairKey = [(u32, u32); 2];
+
+/// What a pair of shapes in contact keeps from step to step, in the frame of the second body.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Kept {
+    /// The bodies.
+    bodies: PairKey,
+    /// The contact's normal.
+    normal: DVec3,
+    /// Elastic displacement of the contact along its surface, m.
+    deflection: DVec3,
+    /// The same about the normal, times the patch's radius, m.
+    deflection_about_normal: f64,
+}
+
+/// The state and the buffers of the contacts of one engine.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub(super) struct ContactStep {
+    /// The surfaces of the colliders, by the index in their handle.
+    surfaces: Vec<Option<Surface>>,
+    pub(super) stops: Vec<JointStop>,
+    /// Sorted by pair.
+    kept: Vec<(PairKey, Kept)>,
+    /// The contacts of the last step.
+    #[serde(skip)]
+    pub(super) contacts: Vec<PatchContact>,
+    /// How the last step was solved.
+    #[serde(skip)]
+    pub(super) convergence: Convergence,
+    #[serde(skip)]
+    scratch: Scratch,
+}
+
+/// Buffers, kept from step to step so that a step allocates little.
+#[derive(Clone, Default)]
+struct Scratch {
+    bodies: Vec<Copied>,
+    /// How many of them are of this step.
+    count: usize,
+    pairs: Vec<[ColliderHandle; 2]>,
+    candidates: Vec<Candidate>,
+    nodes: Vec<Node>,
+    patches_of_body: Vec<usize>,
+    order: Vec<usize>,
+    block_of_body: Vec<usize>,
+    mass: DMatrix<f64>,
+    displacement: Vec<f64>,
+    kept: Vec<(PairKey, Kept)>,
+    solver: Solver,
+}
+
+/// The part of an engine that contacts work on.
+pub(super) struct Parts<'a> {
+    pub(super) bodies: &'a mut RigidBodySet,
+    pub(super) colliders: &'a ColliderSet,
+    pub(super) joints: &'a mut MultibodyJointSet,
+    pub(super) narrow_phase: &'a NarrowPhase,
+    pub(super) step_s: f64,
+}
+
+impl ContactStep {
+    /// Gives a collider its surface.
+    pub(super) fn set_surface(&mut self, collider: ColliderHandle, surface: Surface) {
+        let index = collider.into_raw_parts().0 as usize;
+        if self.surfaces.len() <= index {
+            self.surfaces.resize(index + 1, None);
+        }
+        self.surfaces[index] = Some(surface);
+    }
+
+    fn surface(&self, collider: ColliderHandle) -> Option<Surface> {
+        *self.surfaces.get(collider.into_raw_parts().0 as usize)?
+    }
+
+    /// Copies what the engine's step overwrites.
+    pub(super) fn before_step(&mut self, bodies: &RigidBodySet, joints: &MultibodyJointSet) {
+        let scratch = &mut self.scratch;
+        scratch.count = 0;
+        for multibody in joints.multibodies() {
+            let root = multibody.root().rigid_body_handle();
+            let Some(index) = joints.rigid_body_link(root).map(|link| link.multibody) else {
+                continue;
+            };
+            if multibody.ndofs() == 0 {
+                continue;
+            }
+            if scratch.count == scratch.bodies.len() {
+                scratch.bodies.push(Copied::new(index));
+            }
+            let copied = &mut scratch.bodies[scratch.count];
+            scratch.count += 1;
+            copied.copy(index, multibody, bodies);
+        }
+    }
+
+    /// Replaces the velocities and positions at the end of the engine's step by those with contacts.
+    pub(super) fn after_step(&mut self, parts: &mut Parts) {
+        self.contacts.clear();
+        self.convergence = Convergence::default();
+        self.find_pairs(parts);
+        self.find_patches(parts);
+        if self.choose_blocks(parts) {
+            self.fill_solver(parts);
+            self.convergence = self.scratch.solver.solve();
+            self.apply(parts);
+        }
+        self.keep();
+    }
+
+    /// Pairs of shapes that the engine found near each other, in an order that does not depend on its own.
+    fn find_pairs(&mut self, parts: &Parts) {
+        let pairs = &mut self.scratch.pairs;
+        pairs.clear();
+        let near = parts.narrow_phase.contact_pairs();
+        pairs.extend(
+            near.filter(|pair| pair.manifolds().iter().any(|manifold| !manifold.points.is_empty()))
+                .map(|pair| [pair.collider1, pair.collider2]),
+        );
+        pairs.sort_unstable_by_key(key);
+    }
+
+    /// The patches of those pairs that may press on each other in this step.
+    fn find_patches(&mut self, parts: &Parts) {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        scratch.candidates.clear();
+        scratch.nodes.clear();
+        for colliders in &scratch.pairs {
+            let candidate = self.candidate(*colliders, &scratch.bodies[..scratch.count], &mut scratch.nodes, parts);
+            scratch.candidates.extend(candidate);
+        }
+        self.scratch = scratch;
+    }
+
+    fn kept(&self, key: &PairKey) -> Option<&Kept> {
+        let at = self.kept.binary_search_by(|(other, _)| other.cmp(key)).ok()?;
+        Some(&self.kept[at].1)
+    }
+
+    /// What another pair of shapes of the same two bodies keeps. A blade between two shapes of
+    /// one link must not be pushed towards one by the other.
+    fn sibling(&self, bodies: &PairKey) -> Option<&Kept> {
+        let mut kept = self.kept.iter().map(|(_, kept)| kept);
+        kept.find(|kept| kept.bodies == *bodies)
+    }
+
+    /// Gives every articulated body that something may touch, or that is near an end stop, a block of the solver. The more
+    /// it touches, the later its block. Returns whether there are any.
+    fn choose_blocks(&mut self, parts: &Parts) -> bool {
+        let scratch = &mut self.scratch;
+        scratch.solver.start(parts.step_s);
+        scratch.patches_of_body.clear();
+        scratch.patches_of_body.resize(scratch.count, 0);
+        for link in scratch
+            .candidates
+            .iter()
+            .flat_map(|candidate| candidate.links.iter().flatten())
+        {
+            scratch.patches_of_body[link.body] += 1;
+        }
+        for stop in &self.stops {
+            if let Some(body) = stop.body(&scratch.bodies[..scratch.count], parts) {
+                scratch.patches_of_body[body] += 1;
+            }
+        }
+        scratch.order.clear();
+        let counts = &scratch.patches_of_body;
+        scratch
+            .order
+            .extend((0..scratch.count).filter(|body| counts[*body] > 0));
+        scratch.order.sort_by_key(|body| counts[*body]);
+        scratch.block_of_body.clear();
+        scratch.block_of_body.resize(scratch.count, usize::MAX);
+        for body in &scratch.order {
+            let copied = &scratch.bodies[*body];
+            let Some(multibody) = parts.joints.get_multibody(copied.index) else {
+                continue;
+            };
+            mass_matrix(multibody, &mut scratch.mass);
+            let mass = &scratch.mass;
+            scratch.block_of_body[*body] = scratch.solver.add_block(
+                copied.velocity.iter().copied(),
+                multibody.generalized_velocity().iter().copied(),
+                |row, column| mass[(row, column)],
+            );
+        }
+        !scratch.order.is_empty()
+    }
+
+    fn fill_solver(&mut self, parts: &Parts) {
+        let scratch = &mut self.scratch;
+        for candidate in &scratch.candidates {
+            let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
+            let patch = scratch.solver.add_patch(candidate.law, nodes, candidate.deflection);
+            for (side, link) in candidate.links.iter().enumerate() {
+                let Some(link) = link else { continue };
+                let copied = &scratch.bodies[link.body];
+                let sign = if side == 0 { 1.0 } else { -1.0 };
+                let columns = candidate.columns(copied, link.link, sign);
+                scratch
+                    .solver
+                    .add_side(patch, side, scratch.block_of_body[link.body], columns);
+            }
+        }
+        for stop in &self.stops {
+            let Some(body) = stop.body(&scratch.bodies[..scratch.count], parts) else {
+                continue;
+            };
+            let first = scratch.solver.offset(scratch.block_of_body[body]);
+            for stop in stop.rows(first, parts).into_iter().flatten() {
+                scratch.solver.add_stop(stop);
+            }
+        }
+    }
+
+    /// Writes velocities and positions into the engine, and what happened into [`ContactStep::contacts`].
+    fn apply(&mut self, parts: &mut Parts) {
+        let scratch = &mut self.scratch;
+        for body in &scratch.order {
+            let block = scratch.block_of_body[*body];
+            scratch.displacement.clear();
+            scratch
+                .displacement
+                .extend(scratch.solver.change(block).map(|change| change * parts.step_s));
+            if scratch.displacement.iter().all(|part| *part == 0.0) {
+                continue;
+            }
+            let Some(multibody) = parts.joints.get_multibody_mut(scratch.bodies[*body].index) else {
+                continue;
+            };
+            let mut velocities = multibody.generalized_velocity_mut();
+            for (velocity, solved) in velocities.iter_mut().zip(scratch.solver.velocity(block)) {
+                *velocity = *solved;
+            }
+            multibody.apply_displacements(&scratch.displacement);
+            multibody.forward_kinematics(parts.bodies, false);
+            for link in multibody.links().filter(|link| !link.is_root()) {
+                // Unlike `update_rigid_bodies`, this also moves the colliders, from the next step on.
+                parts.bodies[link.rigid_body_handle()].set_position(*link.local_to_world(), false);
+            }
+        }
+        for (patch, candidate) in scratch.candidates.iter().enumerate() {
+            let solved = scratch.solver.solved(patch);
+            let normal_impulse = solved.normal_impulse[0];
+            if normal_impulse <= 0.0 {
+                continue;
+            }
+            let plane = &candidate.plane;
+            let at = center_of_pressure(&solved.normal_impulse);
+            let position_world = plane.origin_world + in_plane(&plane.tangents_world, at.x, at.y);
+            let tangential = |parts: &Vector3<f64>| in_plane(&plane.tangents_world, parts[0], parts[1]);
+            let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
+            let overlaps = nodes.iter().map(|node| {
+                let speeds = &solved.normal_speeds;
+                node.overlap_m - parts.step_s * (speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2])
+            });
+            self.contacts.push(PatchContact {
+                colliders: candidate.colliders,
+                position_body: candidate
+                    .body_poses
+                    .map(|pose| pose.inverse_transform_point(position_world)),
+                normal_world: plane.normal_world,
+                normal_impulse,
+                impulse_world: plane.normal_world * normal_impulse + tangential(&solved.friction_impulse),
+                moment_world: plane.normal_world * (candidate.radius_m * solved.friction_impulse[2]),
+                overlap_m: overlaps.fold(f64::NEG_INFINITY, f64::max),
+                radius_m: nodes.iter().map(|node| node.place.distance(at)).fold(0.0, f64::max),
+                slip_world: tangential(&solved.slip_speeds),
+            });
+        }
+    }
+
+    /// Keeps what the pairs need in the next step.
+    fn keep(&mut self) {
+        let scratch = &mut self.scratch;
+        scratch.kept.clear();
+        for (patch, candidate) in scratch.candidates.iter().enumerate() {
+            let to_body = |vector| candidate.body_poses[1].inverse_transform_vector(vector);
+            let solved = scratch.solver.solved(patch);
+            let deflection = if solved.normal_impulse[0] > 0.0 {
+                solved.deflection_m
+            } else {
+                Vector3::zeros()
+            };
+            scratch.kept.push((
+                key(&candidate.colliders),
+                Kept {
+                    bodies: candidate.bodies,
+                    normal: to_body(candidate.plane.normal_world),
+                    deflection: to_body(in_plane(&candidate.plane.tangents_world, deflection[0], deflection[1])),
+                    deflection_about_normal: deflection[2],
+                },
+            ));
+        }
+        std::mem::swap(&mut self.kept, &mut scratch.kept);
+    }
+}
+
+fn key(colliders: &[ColliderHandle; 2]) -> PairKey {
+    colliders.map(ColliderHandle::into_raw_parts)
+}
