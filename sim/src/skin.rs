@@ -13,7 +13,7 @@
 //! possible (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels
 //! lie on one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use parry3d::shape::Shape;
 use underbrush_recording::Pose;
@@ -21,7 +21,7 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
-use crate::contact::chord::{Line, chord};
+use crate::contact::chord::{Chords, Faces, View};
 use crate::contact::surface::Surface;
 use crate::geometry::signed_distance_m;
 use crate::newton::minimize;
@@ -151,22 +151,27 @@ impl SkinPatch {
             .sum::<DVec3>()
             / weight;
         let (across, along) = inward.any_orthonormal_pair();
-        let direction = shape_pose.inverse_transform_vector(inward);
+        let view = View {
+            origin: shape_pose.inverse_transform_point(center),
+            axes: [across, along, inward].map(|axis| shape_pose.inverse_transform_vector(axis)),
+        };
+        let mut buffer = Faces::default();
+        let chords = Chords::new(shape, &view, &mut buffer);
         let cells: Vec<Cell> = self
             .nearby(contacts)
             .filter(|point| faces(point.normal_link, inward))
             .map(|point| {
-                let origin = shape_pose.inverse_transform_point(point.position_link);
-                // Beside an edge, the layer is dragged along as far as it is away from it.
-                let gap = chord(shape, &Line { origin, direction }).map_or_else(
-                    || signed_distance_m(shape, shape_pose, point.position_link),
-                    |[_, surface]| -surface,
-                );
                 let offset = point.position_link - center;
+                let place = DVec2::new(offset.dot(across), offset.dot(along));
+                // Beside an edge, the layer is dragged along as far as it is away from it.
+                let gap = chords.and_then(|chords| chords.at(place).range_m()).map_or_else(
+                    || signed_distance_m(shape, shape_pose, point.position_link),
+                    |[_, surface]| offset.dot(inward) - surface,
+                );
                 Cell {
                     taxel: point.taxel,
                     gap,
-                    place: Vector3::new(1.0, offset.dot(across), offset.dot(along)),
+                    place: Vector3::new(1.0, place.x, place.y),
                     stiffness: interface.stiffness_n_per_m3 * point.area_m2,
                     share: -point.normal_link.dot(inward),
                 }

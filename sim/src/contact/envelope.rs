@@ -1,14 +1,17 @@
-//! Cholesky factorization of a symmetric positive definite matrix whose rows begin at their first non-zero column.
+//! LU factorization of a matrix whose rows begin at their first non-zero column, and its columns at the same rows.
 
-/// The lower triangle of a symmetric matrix, row by row, each from its first column on. The factorization fills nothing
-/// outside of it.
+/// A square matrix with a symmetric pattern: each row of its lower triangle from its first column on, and each column of its
+/// upper triangle from the same row on. The factorization fills nothing outside of it. It does not pivot.
 #[derive(Clone, Debug, Default)]
 pub struct Envelope {
     /// First column of each row.
     first: Vec<usize>,
     /// Where row i, column 0 would be among the values.
     base: Vec<isize>,
-    values: Vec<f64>,
+    /// The lower triangle, with the diagonal.
+    lower: Vec<f64>,
+    /// The upper triangle, column by column. Its diagonal is not used.
+    upper: Vec<f64>,
 }
 
 impl Envelope {
@@ -22,62 +25,69 @@ impl Envelope {
             self.base.push(end as isize - first as isize);
             end += row + 1 - first;
         }
-        self.values.clear();
-        self.values.resize(end, 0.0);
+        for values in [&mut self.lower, &mut self.upper] {
+            values.clear();
+            values.resize(end, 0.0);
+        }
     }
 
     /// Sets all values to zero.
     pub fn clear(&mut self) {
-        self.values.fill(0.0);
+        self.lower.fill(0.0);
+        self.upper.fill(0.0);
     }
 
-    /// Row `row` from column `from` up to, but not including, `to`.
-    fn part(&self, row: usize, from: usize, to: usize) -> &[f64] {
+    fn range(&self, row: usize, from: usize, to: usize) -> std::ops::Range<usize> {
         let base = self.base[row];
-        &self.values[(base + from as isize) as usize..(base + to as isize) as usize]
+        (base + from as isize) as usize..(base + to as isize) as usize
     }
 
-    /// Row `row` from column `from` to the diagonal.
-    pub fn row_mut(&mut self, row: usize, from: usize) -> &mut [f64] {
-        let base = self.base[row];
-        &mut self.values[(base + from as isize) as usize..=(base + row as isize) as usize]
+    /// From column `from` to the diagonal: the entries of row `index`, and those of column `index` above the diagonal.
+    pub fn row_and_column_mut(&mut self, index: usize, from: usize) -> [&mut [f64]; 2] {
+        let range = self.range(index, from, index + 1);
+        [&mut self.lower[range.clone()], &mut self.upper[range]]
     }
 
-    /// Replaces the matrix by its factor L, with the reciprocals on the diagonal.
-    pub fn factorize(&mut self) {
+    /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's diagonal on
+    /// the diagonal. Returns whether all of U's diagonal is positive, as that of a positive definite matrix is.
+    pub fn factorize(&mut self) -> bool {
         for row in 0..self.first.len() {
             let first = self.first[row];
             let start = (self.base[row] + first as isize) as usize;
-            let (above, own) = self.values.split_at_mut(start);
+            let (lower_above, lower) = self.lower.split_at_mut(start);
+            let (upper_above, upper) = self.upper.split_at_mut(start);
             for column in first..row {
                 let from = first.max(self.first[column]);
                 let base = self.base[column];
-                let other = &above[(base + from as isize) as usize..=(base + column as isize) as usize];
-                let (other, inverse) = (&other[..column - from], other[column - from]);
-                let sum = dot(&own[from - first..column - first], other);
-                own[column - first] = (own[column - first] - sum) * inverse;
+                let other = (base + from as isize) as usize..(base + column as isize) as usize;
+                let inverse = lower_above[other.end];
+                let own = from - first..column - first;
+                let at = column - first;
+                lower[at] = (lower[at] - dot(&lower[own.clone()], &upper_above[other.clone()])) * inverse;
+                upper[at] -= dot(&upper[own], &lower_above[other]);
             }
             let along = row - first;
-            let rest = own[along] - dot(&own[..along], &own[..along]);
-            // Only rounding can make it vanish, in a matrix that is positive definite.
-            own[along] = 1.0 / rest.max(f64::MIN_POSITIVE).sqrt();
+            let pivot = lower[along] - dot(&lower[..along], &upper[..along]);
+            if pivot <= 0.0 {
+                return false;
+            }
+            lower[along] = 1.0 / pivot;
         }
+        true
     }
 
     /// Solves for the right side `x`, in place, once factorized.
     pub fn solve(&self, x: &mut [f64]) {
         for row in 0..self.first.len() {
             let first = self.first[row];
-            let own = self.part(row, first, row + 1);
-            let sum = dot(&own[..row - first], &x[first..row]);
-            x[row] = (x[row] - sum) * own[row - first];
+            x[row] -= dot(&self.lower[self.range(row, first, row)], &x[first..row]);
         }
         for row in (0..self.first.len()).rev() {
             let first = self.first[row];
-            let own = self.part(row, first, row + 1);
-            x[row] *= own[row - first];
+            let range = self.range(row, first, row);
+            x[row] *= self.lower[range.end];
             let value = x[row];
-            for (entry, left) in own[..row - first].iter().zip(&mut x[first..row]) {
+            for (entry, left) in self.upper[range].iter().zip(&mut x[first..row]) {
                 *left -= entry * value;
             }
         }
@@ -104,7 +114,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Pins solutions against nalgebra's dense Cholesky, for random matrices with rows of random lengths.
+        /// Pins solutions against nalgebra's dense LU, for random matrices with rows of random lengths.
         #[test]
         fn solutions_are_those_of_the_dense_matrix(
             rows in prop::collection::vec((0.0..1.0f64, prop::collection::vec(-1.0..1.0f64, 24)), 1..24),
@@ -112,22 +122,24 @@ mod tests {
         ) {
             let size = rows.len();
             let first: Vec<usize> = rows.iter().enumerate().map(|(row, (share, _))| (share * row as f64) as usize).collect();
-            let mut dense = DMatrix::<f64>::identity(size, size) * 30.0;
+            let mut dense = DMatrix::<f64>::identity(size, size) * 200.0;
             let mut envelope = Envelope::default();
             envelope.reset(first.iter().copied());
             for (row, (_, values)) in rows.iter().enumerate() {
                 for column in first[row]..row {
                     dense[(row, column)] = values[column];
-                    dense[(column, row)] = values[column];
+                    dense[(column, row)] = 1.0 - 3.0 * values[column];
                 }
-                for (offset, entry) in envelope.row_mut(row, first[row]).iter_mut().enumerate() {
-                    *entry = dense[(row, first[row] + offset)];
+                let [own_row, own_column] = envelope.row_and_column_mut(row, first[row]);
+                for (offset, (lower, upper)) in own_row.iter_mut().zip(own_column).enumerate() {
+                    *lower = dense[(row, first[row] + offset)];
+                    *upper = dense[(first[row] + offset, row)];
                 }
             }
             let mut found = right[..size].to_vec();
-            envelope.factorize();
+            prop_assert!(envelope.factorize());
             envelope.solve(&mut found);
-            let expected = dense.cholesky().unwrap().solve(&DVector::from_row_slice(&right[..size]));
+            let expected = dense.lu().solve(&DVector::from_row_slice(&right[..size])).unwrap();
             for (found, expected) in found.iter().zip(expected.iter()) {
                 prop_assert!((found - expected).abs() < 1e-12, "{found} {expected}");
             }

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use parry3d::shape::{Shape, TypedShape};
 use underbrush_recording::Pose;
 
-use super::chord::{Line, chord};
+use super::chord::{Chords, Faces, Slope, View};
 
 /// The tangent plane of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -48,15 +48,17 @@ const ALONG_STRIP: [(f64, f64); 3] = [
     (0.774_596_669_241_483, 0.555_555_555_555_556),
 ];
 
-/// The strips from the middle outwards, so that the middle of one is a start for the next.
-const OUTWARDS: [[usize; 3]; 2] = [[2, 1, 0], [2, 3, 4]];
+/// The strips from the middle outwards, so that each is a start for the next, and whether one begins again from the middle.
+const OUTWARDS: [(usize, bool); 5] = [(2, false), (1, false), (0, false), (3, true), (4, false)];
 
-/// Half an extent is first guessed as this, m, and then doubled; about that of a trunk under a few newtons.
+/// Half an extent is first guessed as this, m; about that of a trunk under a few newtons.
 const FIRST_EXTENT_M: f64 = 0.004;
 /// No patch is larger than this, m.
 const MAX_EXTENT_M: f64 = 1.0;
-/// An extent is bisected this often: to half a thousandth of itself.
-const BISECTIONS: usize = 10;
+/// Extents are found to half of this part of themselves.
+const TOLERANCE: f64 = 1e-3;
+/// Trials for one extent. Bisection alone would need 40 at most.
+const MAX_TRIALS: usize = 60;
 
 /// Two shapes in contact.
 #[derive(Clone, Copy)]
@@ -68,68 +70,131 @@ pub struct Pair<'a> {
 }
 
 /// The columns of a pair of shapes over a plane.
-struct Columns<'a> {
-    shapes: [&'a dyn Shape; 2],
-    /// Origin, tangents and normal of the plane in the frames of the shapes.
-    planes: [[DVec3; 4]; 2],
+pub struct Columns<'a> {
+    chords: [Chords<'a>; 2],
 }
 
 impl<'a> Columns<'a> {
-    fn new(pair: &Pair<'a>, plane: &Plane) -> Self {
-        let planes = pair.poses_world.map(|pose| {
-            let rotated = |vector| pose.inverse_transform_vector(vector);
-            let [first, second] = plane.tangents_world;
-            [
-                pose.inverse_transform_point(plane.origin_world),
-                rotated(first),
-                rotated(second),
-                rotated(plane.normal_world),
-            ]
-        });
-        Columns {
-            shapes: pair.shapes,
-            planes,
-        }
-    }
-
-    /// The overlap in the column at `place`, m; `None` if the column misses a shape.
-    fn overlap_m(&self, place: DVec2) -> Option<f64> {
-        let inside = |side: usize| {
-            let [origin, first, second, direction] = self.planes[side];
-            let origin = origin + first * place.x + second * place.y;
-            chord(self.shapes[side], &Line { origin, direction })
-        };
-        Some(inside(1)?[1] - inside(0)?[0])
-    }
-
-    /// How far the columns whose overlap is more than `over_m` extend from `from` along `direction`, m.
-    fn extent_m(&self, from: DVec2, direction: DVec2, over_m: f64) -> f64 {
-        let inside = |distance: f64| {
-            self.overlap_m(from + direction * distance)
-                .is_some_and(|overlap| overlap > over_m)
-        };
-        let (mut within, mut beyond) = (0.0, FIRST_EXTENT_M);
-        while beyond < MAX_EXTENT_M && inside(beyond) {
-            (within, beyond) = (beyond, 2.0 * beyond);
-        }
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (within + beyond);
-            if inside(middle) {
-                within = middle;
-            } else {
-                beyond = middle;
+    /// Overwrites `faces`. `None` if a shape is none of those that links and objects are made of.
+    pub fn new(pair: &Pair, plane: &Plane, faces: &'a mut [Faces; 2]) -> Option<Self> {
+        let [first, second] = plane.tangents_world;
+        let view = |side: usize| {
+            let pose = &pair.poses_world[side];
+            View {
+                origin: pose.inverse_transform_point(plane.origin_world),
+                axes: [first, second, plane.normal_world].map(|axis| pose.inverse_transform_vector(axis)),
             }
+        };
+        let [first, second] = faces;
+        Some(Columns {
+            chords: [
+                Chords::new(pair.shapes[0], &view(0), first)?,
+                Chords::new(pair.shapes[1], &view(1), second)?,
+            ],
+        })
+    }
+
+    /// The overlap in the column at `place`, m; negative for a gap. `None` if the column misses a shape.
+    pub fn overlap_m(&self, place: DVec2) -> Option<f64> {
+        let [[entry, _], [_, exit]] = [self.chords[0].at(place).range_m()?, self.chords[1].at(place).range_m()?];
+        Some(exit - entry)
+    }
+
+    /// A concave function that is positive at the places where the overlap is more than `over_m`.
+    fn excess(&self, place: DVec2, over_m: f64) -> Slope {
+        let [first, second] = [0, 1].map(|side| self.chords[side].at(place));
+        if first.inside.value <= 0.0 {
+            return first.inside;
+        }
+        if second.inside.value <= 0.0 {
+            return second.inside;
+        }
+        let mut overlap = second.ends_m[1] - first.ends_m[0];
+        overlap.value -= over_m;
+        overlap
+    }
+
+    fn has_more_than(&self, over_m: f64, place: DVec2) -> bool {
+        self.excess(place, over_m).value > 0.0
+    }
+
+    /// How far the columns whose overlap is more than `over_m` extend from `from` along `direction`, m, by Newton's method
+    /// from `guess_m` within a bracket.
+    fn extent_m(&self, from: DVec2, direction: DVec2, over_m: f64, guess_m: f64) -> f64 {
+        let (mut within, mut beyond) = (0.0, MAX_EXTENT_M);
+        let mut distance = guess_m;
+        for _ in 0..MAX_TRIALS {
+            let excess = self.excess(from + direction * distance, over_m);
+            let slope = excess.gradient.dot(direction);
+            // Each trial aims a little beyond the root that the slope points to, so that the bracket closes from both sides.
+            let next = if excess.value > 0.0 {
+                within = distance;
+                let root = if slope < 0.0 {
+                    distance - excess.value / slope
+                } else {
+                    f64::INFINITY
+                };
+                (root * (1.0 + 0.25 * TOLERANCE)).min(4.0 * distance)
+            } else {
+                beyond = distance;
+                (distance - excess.value / slope) * (1.0 - 0.25 * TOLERANCE)
+            };
+            if beyond - within <= TOLERANCE * beyond {
+                break;
+            }
+            distance = if within < next && next < beyond {
+                next
+            } else {
+                0.5 * (within + beyond)
+            };
         }
         0.5 * (within + beyond)
+    }
+
+    /// The columns whose overlap is more than `over_m`, added to `nodes`. None if the origin of the plane is not among them.
+    pub fn add_nodes(&self, over_m: f64, nodes: &mut Vec<Node>) {
+        if !self.has_more_than(over_m, DVec2::ZERO) {
+            return;
+        }
+        let upper = self.extent_m(DVec2::ZERO, DVec2::X, over_m, FIRST_EXTENT_M);
+        let lower = -self.extent_m(DVec2::ZERO, DVec2::NEG_X, over_m, upper);
+        let at = |strip: usize| 0.5 * (upper + lower) + 0.5 * (upper - lower) * STRIPS[strip].0;
+        // Middle and half length of the strip before, and of the one in the middle.
+        let mut before = (0.0, FIRST_EXTENT_M);
+        let mut central = before;
+        for (strip, follows_center) in OUTWARDS {
+            if follows_center {
+                before = central;
+            }
+            let inside = |across: &f64| self.has_more_than(over_m, DVec2::new(at(strip), *across));
+            let Some(across) = [before.0, 0.0].into_iter().find(inside) else {
+                continue;
+            };
+            let from = DVec2::new(at(strip), across);
+            let high = across + self.extent_m(from, DVec2::Y, over_m, before.1);
+            let low = across - self.extent_m(from, DVec2::NEG_Y, over_m, before.1);
+            let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
+            before = (middle, half);
+            if strip == STRIPS.len() / 2 {
+                central = before;
+            }
+            let half_width = 0.5 * (upper - lower) * STRIPS[strip].1;
+            for (node, weight) in ALONG_STRIP {
+                let place = DVec2::new(at(strip), middle + half * node);
+                // Within a convex region, so every column meets both shapes.
+                if let Some(overlap_m) = self.overlap_m(place) {
+                    nodes.push(Node {
+                        place,
+                        area_m2: half_width * half * weight,
+                        overlap_m,
+                    });
+                }
+            }
+        }
     }
 }
 
 impl Pair<'_> {
-    /// The overlap at the origin of a plane, m; negative for a gap. `None` if the normal there misses one of the shapes.
-    pub fn overlap_m(&self, plane: &Plane) -> Option<f64> {
-        Columns::new(self, plane).overlap_m(DVec2::ZERO)
-    }
-
     /// A tangent plane whose tangents suit the shapes: along the edges of a box, else along the axes of relative curvature.
     /// Strips lie along the second tangent.
     pub fn plane(&self, origin_world: DVec3, normal_world: DVec3) -> Plane {
@@ -198,52 +263,5 @@ impl Pair<'_> {
         // The eigenvector of the larger eigenvalue.
         let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
         Some(first * angle.cos() + second * angle.sin())
-    }
-
-    /// The columns over `plane` whose overlap is more than `over_m`, written into `nodes`. None if the origin of the plane is
-    /// not among them.
-    pub fn nodes(&self, plane: &Plane, over_m: f64, nodes: &mut Vec<Node>) {
-        let columns = Columns::new(self, plane);
-        if columns.overlap_m(DVec2::ZERO).is_none_or(|overlap| overlap <= over_m) {
-            return;
-        }
-        let upper = columns.extent_m(DVec2::ZERO, DVec2::X, over_m);
-        let lower = -columns.extent_m(DVec2::ZERO, DVec2::NEG_X, over_m);
-        let at = |strip: usize| 0.5 * (upper + lower) + 0.5 * (upper - lower) * STRIPS[strip].0;
-        let mut middle_strip = 0.0;
-        for (side, order) in OUTWARDS.into_iter().enumerate() {
-            let mut start = middle_strip;
-            for strip in order {
-                if side == 1 && strip == 2 {
-                    continue;
-                }
-                let is_inside = |across: f64| {
-                    let overlap = columns.overlap_m(DVec2::new(at(strip), across));
-                    overlap.is_some_and(|overlap| overlap > over_m)
-                };
-                let Some(across) = [start, 0.0].into_iter().find(|across| is_inside(*across)) else {
-                    continue;
-                };
-                let from = DVec2::new(at(strip), across);
-                let high = across + columns.extent_m(from, DVec2::Y, over_m);
-                let low = across - columns.extent_m(from, DVec2::NEG_Y, over_m);
-                start = 0.5 * (high + low);
-                if strip == 2 {
-                    middle_strip = start;
-                }
-                let strip_width = 0.5 * (upper - lower) * STRIPS[strip].1;
-                for (node, weight) in ALONG_STRIP {
-                    let place = DVec2::new(at(strip), start + 0.5 * (high - low) * node);
-                    // Within a convex region, so every column meets both shapes.
-                    if let Some(overlap_m) = columns.overlap_m(place) {
-                        nodes.push(Node {
-                            place,
-                            area_m2: strip_width * 0.5 * (high - low) * weight,
-                            overlap_m,
-                        });
-                    }
-                }
-            }
-        }
     }
 }

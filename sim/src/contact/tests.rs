@@ -8,8 +8,9 @@ use parry3d::shape::SharedShape;
 use proptest::prelude::*;
 use underbrush_recording::Pose;
 
+use super::chord::Faces;
 use super::law::{Law, STICTION_M};
-use super::patch::{Node, Pair};
+use super::patch::{Columns, Node, Pair};
 use super::solver::{ROWS, Solver};
 use super::surface::Interface;
 
@@ -29,7 +30,9 @@ fn nodes(first: (SharedShape, Pose), second: (SharedShape, Pose)) -> Vec<Node> {
         poses_world: [first.1, second.1],
     };
     let mut nodes = Vec::new();
-    pair.nodes(&pair.plane(DVec3::ZERO, DVec3::Z), 0.0, &mut nodes);
+    let mut faces = [Faces::default(), Faces::default()];
+    let columns = Columns::new(&pair, &pair.plane(DVec3::ZERO, DVec3::Z), &mut faces);
+    columns.unwrap().add_nodes(0.0, &mut nodes);
     nodes
 }
 

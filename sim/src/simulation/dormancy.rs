@@ -4,24 +4,21 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
+use super::mechanism::Mechanism;
 use super::model::Model;
 use super::world::World;
 
-/// A dormant object is put into the engine when a link of the arm comes within this distance, m: the centimetre at which
-/// the engine makes contacts, and one frame at 1 m/s, twice the hand speed of the fastest preset.
-const WAKE_NEAR_ARM_M: f64 = 0.02;
-/// The same for moving parts of other objects, m.
-const WAKE_NEAR_OBJECTS_M: f64 = 0.01;
-/// An object at rest is taken out when everything that moves is farther away than these distances and this margin, m.
-const SLEEP_MARGIN_M: f64 = 0.01;
+/// A dormant object is put into the engine when a moving shape comes within this distance, m: a frame at 1 m/s, twice the hand
+/// speed of the fastest preset.
+const WAKE_M: f64 = 0.01;
+/// An object at rest is taken out when everything that moves is farther away than that and this margin, m.
+const SLEEP_MARGIN_M: f64 = 0.005;
 
 /// A collision shape that may touch a dormant object.
 struct Mover {
     collider: ColliderHandle,
     /// The box within which it wakes objects.
     bounds: Aabb,
-    /// The distance at which it wakes an object, m.
-    distance_m: f64,
 }
 
 impl World {
@@ -69,23 +66,21 @@ impl World {
 
     /// The collision shapes of the arm and of every object that is not at rest.
     fn movers(&self) -> impl Iterator<Item = Mover> {
-        let mover = |collider: ColliderHandle, distance_m: f64| Mover {
+        let mover = |collider: ColliderHandle| Mover {
             collider,
             bounds: self.engine.colliders[collider]
                 .shape()
                 .compute_aabb(&self.engine.collider_pose(collider))
-                .loosened(distance_m),
-            distance_m,
+                .loosened(WAKE_M),
         };
-        let arm = self.arm.colliders.iter();
+        let arm = self.arm.colliders.iter().map(|(collider, _)| *collider);
         let objects = self
             .mechanisms
             .iter()
             .flatten()
             .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.engine))
-            .flat_map(|mechanism| mechanism.colliders());
-        arm.map(move |(collider, _)| mover(*collider, WAKE_NEAR_ARM_M))
-            .chain(objects.map(move |collider| mover(*collider, WAKE_NEAR_OBJECTS_M)))
+            .flat_map(Mechanism::colliders);
+        arm.chain(objects.copied()).map(mover)
     }
 
     /// Whether a mover is nearer to an object at rest than its waking distance and a margin.
@@ -95,6 +90,6 @@ impl World {
         mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
             // A pair whose distance cannot be computed counts as near.
             && distance(&self.engine.collider_pose(mover.collider), collider.shape(), pose, outline)
-                .map_or(true, |found| found.distance < mover.distance_m + margin_m)
+                .map_or(true, |found| found.distance < WAKE_M + margin_m)
     }
 }

@@ -3,6 +3,7 @@
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::bounds::{AllBounds, NearPairs};
 use super::contact_step::{ContactStep, Parts};
 use crate::contact::surface::Surface;
 use crate::physics::PhysicsOptions;
@@ -10,10 +11,9 @@ use crate::physics::PhysicsOptions;
 /// A Rapier world: bodies, shapes, joints and contacts.
 #[derive(Serialize, Deserialize)]
 pub struct Engine {
-    /// The options it was created with.
-    pub options: PhysicsOptions,
+    options: PhysicsOptions,
     /// Engine parameters derived from the options.
-    pub parameters: IntegrationParameters,
+    parameters: IntegrationParameters,
     /// Rigid bodies: links, segments, fixed feet.
     pub bodies: RigidBodySet,
     /// Collision shapes.
@@ -22,6 +22,8 @@ pub struct Engine {
     pub joints: MultibodyJointSet,
     /// What is near what.
     pub narrow_phase: NarrowPhase,
+    /// Boxes around the shapes.
+    bounds: AllBounds,
     /// Contacts of the last step.
     pub(super) contact_step: ContactStep,
     #[serde(skip, default = "PhysicsPipeline::new")]
@@ -43,6 +45,7 @@ impl Clone for Engine {
             colliders: self.colliders.clone(),
             joints: self.joints.clone(),
             narrow_phase: self.narrow_phase.clone(),
+            bounds: self.bounds.clone(),
             contact_step: self.contact_step.clone(),
             pipeline: PhysicsPipeline::new(),
             islands: self.islands.clone(),
@@ -79,6 +82,7 @@ impl Engine {
             colliders: ColliderSet::new(),
             joints: MultibodyJointSet::new(),
             narrow_phase: NarrowPhase::new(),
+            bounds: AllBounds::default(),
             contact_step: ContactStep::default(),
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
@@ -96,8 +100,11 @@ impl Engine {
         surface: Surface,
         body: RigidBodyHandle,
     ) -> ColliderHandle {
-        let shape = shape.solver_groups(InteractionGroups::none());
+        let shape = shape
+            .solver_groups(InteractionGroups::none())
+            .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
         let collider = self.colliders.insert_with_parent(shape, body, &mut self.bodies);
+        self.bounds.set(collider, self.colliders[collider].shape());
         self.contact_step.set_surface(collider, surface);
         collider
     }
@@ -112,10 +119,25 @@ impl Engine {
         }
     }
 
+    /// Step and gravity.
+    pub fn options(&self) -> PhysicsOptions {
+        self.options
+    }
+
+    /// The next steps have this length, s.
+    pub fn set_step(&mut self, step_s: f64) {
+        self.options.step_s = step_s;
+        self.parameters.dt = step_s;
+    }
+
     /// Advances the world by one step.
     pub fn step(&mut self) {
         self.contact_step.before_step(&self.bodies, &self.joints);
         let gravity = Vector::new(0.0, 0.0, -self.options.gravity_m_per_s2);
+        let near_pairs = NearPairs {
+            bounds: &self.bounds,
+            distance_m: self.parameters.prediction_distance(),
+        };
         self.pipeline.step(
             gravity,
             &self.parameters,
@@ -128,7 +150,7 @@ impl Engine {
             &mut self.joints,
             &mut self.soft_bodies,
             &mut self.continuous_collision,
-            &(),
+            &near_pairs,
             &(),
         );
         self.contact_step.after_step(&mut Parts {

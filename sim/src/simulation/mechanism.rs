@@ -146,7 +146,7 @@ impl Mechanism {
 
     /// Lets the slow branches of its springs relax over one step; call before [`Engine::step`].
     pub(super) fn relax(&mut self, engine: &mut Engine) {
-        let step_s = engine.options.step_s;
+        let step_s = engine.options().step_s;
         for coordinate in &mut self.coordinates {
             let Some(maxwell) = coordinate.spring.maxwell else {
                 continue;

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::Pose;
+use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use crate::arm::Arm;
 use crate::clutter::Clutter;
@@ -18,6 +18,7 @@ use model::Model;
 use world::World;
 
 mod arm;
+mod bounds;
 mod contact;
 mod contact_step;
 mod dormancy;
@@ -68,9 +69,9 @@ struct State {
 impl Simulation {
     /// A simulation at its start, with the report of frame 0.
     pub fn new(setup: Setup) -> Self {
-        let model = Model::new(setup.arm, setup.clutter, setup.physics, setup.dormancy);
+        let model = Model::new(setup.arm, setup.clutter, setup.dormancy);
         let mut state = State {
-            world: World::new(&model),
+            world: World::new(&model, setup.physics),
             sensor: setup.sensor,
             report: FrameReport::default(),
         };
@@ -134,7 +135,20 @@ impl Simulation {
 
     /// Step and solver options.
     pub fn physics(&self) -> PhysicsOptions {
-        self.model.physics
+        self.state.world.engine.options()
+    }
+
+    /// Continues with engine steps of `step_s`, s, from the present state.
+    ///
+    /// # Panics
+    /// If a frame of 10 ms is not a whole number of such steps.
+    pub fn set_step(&mut self, step_s: f64) {
+        let steps = FRAME_PERIOD_S / step_s;
+        assert!(
+            steps >= 1.0 - 1e-9 && (steps - steps.round()).abs() < 1e-9 * steps,
+            "a frame of {FRAME_PERIOD_S} s is not a whole number of steps of {step_s} s"
+        );
+        self.state.world.engine.set_step(step_s);
     }
 
     /// The present state as bytes, for [`Simulation::load`].
@@ -151,7 +165,7 @@ impl Simulation {
     /// # Errors
     /// If the bytes are not a saved state, are damaged, or belong to another simulation; this one is then unchanged.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), StateError> {
-        self.state = State::load(&self.model, bytes)?;
+        self.state = State::load(&self.model, self.physics(), bytes)?;
         Ok(())
     }
 

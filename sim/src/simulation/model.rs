@@ -10,14 +10,12 @@ use crate::arm::Arm;
 use crate::clutter::{Clutter, PlacedObject};
 use crate::geometry::parry_pose;
 use crate::object::structure::Structure;
-use crate::physics::PhysicsOptions;
 use crate::skin::SkinPatch;
 
 /// The constant part of a simulation, shared between its copies.
 pub(super) struct Model {
     pub(super) arm: Arm,
     pub(super) clutter: Clutter,
-    pub(super) physics: PhysicsOptions,
     pub(super) dormancy: bool,
     /// Bodies and joints of each object.
     pub(super) structures: Vec<Structure>,
@@ -31,7 +29,7 @@ pub(super) struct Model {
 }
 
 impl Model {
-    pub(super) fn new(arm: Arm, clutter: Clutter, physics: PhysicsOptions, dormancy: bool) -> Self {
+    pub(super) fn new(arm: Arm, clutter: Clutter, dormancy: bool) -> Self {
         let objects = || clutter.objects.iter();
         let outlines: Vec<(Cuboid, EnginePose)> = objects()
             .map(PlacedObject::outline)
@@ -47,7 +45,6 @@ impl Model {
             .map(|(placed, structure)| rest_pose_world(placed, structure))
             .collect();
         Model {
-            physics,
             dormancy,
             rest_pose_world,
             outline_tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),

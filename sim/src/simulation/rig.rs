@@ -65,7 +65,7 @@ impl Rig {
 
     /// Step and solver options.
     pub fn physics(&self) -> PhysicsOptions {
-        self.engine.options
+        self.engine.options()
     }
 
     /// Adds an arm at rest in its start posture, and returns its links, base first.
@@ -226,7 +226,7 @@ impl Rig {
             .filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)))
             .map(|contact| contact.normal_impulse)
             .sum();
-        impulse / self.engine.options.step_s
+        impulse / self.engine.options().step_s
     }
 
     /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if it hangs on no joint.

@@ -6,7 +6,7 @@
 
 use super::State;
 use super::model::Model;
-use crate::physics::ENGINE;
+use crate::physics::{ENGINE, PhysicsOptions};
 
 /// The first bytes of every saved state.
 const MAGIC: &[u8; 16] = b"underbrush state";
@@ -40,18 +40,18 @@ impl State {
         let encoded = postcard::to_allocvec(self)?;
         let mut bytes = Vec::with_capacity(MAGIC.len() + 2 * HASH + encoded.len());
         bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&fingerprint(model));
+        bytes.extend_from_slice(&fingerprint(model, self.world.engine.options()));
         bytes.extend_from_slice(blake3::hash(&encoded).as_bytes());
         bytes.extend_from_slice(&encoded);
         Ok(bytes)
     }
 
     /// The state that [`State::save`] wrote for this model.
-    pub(super) fn load(model: &Model, bytes: &[u8]) -> Result<State, StateError> {
+    pub(super) fn load(model: &Model, physics: PhysicsOptions, bytes: &[u8]) -> Result<State, StateError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(StateError::NotAState)?;
         let (own, rest) = rest.split_at_checked(HASH).ok_or(StateError::Damaged)?;
         let (checksum, encoded) = rest.split_at_checked(HASH).ok_or(StateError::Damaged)?;
-        if own != fingerprint(model) {
+        if own != fingerprint(model, physics) {
             return Err(StateError::Foreign);
         }
         if checksum != blake3::hash(encoded).as_bytes() {
@@ -62,12 +62,12 @@ impl State {
 }
 
 /// A hash of the program's version and of everything that a saved state relies on.
-fn fingerprint(model: &Model) -> [u8; HASH] {
+fn fingerprint(model: &Model, physics: PhysicsOptions) -> [u8; HASH] {
     // `Debug` prints a float with as many digits as tell it from every other.
     let text = format!(
         "{} {ENGINE} {:?} {} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
-        model.physics,
+        physics,
         model.dormancy,
         model.arm,
         model.clutter.objects

@@ -11,6 +11,7 @@ use super::mechanism::Mechanism;
 use super::model::Model;
 use super::report::{StepObserver, StepReport};
 use crate::geometry::from_parry;
+use crate::physics::PhysicsOptions;
 
 /// The engine with one arm and one clutter.
 #[derive(Clone, Serialize, Deserialize)]
@@ -26,8 +27,8 @@ pub(super) struct World {
 
 impl World {
     /// The arm in its start posture, its equilibrium angles there, and the clutter at rest.
-    pub(super) fn new(model: &Model) -> Self {
-        let mut engine = Engine::new(model.physics);
+    pub(super) fn new(model: &Model, physics: PhysicsOptions) -> Self {
+        let mut engine = Engine::new(physics);
         let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
         let mut world = World {
             engine,
@@ -55,7 +56,7 @@ impl World {
         self.contacts.clear();
         self.contact_colliders.clear();
         let (mut joints, mut link_pose_world) = (Vec::new(), Vec::new());
-        let steps = (FRAME_PERIOD_S / model.physics.step_s).round() as usize;
+        let steps = (FRAME_PERIOD_S / self.engine.options().step_s).round() as usize;
         for _ in 0..steps {
             self.arm
                 .set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
@@ -70,7 +71,7 @@ impl World {
                 self.arm.read_link_poses(&self.engine, &mut link_pose_world);
                 observer(&StepReport {
                     arm: &model.arm,
-                    physics: model.physics,
+                    physics: self.engine.options(),
                     joints: &joints,
                     link_pose_world: &link_pose_world,
                     contacts: &self.contacts[earlier..],

@@ -24,8 +24,10 @@ mod newton_step;
 /// about the normal.
 pub const ROWS: usize = 6;
 
-/// Iterations in which the friction limits follow the iterate.
-const JOINT_ITERATIONS: usize = 12;
+/// Iterations for normal impulses and friction together.
+const JOINT_ITERATIONS: usize = 20;
+/// A step is accepted there if it leaves at most this part of the squared residual.
+const SUFFICIENT: f64 = 0.5;
 /// Iterations altogether.
 const MAX_ITERATIONS: usize = 200;
 /// The residual at which the iteration ends, relative to the largest generalized impulse.
@@ -108,7 +110,7 @@ pub struct Solver {
     impulse: Vec<f64>,
     residual: Vec<f64>,
     step: Vec<f64>,
-    hessian: Envelope,
+    matrix: Envelope,
 }
 
 impl Solver {
@@ -220,43 +222,92 @@ impl Solver {
         self.residual.resize(size, 0.0);
         self.impulse.resize(size, 0.0);
         self.step.resize(size, 0.0);
-        self.shape_hessian();
+        self.shape_matrix();
         self.read_speeds(false);
-        let mut iterations = 0;
+        let mut convergence = self.solve_together();
+        if convergence.residual > TOLERANCE {
+            self.solve_by_limits(&mut convergence);
+        }
+        convergence
+    }
+
+    /// Newton's method for normal impulses and friction together. Where a step does not help, one under held friction limits
+    /// is gone instead, as far as the convex function falls.
+    fn solve_together(&mut self) -> Convergence {
+        let mut convergence = Convergence::default();
+        self.evaluate(false);
         loop {
-            let hold_limits = iterations >= JOINT_ITERATIONS;
-            self.evaluate(hold_limits);
-            let mut residual = self.relative_residual();
-            let is_last = iterations == MAX_ITERATIONS;
-            if hold_limits && (is_last || residual <= TOLERANCE) {
+            convergence.residual = self.relative_residual();
+            if convergence.residual <= TOLERANCE || convergence.iterations == JOINT_ITERATIONS {
+                return convergence;
+            }
+            convergence.iterations += 1;
+            let before = self.squared_residual();
+            if self.find_step(true) {
+                self.go(1.0);
+                self.evaluate(false);
+                if self.squared_residual() < SUFFICIENT * before {
+                    continue;
+                }
+                self.go(-1.0);
+                self.evaluate(false);
+            }
+            if !self.find_step(false) {
+                return convergence;
+            }
+            let share = self.line_search();
+            self.go(share);
+            self.evaluate(false);
+        }
+    }
+
+    /// Minimizes the convex function of held friction limits, renews the limits half way, and so on.
+    fn solve_by_limits(&mut self, convergence: &mut Convergence) {
+        loop {
+            self.evaluate(true);
+            let is_last = convergence.iterations == MAX_ITERATIONS;
+            if is_last || self.relative_residual() <= TOLERANCE {
                 // What the held limits hide counts as well.
                 self.hold_limits();
                 self.evaluate(false);
-                residual = self.relative_residual();
-                if !is_last && residual > TOLERANCE {
-                    self.move_limits();
-                    self.evaluate(true);
+                convergence.residual = self.relative_residual();
+                if is_last || convergence.residual <= TOLERANCE {
+                    return;
                 }
+                self.move_limits();
+                self.evaluate(true);
             }
-            if is_last || residual <= TOLERANCE {
-                return Convergence { iterations, residual };
+            convergence.iterations += 1;
+            if !self.find_step(false) {
+                return;
             }
-            iterations += 1;
-            self.assemble();
-            self.hessian.factorize();
-            for (step, residual) in self.step.iter_mut().zip(&self.residual) {
-                *step = -residual;
-            }
-            self.hessian.solve(&mut self.step);
-            self.read_speeds(true);
             let share = self.line_search();
-            for (velocity, step) in self.velocity.iter_mut().zip(&self.step) {
-                *velocity += share * step;
-            }
-            for patch in &mut self.patches {
-                for (speed, change) in patch.speeds.iter_mut().zip(&patch.change) {
-                    *speed += share * change;
-                }
+            self.go(share);
+        }
+    }
+
+    /// Finds the Newton step. `is_coupled`: for friction limits that follow the normal impulses. Returns whether there is one.
+    fn find_step(&mut self, is_coupled: bool) -> bool {
+        self.assemble(is_coupled);
+        if !self.matrix.factorize() {
+            return false;
+        }
+        for (step, residual) in self.step.iter_mut().zip(&self.residual) {
+            *step = -residual;
+        }
+        self.matrix.solve(&mut self.step);
+        self.read_speeds(true);
+        true
+    }
+
+    /// Goes a share of the Newton step.
+    fn go(&mut self, share: f64) {
+        for (velocity, step) in self.velocity.iter_mut().zip(&self.step) {
+            *velocity += share * step;
+        }
+        for patch in &mut self.patches {
+            for (speed, change) in patch.speeds.iter_mut().zip(&patch.change) {
+                *speed += share * change;
             }
         }
     }
@@ -324,6 +375,19 @@ impl Solver {
     fn relative_residual(&self) -> f64 {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         largest(&self.residual) / largest(&self.impulse).max(NO_IMPULSE / TOLERANCE)
+    }
+
+    /// The sum of the squared residuals, each divided by its velocity's own entry of the mass matrix.
+    fn squared_residual(&self) -> f64 {
+        let residuals = |block: &Block| {
+            self.residual[block.offset..block.offset + block.size]
+                .iter()
+                .enumerate()
+        };
+        let squares = self.blocks.iter().flat_map(|block| {
+            residuals(block).map(|(row, residual)| residual * residual / self.mass[block.mass + row * (block.size + 1)])
+        });
+        squares.sum()
     }
 
     fn hold_limits(&mut self) {

@@ -1,15 +1,15 @@
 //! One step of Newton's method: the matrix, and how far to go.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::{ROWS, Solver, split};
+use super::{Patch, ROWS, Solver, split};
 
 /// Trials of the line search.
 const MAX_SEARCH: usize = 20;
 
 impl Solver {
     /// A row begins at the first block that its own touches.
-    pub(super) fn shape_hessian(&mut self) {
+    pub(super) fn shape_matrix(&mut self) {
         let mut first: Vec<usize> = (0..self.blocks.len()).collect();
         for patch in &self.patches {
             if let [Some(a), Some(b)] = &patch.sides {
@@ -20,29 +20,31 @@ impl Solver {
         let blocks = &self.blocks;
         let rows = blocks.iter().zip(&first);
         let columns = rows.flat_map(|(block, first)| std::iter::repeat_n(blocks[*first].offset, block.size));
-        self.hessian.reset(columns);
+        self.matrix.reset(columns);
     }
 
-    /// The matrix M + Σ Jᵀ (−∂λ/∂v) J.
-    pub(super) fn assemble(&mut self) {
-        self.hessian.clear();
+    /// The matrix M + Σ Jᵀ (−∂λ/∂v) J. `is_coupled`: friction changes with the normal impulse, which makes it unsymmetric.
+    pub(super) fn assemble(&mut self, is_coupled: bool) {
+        self.matrix.clear();
         for block in &self.blocks {
             for row in 0..block.size {
                 let mass = &self.mass[block.mass + row * block.size..][..=row];
                 let at = block.offset + row;
-                let first = self.hessian.row_mut(at, block.offset);
-                first.copy_from_slice(mass);
+                for entries in self.matrix.row_and_column_mut(at, block.offset) {
+                    entries.copy_from_slice(mass);
+                }
             }
         }
         for patch in &self.patches {
-            let (normal, friction) = (&patch.normal.stiffness, &patch.friction.stiffness);
-            if normal[(0, 0)] == 0.0 && patch.limit == 0.0 {
+            let stiffness = Stiffness::new(patch, is_coupled);
+            if stiffness.normal[(0, 0)] == 0.0 && patch.limit == 0.0 {
                 continue;
             }
             for own in patch.sides.iter().flatten() {
                 let own_block = self.blocks[own.block];
                 for row in 0..own_block.size {
-                    let pushed = push(&self.columns[own.columns + row], normal, friction);
+                    let column = &self.columns[own.columns + row];
+                    let sides = [stiffness.transposed_times(column), stiffness.times(column)];
                     for other in patch.sides.iter().flatten() {
                         if other.block > own.block {
                             continue;
@@ -54,9 +56,13 @@ impl Solver {
                             other_block.size
                         };
                         let columns = &self.columns[other.columns..other.columns + width];
-                        let target = self.hessian.row_mut(own_block.offset + row, other_block.offset);
-                        for (entry, column) in target.iter_mut().zip(columns) {
-                            *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
+                        let targets = self
+                            .matrix
+                            .row_and_column_mut(own_block.offset + row, other_block.offset);
+                        for (target, pushed) in targets.into_iter().zip(&sides) {
+                            for (entry, column) in target.iter_mut().zip(columns) {
+                                *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
+                            }
                         }
                     }
                 }
@@ -64,7 +70,8 @@ impl Solver {
         }
         for stop in &self.stops {
             let (_, stiffness) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
-            self.hessian.row_mut(stop.index, stop.index)[0] += stiffness;
+            let [row, _] = self.matrix.row_and_column_mut(stop.index, stop.index);
+            row[0] += stiffness;
         }
     }
 
@@ -134,9 +141,44 @@ impl Solver {
     }
 }
 
-/// A column times the stiffness of its patch.
-fn push(column: &[f64; ROWS], normal: &Matrix3<f64>, friction: &Matrix3<f64>) -> [f64; ROWS] {
-    let (first, second) = split(column);
-    let (first, second) = (normal * first, friction * second);
+/// Minus the derivative of a patch's impulses by its speeds.
+struct Stiffness {
+    normal: Matrix3<f64>,
+    friction: Matrix3<f64>,
+    /// Of friction by the normal speeds, through the limit.
+    coupling: Matrix3<f64>,
+}
+
+impl Stiffness {
+    fn new(patch: &Patch, is_coupled: bool) -> Self {
+        let (normal, friction) = (&patch.normal, &patch.friction);
+        let coupling = if is_coupled && patch.limit > 0.0 {
+            let by_limit = friction.impulse / patch.limit;
+            by_limit * normal.stiffness.row(0) * patch.law.interface.friction
+        } else {
+            Matrix3::zeros()
+        };
+        Stiffness {
+            normal: normal.stiffness,
+            friction: friction.stiffness,
+            coupling,
+        }
+    }
+
+    fn times(&self, column: &[f64; ROWS]) -> [f64; ROWS] {
+        let (first, second) = split(column);
+        join(self.normal * first, self.coupling * first + self.friction * second)
+    }
+
+    fn transposed_times(&self, row: &[f64; ROWS]) -> [f64; ROWS] {
+        let (first, second) = split(row);
+        join(
+            self.normal * first + self.coupling.tr_mul(&second),
+            self.friction * second,
+        )
+    }
+}
+
+fn join(first: Vector3<f64>, second: Vector3<f64>) -> [f64; ROWS] {
     [first[0], first[1], first[2], second[0], second[1], second[2]]
 }

@@ -7,8 +7,9 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::copied::{Copied, LinkOf, body_pose, link_of, relative_speeds};
 use super::{ContactStep, PairKey, Parts, key};
+use crate::contact::chord::Faces;
 use crate::contact::law::{Law, in_plane};
-use crate::contact::patch::{Node, Pair, Plane};
+use crate::contact::patch::{Columns, Node, Pair, Plane};
 use crate::contact::solver::ROWS;
 use crate::geometry::from_parry;
 
@@ -34,6 +35,7 @@ impl ContactStep {
         handles: [ColliderHandle; 2],
         copies: &[Copied],
         nodes: &mut Vec<Node>,
+        faces: &mut [Faces; 2],
         parts: &Parts,
     ) -> Option<Candidate> {
         let colliders = handles.map(|handle| &parts.colliders[handle]);
@@ -60,12 +62,14 @@ impl ContactStep {
             &pair,
             manifold,
             known.map(|kept| body_poses[1].transform_vector(kept.normal)),
+            faces,
         );
         let law = Law {
             interface: self.surface(handles[0])?.with(&self.surface(handles[1])?),
             step_s: parts.step_s,
         };
-        let overlap_m = pair.overlap_m(&plane)?;
+        let columns = Columns::new(&pair, &plane, faces)?;
+        let overlap_m = columns.overlap_m(DVec2::ZERO)?;
         let before = relative_speeds(&plane, links, copies, |body, index| copies[body].velocity[index]);
         // Where surfaces stay in contact their speed hardly changes. A surface that is about to arrive may be accelerated.
         let mut over_m = law.closing_m(before[0]);
@@ -77,7 +81,7 @@ impl ContactStep {
             over_m = law.closing_m(free[0]);
         }
         let first_node = nodes.len();
-        pair.nodes(&plane, over_m, nodes);
+        columns.add_nodes(over_m, nodes);
         if nodes.len() == first_node {
             return None;
         }
@@ -134,7 +138,7 @@ impl Candidate {
 }
 
 /// The tangent plane of a contact, in the middle of the engine's points.
-fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>) -> Plane {
+fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>, faces: &mut [Faces; 2]) -> Plane {
     // The engine's normal points from the first shape to the second.
     let found = -manifold.data.normal;
     let deepest = manifold
@@ -156,10 +160,8 @@ fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>) ->
         && kept.dot(found) < FLIPPED_COSINE
     {
         let plane = pair.plane(origin, kept);
-        if pair
-            .overlap_m(&plane)
-            .is_some_and(|overlap| 0.0 < overlap && overlap < MAX_KEPT_OVERLAP_M)
-        {
+        let overlap_m = Columns::new(pair, &plane, faces).and_then(|columns| columns.overlap_m(DVec2::ZERO));
+        if overlap_m.is_some_and(|overlap| 0.0 < overlap && overlap < MAX_KEPT_OVERLAP_M) {
             return plane;
         }
     }

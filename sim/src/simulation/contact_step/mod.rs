@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, Vector3};
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::chord::Faces;
 use crate::contact::law::{center_of_pressure, in_plane};
 use crate::contact::patch::Node;
 use crate::contact::solver::{Convergence, Solver};
@@ -89,6 +90,7 @@ struct Scratch {
     pairs: Vec<[ColliderHandle; 2]>,
     candidates: Vec<Candidate>,
     nodes: Vec<Node>,
+    faces: [Faces; 2],
     patches_of_body: Vec<usize>,
     order: Vec<usize>,
     block_of_body: Vec<usize>,
@@ -174,7 +176,8 @@ impl ContactStep {
         scratch.candidates.clear();
         scratch.nodes.clear();
         for colliders in &scratch.pairs {
-            let candidate = self.candidate(*colliders, &scratch.bodies[..scratch.count], &mut scratch.nodes, parts);
+            let copies = &scratch.bodies[..scratch.count];
+            let candidate = self.candidate(*colliders, copies, &mut scratch.nodes, &mut scratch.faces, parts);
             scratch.candidates.extend(candidate);
         }
         self.scratch = scratch;

@@ -1,0 +1,99 @@
+//! Lines through boxes and convex hulls.
+
+use glam::{DVec2, DVec3};
+use parry3d::shape::{ConvexPolyhedron, Cuboid};
+
+use super::{Chord, Slope, View};
+
+/// Below this, the sine of the angle between a line and a face counts as zero.
+const PARALLEL: f64 = 1e-9;
+
+/// The faces of a shape, each as an outward unit normal and a point of it, in the shape's frame.
+pub(super) trait FlatShape {
+    fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)>;
+}
+
+impl FlatShape for Cuboid {
+    fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let half = self.half_extents;
+        DVec3::AXES
+            .into_iter()
+            .flat_map(|axis| [axis, -axis])
+            .map(move |normal| (normal, normal * half))
+    }
+}
+
+impl FlatShape for ConvexPolyhedron {
+    fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        self.faces().iter().map(|face| {
+            let vertex = self.vertices_adj_to_face()[face.first_vertex_or_edge as usize];
+            (face.normal, self.points()[vertex as usize])
+        })
+    }
+}
+
+/// Faces as functions of the place, linear each.
+#[derive(Clone, Debug, Default)]
+pub struct Faces {
+    /// Where lines enter, m.
+    entering: Vec<Slope>,
+    /// Where lines leave, m.
+    leaving: Vec<Slope>,
+    /// How far the line is inside the faces that it runs along, m.
+    beside: Vec<Slope>,
+}
+
+impl Faces {
+    /// Reads the faces of another shape. Values and gradients are those at the view's origin.
+    pub(super) fn read(&mut self, faces: impl Iterator<Item = (DVec3, DVec3)>, view: &View) {
+        self.entering.clear();
+        self.leaving.clear();
+        self.beside.clear();
+        for (normal, point) in faces {
+            let height = normal.dot(point - view.origin);
+            let across = view.components(normal);
+            let inside = Slope {
+                value: height,
+                gradient: -across.truncate(),
+            };
+            let end = || Slope {
+                value: height / across.z,
+                gradient: across.truncate() / -across.z,
+            };
+            if across.z.abs() <= PARALLEL {
+                self.beside.push(inside);
+            } else if across.z > 0.0 {
+                self.leaving.push(end());
+            } else {
+                self.entering.push(end());
+            }
+        }
+    }
+
+    pub(super) fn at(&self, place: DVec2) -> Chord {
+        let beside = least(&self.beside, place, 1.0);
+        if beside.value <= 0.0 {
+            return Chord::outside(beside);
+        }
+        let ends_m = [least(&self.entering, place, -1.0), least(&self.leaving, place, 1.0)];
+        Chord {
+            inside: ends_m[1] - ends_m[0],
+            ends_m,
+        }
+    }
+}
+
+/// The function with the least value times `sign` at a place; infinite if there are none.
+fn least(functions: &[Slope], place: DVec2, sign: f64) -> Slope {
+    let (mut value, mut gradient) = (f64::INFINITY, DVec2::ZERO);
+    for function in functions {
+        let here = sign * (function.value + function.gradient.dot(place));
+        if here < value {
+            (value, gradient) = (here, function.gradient);
+        }
+    }
+    Slope {
+        value: sign * value,
+        gradient,
+    }
+}

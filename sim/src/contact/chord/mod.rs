@@ -1,0 +1,227 @@
+//! Where the lines of one direction pass through a convex shape.
+//!
+//! The lines cross a plane at right angles, and everything is a function of the place where a line crosses it. For a convex
+//! shape these functions are concave or convex, so their slopes tell how far it is to where they vanish.
+
+use glam::{DVec2, DVec3};
+use parry3d::shape::{Shape, TypedShape};
+
+use flat::FlatShape;
+use round::{Capsule, Cylinder};
+
+mod flat;
+mod round;
+
+pub use flat::Faces;
+
+/// A plane in the frame of a shape, and the direction of the lines.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// A point of the plane, m.
+    pub origin: DVec3,
+    /// The plane's axes and the direction of the lines, which are orthonormal.
+    pub axes: [DVec3; 3],
+}
+
+impl View {
+    /// Components of a vector along the plane's axes and the direction.
+    fn components(&self, vector: DVec3) -> DVec3 {
+        let [first, second, direction] = self.axes;
+        DVec3::new(vector.dot(first), vector.dot(second), vector.dot(direction))
+    }
+
+    /// The same of a point, from the plane's origin.
+    fn point(&self, point: DVec3) -> DVec3 {
+        self.components(point - self.origin)
+    }
+}
+
+/// A function of the place in the plane, at one place.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Slope {
+    /// Its value.
+    pub value: f64,
+    /// Its gradient.
+    pub gradient: DVec2,
+}
+
+impl std::ops::Sub for Slope {
+    type Output = Slope;
+
+    fn sub(self, other: Slope) -> Slope {
+        Slope {
+            value: self.value - other.value,
+            gradient: self.gradient - other.gradient,
+        }
+    }
+}
+
+/// A line's way through a shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Chord {
+    /// Positive if the line passes through the shape; else a concave function of the place, which rises towards the shape.
+    pub inside: Slope,
+    /// Where the line enters and leaves the shape, m from the plane along the direction, if it does.
+    pub ends_m: [Slope; 2],
+}
+
+impl Chord {
+    fn outside(inside: Slope) -> Self {
+        Chord {
+            inside,
+            ends_m: [Slope::default(); 2],
+        }
+    }
+
+    /// Where the line enters and leaves the shape, m; `None` if it misses it.
+    pub fn range_m(&self) -> Option<[f64; 2]> {
+        (self.inside.value > 0.0).then_some(self.ends_m.map(|end| end.value))
+    }
+}
+
+/// All lines of one direction through one shape.
+#[derive(Clone, Copy, Debug)]
+pub enum Chords<'a> {
+    /// Through a ball or a capsule.
+    Capsule(Capsule),
+    /// Through a cylinder.
+    Cylinder(Cylinder),
+    /// Through a box or a convex hull.
+    Flat(&'a Faces),
+}
+
+impl<'a> Chords<'a> {
+    /// The lines of a view through a shape. `faces` is overwritten. `None` if the shape is none of those that links and
+    /// objects are made of.
+    pub fn new(shape: &dyn Shape, view: &View, faces: &'a mut Faces) -> Option<Self> {
+        Some(match shape.as_typed_shape() {
+            TypedShape::Ball(ball) => Chords::Capsule(Capsule::new([DVec3::ZERO; 2], ball.radius, view)),
+            TypedShape::Capsule(capsule) => {
+                let ends = [capsule.segment.a, capsule.segment.b];
+                Chords::Capsule(Capsule::new(ends, capsule.radius, view))
+            }
+            TypedShape::Cylinder(cylinder) => Chords::Cylinder(Cylinder::new(cylinder, view)),
+            TypedShape::Cuboid(cuboid) => {
+                faces.read(cuboid.flat(), view);
+                Chords::Flat(faces)
+            }
+            TypedShape::ConvexPolyhedron(hull) => {
+                faces.read(hull.flat(), view);
+                Chords::Flat(faces)
+            }
+            _ => return None,
+        })
+    }
+
+    /// The line through a place of the plane, m.
+    pub fn at(&self, place: DVec2) -> Chord {
+        match self {
+            Chords::Capsule(capsule) => capsule.at(place),
+            Chords::Cylinder(cylinder) => cylinder.at(place),
+            Chords::Flat(faces) => faces.at(place),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parry3d::query::Ray;
+    use parry3d::shape::SharedShape;
+    use proptest::prelude::*;
+
+    fn vector(size: f64) -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        /// Pins entry and exit against parry's own ray casts from both sides, for every kind of shape.
+        #[test]
+        fn chords_are_what_rays_from_both_sides_hit(
+            origin in vector(0.12),
+            direction in vector(1.0),
+            corners in prop::collection::vec(vector(0.1), 8..12),
+        ) {
+            prop_assume!(direction.length() > 0.1);
+            let direction = direction.normalize();
+            let (first, second) = direction.any_orthonormal_pair();
+            let view = View { origin: 2.0 * origin, axes: [first, second, direction] };
+            // The line through `origin`, which is beside the origin of the view.
+            let place = -DVec2::new(origin.dot(first), origin.dot(second));
+            let start = view.origin + first * place.x + second * place.y;
+            let shapes = [
+                SharedShape::ball(0.07),
+                SharedShape::cuboid(0.05, 0.02, 0.09),
+                SharedShape::cylinder(0.06, 0.04),
+                SharedShape::capsule_y(0.06, 0.04),
+                SharedShape::convex_hull(&corners).unwrap(),
+            ];
+            for shape in shapes {
+                let far = 1.0;
+                let hit = |from: f64, sign: f64| {
+                    let ray = Ray::new(start + direction * from, direction * sign);
+                    shape.cast_local_ray(&ray, 2.0 * far, true).map(|time| from + sign * time)
+                };
+                let expected = hit(-far, 1.0).zip(hit(far, -1.0));
+                let mut faces = Faces::default();
+                let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
+                match (chords.at(place).range_m(), expected) {
+                    (Some(found), Some(rays)) => {
+                        // Rays against hulls and cylinders are iterated.
+                        prop_assert!((found[0] - rays.0).abs() < 1e-5 && (found[1] - rays.1).abs() < 1e-5, "{found:?} {rays:?}");
+                    }
+                    (None, None) => {}
+                    // Near a tangent the two may differ.
+                    (Some(found), None) => prop_assert!(found[1] - found[0] < 2e-3, "{found:?}"),
+                    (None, Some(rays)) => prop_assert!(rays.1 - rays.0 < 2e-3, "{rays:?}"),
+                }
+            }
+        }
+
+        /// Pins the gradients against central differences, inside and outside.
+        #[test]
+        fn gradients_are_the_slopes(
+            place in prop::array::uniform2(-0.12..0.12f64),
+            direction in vector(1.0),
+            corners in prop::collection::vec(vector(0.1), 8..12),
+        ) {
+            prop_assume!(direction.length() > 0.1);
+            let direction = direction.normalize();
+            let (first, second) = direction.any_orthonormal_pair();
+            let view = View { origin: DVec3::ZERO, axes: [first, second, direction] };
+            let place = DVec2::from_array(place);
+            let step = 1e-7;
+            let shapes = [
+                SharedShape::ball(0.07),
+                SharedShape::cuboid(0.05, 0.02, 0.09),
+                SharedShape::cylinder(0.06, 0.04),
+                SharedShape::capsule_y(0.06, 0.04),
+                SharedShape::convex_hull(&corners).unwrap(),
+            ];
+            for shape in shapes {
+                let mut faces = Faces::default();
+                let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
+                let here = chords.at(place);
+                for axis in [DVec2::X, DVec2::Y] {
+                    let beside = [-1.0, 1.0].map(|sign| chords.at(place + axis * sign * step));
+                    let pick = |chord: &Chord| match here.range_m() {
+                        Some(_) => [chord.ends_m[0], chord.ends_m[1]],
+                        None => [chord.inside; 2],
+                    };
+                    for end in 0..2 {
+                        let own = pick(&here)[end].gradient.dot(axis);
+                        let [before, after] = [0, 1].map(|side| pick(&beside[side])[end].value);
+                        let value = pick(&here)[end].value;
+                        let halves = [(value - before) / step, (after - value) / step];
+                        // At an edge the two halves differ.
+                        if beside.iter().all(|chord| chord.range_m().is_some() == here.range_m().is_some())
+                            && (halves[0] - halves[1]).abs() < 1e-4 * (1.0 + halves[0].abs())
+                        {
+                            prop_assert!((own - 0.5 * (halves[0] + halves[1])).abs() < 1e-3 * (1.0 + own.abs()), "{own} {halves:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Lines through balls, capsules and cylinders.
+
+use glam::{DVec2, DVec3};
+use parry3d::shape;
+
+use super::{Chord, Slope, View};
+
+/// Below this, the sine of an angle counts as zero.
+const PARALLEL: f64 = 1e-9;
+
+/// A capsule in the components of a view; a ball is one of length 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Capsule {
+    start: DVec3,
+    /// Unit vector, or zero for a ball.
+    axis: DVec3,
+    length_m: f64,
+    radius_m: f64,
+}
+
+impl Capsule {
+    pub(super) fn new(ends: [DVec3; 2], radius_m: f64, view: &View) -> Self {
+        let [start, end] = ends.map(|end| view.point(end));
+        Capsule {
+            start,
+            axis: (end - start).normalize_or_zero(),
+            length_m: start.distance(end),
+            radius_m,
+        }
+    }
+
+    pub(super) fn at(&self, place: DVec2) -> Chord {
+        let offset = place.extend(0.0) - self.start;
+        let flat = self.axis.truncate() * self.length_m;
+        let share = offset.truncate().dot(flat) / flat.length_squared().max(PARALLEL * PARALLEL);
+        let away = offset.truncate() - flat * share.clamp(0.0, 1.0);
+        let inside = Slope {
+            value: self.radius_m * self.radius_m - away.length_squared(),
+            gradient: -2.0 * away,
+        };
+        if inside.value <= 0.0 {
+            return Chord::outside(inside);
+        }
+        // The union of two balls and the cylinder between them.
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut join = |[from, to]: [f64; 2]| ends = [ends[0].min(from), ends[1].max(to)];
+        for along in [0.0, self.length_m] {
+            let from_center = offset - self.axis * along;
+            let depth = self.radius_m * self.radius_m - from_center.truncate().length_squared();
+            if depth > 0.0 {
+                let half = depth.sqrt();
+                join([-from_center.z - half, -from_center.z + half]);
+            }
+        }
+        let round = Round::new(offset, self.axis, self.radius_m);
+        if self.length_m > 0.0
+            && let Some(round) = round.ends()
+        {
+            let along = offset.dot(self.axis);
+            let caps = if self.axis.z.abs() > PARALLEL {
+                let [a, b] = [-along, self.length_m - along].map(|end| end / self.axis.z);
+                [a.min(b), a.max(b)]
+            } else if (0.0..=self.length_m).contains(&along) {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                [f64::INFINITY, f64::NEG_INFINITY]
+            };
+            let both = [round[0].max(caps[0]), round[1].min(caps[1])];
+            if both[0] <= both[1] {
+                join(both);
+            }
+        }
+        let ends_m = ends.map(|end| {
+            let point = offset + DVec3::Z * end;
+            let along = point.dot(self.axis).clamp(0.0, self.length_m);
+            surface(end, point - self.axis * along)
+        });
+        Chord { inside, ends_m }
+    }
+}
+
+/// A cylinder in the components of a view.
+#[derive(Clone, Copy, Debug)]
+pub struct Cylinder {
+    center: DVec3,
+    axis: DVec3,
+    half_height_m: f64,
+    radius_m: f64,
+}
+
+impl Cylinder {
+    pub(super) fn new(cylinder: &shape::Cylinder, view: &View) -> Self {
+        Cylinder {
+            center: view.point(DVec3::ZERO),
+            // Parry's cylinders lie along y.
+            axis: view.components(DVec3::Y),
+            half_height_m: cylinder.half_height,
+            radius_m: cylinder.radius,
+        }
+    }
+
+    pub(super) fn at(&self, place: DVec2) -> Chord {
+        let offset = place.extend(0.0) - self.center;
+        let axis = self.axis;
+        let round = Round::new(offset, axis, self.radius_m);
+        if round.inside.value <= 0.0 {
+            return Chord::outside(round.inside);
+        }
+        let along = offset.dot(axis);
+        let flat = axis.truncate();
+        let mut ends_m = round.ends().map(|ends| {
+            ends.map(|end| {
+                let point = offset + DVec3::Z * end;
+                surface(end, point - axis * point.dot(axis))
+            })
+        });
+        if axis.z.abs() > PARALLEL {
+            let cap = |height: f64| Slope {
+                value: (height - along) / axis.z,
+                gradient: flat / -axis.z,
+            };
+            let half = self.half_height_m.copysign(axis.z);
+            let caps = [cap(-half), cap(half)];
+            ends_m = Some(ends_m.map_or(caps, |[enters, leaves]| {
+                [
+                    if caps[0].value > enters.value { caps[0] } else { enters },
+                    if caps[1].value < leaves.value { caps[1] } else { leaves },
+                ]
+            }));
+        } else if along.abs() >= self.half_height_m {
+            return Chord::outside(Slope {
+                value: self.half_height_m - along.abs(),
+                gradient: flat * -along.signum(),
+            });
+        }
+        match ends_m {
+            Some(ends_m) => Chord {
+                inside: ends_m[1] - ends_m[0],
+                ends_m,
+            },
+            None => Chord::outside(round.inside),
+        }
+    }
+}
+
+/// A line along the view's direction and a cylinder without ends.
+struct Round {
+    /// As [`Chord::inside`]: the squares of the radius less that of the distance between line and axis.
+    inside: Slope,
+    /// Square of the sine of the angle between line and axis.
+    square: f64,
+    /// The middle of the chord.
+    middle: f64,
+}
+
+impl Round {
+    /// `offset` is from a point of the axis.
+    fn new(offset: DVec3, axis: DVec3, radius_m: f64) -> Self {
+        let flat = axis.truncate();
+        let square = flat.length_squared();
+        let limit = radius_m * radius_m;
+        if square <= PARALLEL * PARALLEL {
+            let away = offset.truncate();
+            return Round {
+                inside: Slope {
+                    value: limit - away.length_squared(),
+                    gradient: -2.0 * away,
+                },
+                square: 0.0,
+                middle: 0.0,
+            };
+        }
+        let across = flat.perp() / square.sqrt();
+        let distance = offset.truncate().dot(across);
+        Round {
+            inside: Slope {
+                value: limit - distance * distance,
+                gradient: across * (-2.0 * distance),
+            },
+            square,
+            middle: (axis.z * offset.dot(axis) - offset.z) / square,
+        }
+    }
+
+    /// Where the line enters and leaves; `None` if it misses the cylinder or runs along its axis.
+    fn ends(&self) -> Option<[f64; 2]> {
+        (self.inside.value > 0.0 && self.square > 0.0).then(|| {
+            let half = (self.inside.value / self.square).sqrt();
+            [self.middle - half, self.middle + half]
+        })
+    }
+}
+
+/// The end of a chord on a surface with this normal, of any length.
+fn surface(end_m: f64, normal: DVec3) -> Slope {
+    let steepest = f64::MIN_POSITIVE.sqrt();
+    let along = if normal.z.abs() > steepest { normal.z } else { steepest };
+    Slope {
+        value: end_m,
+        gradient: normal.truncate() / -along,
+    }
+}
