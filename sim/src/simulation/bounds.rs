@@ -1,4 +1,4 @@
-//! Leaving out of the engine's detection what is far apart, by boxes around the shapes.
+//! Telling shapes that are far apart by boxes around them.
 //!
 //! The engine compares boxes that are parallel to the world's axes. That around a slanted forearm holds most of the leaves
 //! beside it. Boxes that are parallel to the shapes' own axes tell far shapes at a tenth of the cost of finding their distance.
@@ -21,13 +21,6 @@ pub(super) struct AllBounds {
     bounds: Vec<Option<Bounds>>,
 }
 
-/// The engine's question whether a pair of shapes may touch.
-pub(super) struct NearPairs<'a> {
-    pub(super) bounds: &'a AllBounds,
-    /// Pairs that are farther apart are left out, m.
-    pub(super) distance_m: f64,
-}
-
 impl AllBounds {
     pub(super) fn set(&mut self, collider: ColliderHandle, shape: &dyn Shape) {
         let index = collider.into_raw_parts().0 as usize;
@@ -41,19 +34,16 @@ impl AllBounds {
         });
     }
 
+    /// Whether a pair of shapes may be nearer than `distance_m`, where they were when the last step began.
+    pub(super) fn may_be_near(&self, pair: [ColliderHandle; 2], colliders: &ColliderSet, distance_m: f64) -> bool {
+        let [first, second] = pair.map(|handle| Some((self.of(handle)?, colliders[handle].position())));
+        first
+            .zip(second)
+            .is_none_or(|(first, second)| distance_at_least_m(first, second) <= distance_m)
+    }
+
     fn of(&self, collider: ColliderHandle) -> Option<&Bounds> {
         self.bounds.get(collider.into_raw_parts().0 as usize)?.as_ref()
-    }
-}
-
-impl PhysicsHooks for NearPairs<'_> {
-    fn filter_contact_pair(&self, pair: &PairFilterContext) -> Option<SolverFlags> {
-        let handles = [pair.collider1, pair.collider2];
-        let [first, second] = handles.map(|handle| Some((self.bounds.of(handle)?, pair.colliders[handle].position())));
-        let is_far = first
-            .zip(second)
-            .is_some_and(|(first, second)| distance_at_least_m(first, second) > self.distance_m);
-        (!is_far).then(SolverFlags::default)
     }
 }
 

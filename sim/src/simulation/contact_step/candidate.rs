@@ -1,8 +1,9 @@
-//! The patches that may press in a step, from the pairs of shapes that the engine found near each other.
+//! The patches that may press in a step, from the pairs of shapes that are near each other.
 
 use glam::{DVec2, DVec3};
 use nalgebra::Vector3;
-use rapier3d::prelude::*;
+use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::Pose as WorldPose;
 
 use super::copied::{Copied, LinkOf, body_pose, link_of, relative_speeds};
@@ -11,7 +12,7 @@ use crate::contact::chord::Faces;
 use crate::contact::law::{Law, in_plane};
 use crate::contact::patch::{Columns, Node, Pair, Plane};
 use crate::contact::solver::ROWS;
-use crate::geometry::from_parry;
+use crate::geometry::{from_parry, parry_pose};
 
 /// A patch before the solution.
 #[derive(Clone)]
@@ -28,6 +29,42 @@ pub(super) struct Candidate {
     pub(super) deflection: Vector3<f64>,
 }
 
+/// Buffers of one pair's detection.
+#[derive(Clone)]
+pub(super) struct Detection {
+    manifold: ContactManifold<(), ()>,
+    faces: [Faces; 2],
+}
+
+impl Default for Detection {
+    fn default() -> Self {
+        Detection {
+            manifold: ContactManifold::new(),
+            faces: [Faces::default(), Faces::default()],
+        }
+    }
+}
+
+impl Detection {
+    /// Finds the points where two shapes are nearest or overlap most, and returns whether there are any. Nothing of an earlier
+    /// manifold is used.
+    fn find(&mut self, pair: &Pair, near_m: f64) -> bool {
+        let [first, second] = pair.poses_world.each_ref().map(parry_pose);
+        self.manifold.clear();
+        (self.manifold.local_n1, self.manifold.local_n2) = (DVec3::ZERO, DVec3::ZERO);
+        let found = DefaultQueryDispatcher.contact_manifold_convex_convex(
+            &first.inv_mul(&second),
+            pair.shapes[0],
+            pair.shapes[1],
+            None,
+            None,
+            near_m,
+            &mut self.manifold,
+        );
+        found.is_ok() && !self.manifold.points.is_empty()
+    }
+}
+
 impl ContactStep {
     /// The patch of a pair of shapes, if it may press.
     pub(super) fn candidate(
@@ -35,12 +72,14 @@ impl ContactStep {
         handles: [ColliderHandle; 2],
         copies: &[Copied],
         nodes: &mut Vec<Node>,
-        faces: &mut [Faces; 2],
+        detection: &mut Detection,
         parts: &Parts,
     ) -> Option<Candidate> {
         let colliders = handles.map(|handle| &parts.colliders[handle]);
         let links = colliders.map(|collider| link_of(collider, copies, parts));
-        if links.iter().all(Option::is_none) {
+        let [first, second] = links.map(|link| link.map(|link| link.body));
+        // Both fixed, or links of one body.
+        if first == second {
             return None;
         }
         let [first, second] = [0, 1].map(|side| body_pose(colliders[side], links[side], copies, parts));
@@ -53,8 +92,10 @@ impl ContactStep {
             shapes: colliders.map(|collider| collider.shape()),
             poses_world: shape_poses,
         };
-        let found = parts.narrow_phase.contact_pair(handles[0], handles[1])?;
-        let manifold = found.manifolds().iter().find(|manifold| !manifold.points.is_empty())?;
+        if !detection.find(&pair, parts.near_m) {
+            return None;
+        }
+        let Detection { manifold, faces } = detection;
         let kept = self.kept(&key(&handles));
         let bodies = [colliders[0].parent()?, colliders[1].parent()?].map(|body| body.into_raw_parts());
         let known = kept.or_else(|| self.sibling(&bodies));
@@ -137,10 +178,10 @@ impl Candidate {
     }
 }
 
-/// The tangent plane of a contact, in the middle of the engine's points.
-fn place(pair: &Pair, manifold: &ContactManifold, kept_normal: Option<DVec3>, faces: &mut [Faces; 2]) -> Plane {
-    // The engine's normal points from the first shape to the second.
-    let found = -manifold.data.normal;
+/// The tangent plane of a contact, in the middle of the manifold's points.
+fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DVec3>, faces: &mut [Faces; 2]) -> Plane {
+    // The manifold's normal points from the first shape to the second.
+    let found = -pair.poses_world[0].transform_vector(manifold.local_n1);
     let deepest = manifold
         .points
         .iter()

@@ -1,21 +1,20 @@
 //! Contacts between the engine's bodies, added to a step that the engine made without any.
 //!
-//! The engine finds which shapes are near each other, but its own solver presses on none of them: no collider is in a solver
-//! group. Before its step the poses, Jacobians and velocities of every articulated body are copied. After it, the patches of
-//! the shapes that overlap are made from those poses, [`crate::contact::solver`] finds the velocities with contacts, and these
-//! replace the engine's, with positions to match.
+//! The engine finds which shapes have overlapping boxes, but no contacts between them. Before its step the poses, Jacobians and
+//! velocities of every articulated body are copied. After it, the patches of the shapes that overlap are made from those poses,
+//! [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with positions to match.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, Vector3};
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::chord::Faces;
+use super::bounds::AllBounds;
 use crate::contact::law::{center_of_pressure, in_plane};
 use crate::contact::patch::Node;
 use crate::contact::solver::{Convergence, Solver};
 use crate::contact::surface::Surface;
-use candidate::Candidate;
+use candidate::{Candidate, Detection};
 use copied::{Copied, mass_matrix};
 
 mod candidate;
@@ -68,6 +67,7 @@ struct Kept {
 pub(super) struct ContactStep {
     /// The surfaces of the colliders, by the index in their handle.
     surfaces: Vec<Option<Surface>>,
+    bounds: AllBounds,
     pub(super) stops: Vec<JointStop>,
     /// Sorted by pair.
     kept: Vec<(PairKey, Kept)>,
@@ -90,7 +90,7 @@ struct Scratch {
     pairs: Vec<[ColliderHandle; 2]>,
     candidates: Vec<Candidate>,
     nodes: Vec<Node>,
-    faces: [Faces; 2],
+    detection: Detection,
     patches_of_body: Vec<usize>,
     order: Vec<usize>,
     block_of_body: Vec<usize>,
@@ -107,11 +107,14 @@ pub(super) struct Parts<'a> {
     pub(super) joints: &'a mut MultibodyJointSet,
     pub(super) narrow_phase: &'a NarrowPhase,
     pub(super) step_s: f64,
+    /// Shapes that are farther apart have no contact, m.
+    pub(super) near_m: f64,
 }
 
 impl ContactStep {
-    /// Gives a collider its surface.
-    pub(super) fn set_surface(&mut self, collider: ColliderHandle, surface: Surface) {
+    /// Adds a collider with its surface.
+    pub(super) fn add_collider(&mut self, collider: ColliderHandle, shape: &dyn Shape, surface: Surface) {
+        self.bounds.set(collider, shape);
         let index = collider.into_raw_parts().0 as usize;
         if self.surfaces.len() <= index {
             self.surfaces.resize(index + 1, None);
@@ -158,15 +161,15 @@ impl ContactStep {
         self.keep();
     }
 
-    /// Pairs of shapes that the engine found near each other, in an order that does not depend on its own.
+    /// Pairs of shapes that are near each other, in an order that does not depend on the engine's.
     fn find_pairs(&mut self, parts: &Parts) {
         let pairs = &mut self.scratch.pairs;
         pairs.clear();
-        let near = parts.narrow_phase.contact_pairs();
-        pairs.extend(
-            near.filter(|pair| pair.manifolds().iter().any(|manifold| !manifold.points.is_empty()))
-                .map(|pair| [pair.collider1, pair.collider2]),
-        );
+        let boxed = parts
+            .narrow_phase
+            .contact_pairs()
+            .map(|pair| [pair.collider1, pair.collider2]);
+        pairs.extend(boxed.filter(|pair| self.bounds.may_be_near(*pair, parts.colliders, parts.near_m)));
         pairs.sort_unstable_by_key(key);
     }
 
@@ -177,7 +180,7 @@ impl ContactStep {
         scratch.nodes.clear();
         for colliders in &scratch.pairs {
             let copies = &scratch.bodies[..scratch.count];
-            let candidate = self.candidate(*colliders, copies, &mut scratch.nodes, &mut scratch.faces, parts);
+            let candidate = self.candidate(*colliders, copies, &mut scratch.nodes, &mut scratch.detection, parts);
             scratch.candidates.extend(candidate);
         }
         self.scratch = scratch;

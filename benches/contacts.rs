@@ -1,0 +1,235 @@
+//! How contacts look in whole reaches: the direction and work of friction, the onset on trunks, jumps of force, and depth.
+//!
+//!     cargo run --release --example contacts -- 20 scenes/leaf.toml scenes/trunk.toml
+//!
+//! Prints one row for each scene over that many reaches of seed 0. Columns: angle between friction and −slip where a patch
+//! slides, median and 90 %; work of friction over μ N times the way; time until a link's force on a trunk is 63 % of the level
+//! it has 0.15 to 0.3 s after the touch, and the largest force of the first 150 ms over that level, medians; largest change of a
+//! link's force from one frame to the next, with and without an impact or a back-off in the last 0.15 s, and reach, frame and
+//! link of the latter; largest overlap with each category, and with
+//! patches that reach farther than 5 mm.
+#![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
+#![allow(clippy::print_stdout, reason = "the table is what it is run for")]
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use underbrush_recording::Category;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+use underbrush_sim::simulation::{FrameReport, Simulation};
+
+/// Slower patches may stick, m/s.
+const SLIDING_M_PER_S: f64 = 5e-3;
+/// A link and an object that did not touch in so many frames meet with an impact. The whole arm feels it for as many.
+const IMPACT_FRAMES: usize = 15;
+/// The controller backs off by changing an equilibrium angle by more than this from one frame to the next, rad. That counts as
+/// an impact.
+const COMMANDED_RAD: f64 = 0.02;
+/// Frames of the level that an onset leads to.
+const LEVEL: std::ops::Range<usize> = 15..30;
+/// A patch that reaches farther from its centre is no edge, m.
+const BROAD_M: f64 = 5e-3;
+
+#[derive(Default)]
+struct Survey {
+    angles_deg: Vec<f64>,
+    work_j: f64,
+    coulomb_j: f64,
+    onsets_s: Vec<f64>,
+    overshoots: Vec<f64>,
+    /// With an impact, and without, where: reach, frame, link.
+    jump_n: [f64; 2],
+    jump_at: [usize; 3],
+    deepest_m: BTreeMap<String, f64>,
+    deepest_broad_m: f64,
+}
+
+impl Survey {
+    fn join(mut self, other: Survey) -> Survey {
+        self.angles_deg.extend(other.angles_deg);
+        self.onsets_s.extend(other.onsets_s);
+        self.overshoots.extend(other.overshoots);
+        self.work_j += other.work_j;
+        self.coulomb_j += other.coulomb_j;
+        if other.jump_n[1] > self.jump_n[1] {
+            self.jump_at = other.jump_at;
+        }
+        for (own, other) in self.jump_n.iter_mut().zip(other.jump_n) {
+            *own = own.max(other);
+        }
+        for (category, depth) in other.deepest_m {
+            let deepest = self.deepest_m.entry(category).or_default();
+            *deepest = deepest.max(depth);
+        }
+        self.deepest_broad_m = self.deepest_broad_m.max(other.deepest_broad_m);
+        self
+    }
+
+    fn observe_friction_and_depth(&mut self, simulation: &Simulation) {
+        let objects = &simulation.clutter().objects;
+        for contact in &simulation.report().contacts {
+            let placed = &objects[contact.object].object;
+            let normal = contact.force_world.dot(contact.inward_world);
+            let rubbing = contact.force_world - contact.inward_world * normal;
+            let slip = contact.slip_world;
+            if slip.length() > SLIDING_M_PER_S {
+                self.angles_deg.push(rubbing.angle_between(-slip).to_degrees());
+                let friction =
+                    0.5 * (simulation.arm().friction + simulation.structure(contact.object).surface.friction);
+                self.work_j -= rubbing.dot(slip);
+                self.coulomb_j += friction * normal * slip.length();
+            }
+            let deepest = self.deepest_m.entry(placed.category().name().to_owned()).or_default();
+            *deepest = deepest.max(contact.penetration_m);
+            if contact.radius_m > BROAD_M {
+                self.deepest_broad_m = self.deepest_broad_m.max(contact.penetration_m);
+            }
+        }
+    }
+
+    /// Jumps of the force on each link, and onsets on trunks. `steps_rad`: the largest change of an equilibrium angle into each
+    /// frame.
+    fn observe_course(&mut self, trace: &[Forces], steps_rad: &[f64], is_trunk: impl Fn(usize) -> bool) {
+        let mut touched: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let mut met = None;
+        for (frame, forces) in trace.iter().enumerate() {
+            for pair in forces.keys() {
+                let is_new = touched
+                    .insert(*pair, frame)
+                    .is_none_or(|last| frame - last > IMPACT_FRAMES);
+                if is_new {
+                    met = Some(frame);
+                    if is_trunk(pair.1) && forces.keys().filter(|other| other.0 == pair.0).count() == 1 {
+                        self.observe_onset(trace, frame, *pair);
+                    }
+                }
+            }
+            if steps_rad[frame] > COMMANDED_RAD {
+                met = Some(frame);
+            }
+            let Some(before) = frame.checked_sub(1).map(|before| &trace[before]) else {
+                continue;
+            };
+            let links = forces.keys().chain(before.keys()).map(|pair| pair.0);
+            for link in links {
+                let jump = on_link(forces, link).distance(on_link(before, link));
+                let is_impact = met.is_some_and(|met| frame - met <= IMPACT_FRAMES);
+                let largest = &mut self.jump_n[usize::from(!is_impact)];
+                if jump > *largest {
+                    *largest = jump;
+                    if !is_impact {
+                        self.jump_at = [0, frame + 1, link];
+                    }
+                }
+            }
+        }
+    }
+
+    /// The onset of a link on a trunk that begins at `start`, if both stay in contact and the link touches nothing else.
+    fn observe_onset(&mut self, trace: &[Forces], start: usize, pair: (usize, usize)) {
+        let Some(course) = trace.get(start..start + LEVEL.end) else {
+            return;
+        };
+        let alone = |frame: &Forces| frame.keys().filter(|other| other.0 == pair.0).eq([&pair]);
+        if !course.iter().all(alone) {
+            return;
+        }
+        let force: Vec<f64> = course.iter().map(|frame| frame[&pair].length()).collect();
+        let level = force[LEVEL].iter().sum::<f64>() / LEVEL.len() as f64;
+        if let Some(at) = force.iter().position(|force| *force >= 0.63 * level) {
+            self.onsets_s.push((at + 1) as f64 * 0.01);
+            let peak = force[..15].iter().copied().fold(0.0, f64::max);
+            self.overshoots.push(peak / level);
+        }
+    }
+}
+
+/// Forces of one frame by link and object, N, world frame.
+type Forces = BTreeMap<(usize, usize), DVec3>;
+
+fn forces(report: &FrameReport) -> Forces {
+    let mut forces = Forces::new();
+    for contact in &report.contacts {
+        *forces.entry((contact.link, contact.object)).or_default() += contact.force_world;
+    }
+    forces
+}
+
+fn on_link(forces: &Forces, link: usize) -> DVec3 {
+    forces
+        .iter()
+        .filter(|(pair, _)| pair.0 == link)
+        .map(|(_, force)| *force)
+        .sum()
+}
+
+fn survey(plan: &ReachPlan, reach: u64) -> Survey {
+    let recording = plan.run(reach, &mut |_, _| {}).unwrap();
+    let mut simulation = plan.simulation(reach).unwrap();
+    let mut survey = Survey::default();
+    let (mut trace, mut steps_rad) = (Vec::new(), Vec::new());
+    let mut before = &recording.frames[0].equilibrium_angle_rad;
+    // Frame 0 is the start.
+    for frame in recording.frames.iter().skip(1) {
+        let equilibrium = &frame.equilibrium_angle_rad;
+        let changes = equilibrium.iter().zip(before).map(|(now, before)| (now - before).abs());
+        steps_rad.push(changes.fold(0.0, f64::max));
+        before = equilibrium;
+        trace.push(forces(simulation.step(equilibrium)));
+        survey.observe_friction_and_depth(&simulation);
+    }
+    let objects = &simulation.clutter().objects;
+    survey.observe_course(&trace, &steps_rad, |object| {
+        objects[object].object.category() == Category::TRUNK
+    });
+    survey.jump_at[0] = reach as usize;
+    survey
+}
+
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values
+        .get(((values.len().max(1) - 1) as f64 * share) as usize)
+        .copied()
+        .unwrap_or(f64::NAN)
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [reaches, scenes @ ..] = arguments.as_slice() else {
+        panic!("usage: contacts REACHES SCENE…");
+    };
+    let reaches: u64 = reaches.parse().unwrap();
+    println!(
+        "| scene | reaches | angle / ° | work | onsets | onset / s | overshoot | jump / N: impact, none | deepest / mm | broad |\n\
+         |---|---|---|---|---|---|---|---|---|---|"
+    );
+    for path in scenes {
+        let scene = Scene::load(path).unwrap();
+        let name = scene.name.clone();
+        let plan = ReachPlan::new(scene, None, 0).unwrap();
+        let surveys: Vec<Survey> = (0..reaches).into_par_iter().map(|reach| survey(&plan, reach)).collect();
+        let mut all = surveys.into_iter().fold(Survey::default(), Survey::join);
+        let angles = [0.5, 0.9].map(|share| quantile(&mut all.angles_deg, share));
+        let deepest = all
+            .deepest_m
+            .iter()
+            .map(|(category, depth)| format!("{category} {:.1}", depth * 1e3));
+        println!(
+            "| {name} | {reaches} | {:.2}, {:.2} | {:.4} | {} | {:.3} | {:.2} | {:.1}, {:.1} {:?} | {} | {:.1} |",
+            angles[0],
+            angles[1],
+            all.work_j / all.coulomb_j,
+            all.onsets_s.len(),
+            quantile(&mut all.onsets_s, 0.5),
+            quantile(&mut all.overshoots, 0.5),
+            all.jump_n[0],
+            all.jump_n[1],
+            all.jump_at,
+            deepest.collect::<Vec<_>>().join(", "),
+            all.deepest_broad_m * 1e3,
+        );
+    }
+}
