@@ -1,15 +1,23 @@
-//! Pictures of how objects press on the skin, as SVG: the unrolled forearm under each, and the loading loop of a foam roll.
+//! Pictures of how objects press on the skin, as SVG: the unrolled forearm under each and
+//! its depth, and the loading loop of a foam roll.
 
 use std::fmt::Write;
 
 use crate::drawing::{Axis, Chart, Dash, Layer, Shape, Style, escape, svg_document};
-use underbrush_validation::Portrait;
+use underbrush_validation::{Portrait, Section};
 
 const CELL_PX: f64 = 24.0;
 const MARGIN: f64 = 12.0;
 /// px: a picture of 24 columns is 600 px wide, so that text of 16 px is still 10 px tall on a phone.
 const FONT: f64 = 16.0;
 const LINE: f64 = 24.0;
+/// Scale of the sections, px per metre.
+const SECTION_PX_PER_M: f64 = 8000.0;
+/// Height of a section above and below the skin's surface, px.
+const ABOVE: f64 = 60.0;
+const BELOW: f64 = 40.0;
+/// Thickness of Cody's skin, m.
+const SKIN_M: f64 = 0.003;
 /// Steps of the legend's scale, as shares of the largest force.
 const SHARES: [f64; 5] = [0.0, 0.05, 0.25, 0.5, 1.0];
 
@@ -49,7 +57,14 @@ pub fn skin(portraits: &[Portrait]) -> String {
         &mut body,
         y,
         "normal",
-        "columns around the forearm to the right, rows towards the tip down",
+        "columns around the forearm to the right, rows towards the tip down;",
+    );
+    y += LINE;
+    text(
+        &mut body,
+        y,
+        "normal",
+        "below each, the object in the skin of 3 mm, to scale",
     );
     y += 1.2 * LINE;
     scale(&mut body, y, largest_n);
@@ -57,11 +72,14 @@ pub fn skin(portraits: &[Portrait]) -> String {
     for portrait in portraits {
         let sum_n: f64 = portrait.force_n.iter().sum();
         let pressed = portrait.force_n.iter().filter(|force_n| **force_n > 0.0).count();
-        let words = format!("{}: {sum_n:.2} N on {pressed} taxels", portrait.name);
+        let (name, depth_mm) = (portrait.name, 1e3 * portrait.depth_m);
+        let words = format!("{name}: {sum_n:.2} N on {pressed} taxels, {depth_mm:.2} mm deep");
         text(&mut body, y, "bold", &words);
         y += 1.3 * LINE;
         cells(&mut body, portrait, y, largest_n);
         y += portrait.grid.rows as f64 * CELL_PX + LINE;
+        section(&mut body, portrait, y, width);
+        y += ABOVE + BELOW + LINE;
     }
     svg_document(width, y, FONT, title, &body)
 }
@@ -102,6 +120,40 @@ fn cells(body: &mut String, portrait: &Portrait, top: f64, largest_n: f64) {
             );
         }
     }
+}
+
+/// The object in the undeformed skin, to scale.
+fn section(body: &mut String, portrait: &Portrait, top: f64, width: f64) {
+    let px = |length_m: f64| length_m * SECTION_PX_PER_M;
+    let (surface, middle) = (top + ABOVE, width / 2.0);
+    let lowest = surface + px(portrait.depth_m);
+    let outline = match portrait.section {
+        Section::Disc { radius_m } => format!(
+            "<circle cx=\"{middle:.1}\" cy=\"{:.1}\" r=\"{:.1}\"",
+            lowest - px(radius_m),
+            px(radius_m)
+        ),
+        Section::Bar { along_m, away_m } => format!(
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"",
+            middle - px(along_m) / 2.0,
+            lowest - px(away_m),
+            px(along_m),
+            px(away_m)
+        ),
+    };
+    let _ = writeln!(
+        body,
+        "<svg x=\"0\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{:.1}\" viewBox=\"0 {top:.1} {width:.1} {:.1}\">\
+         <rect x=\"{MARGIN}\" y=\"{surface:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#d9c9a3\"/>\
+         <rect x=\"{MARGIN}\" y=\"{:.1}\" width=\"{:.1}\" height=\"6\" fill=\"#6b7078\"/>\
+         {outline} fill=\"#3f7d4e\" fill-opacity=\"0.6\" stroke=\"#1d4a28\"/></svg>",
+        ABOVE + BELOW,
+        ABOVE + BELOW,
+        width - 2.0 * MARGIN,
+        px(SKIN_M),
+        surface + px(SKIN_M),
+        width - 2.0 * MARGIN
+    );
 }
 
 /// Force over displacement of a foam roll that is pushed and released, from pairs of displacement, m, and force, N.

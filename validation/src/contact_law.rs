@@ -30,6 +30,10 @@ pub const CHECK: Check = Check {
             falsifications: &[LOSSY_SURFACE, STIFF_PUNCH],
         },
         Case {
+            compare: fast_touch,
+            falsifications: &[LOSSY_BODY, STIFF_BODY],
+        },
+        Case {
             compare: along_the_forearm,
             falsifications: &[STIFF_SKIN],
         },
@@ -50,6 +54,16 @@ const STIFF_PUNCH: Falsification = Falsification {
     wrong: "stiffness of the surface under the punch",
     by: "10 % too high",
     breaks: Breaks::Named(&["deepest overlap"]),
+};
+const LOSSY_BODY: Falsification = Falsification {
+    wrong: "loss time of the thrown body's surface",
+    by: "twice as long",
+    breaks: Breaks::Named(&["impulse"]),
+};
+const STIFF_BODY: Falsification = Falsification {
+    wrong: "stiffness of the thrown body's surface",
+    by: "30 % too high",
+    breaks: Breaks::Named(&["deepest overlap", "time until"]),
 };
 const STIFF_SKIN: Falsification = Falsification {
     wrong: "stiffness of the simulated skin",
@@ -243,6 +257,75 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             reason,
         ),
     ])
+}
+
+/// A ball thrown onto a table, and a rod onto a post: the onset, and the impulse of the whole touch.
+fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const MASS_KG: f64 = 0.3;
+    const SPEED_M_PER_S: f64 = 0.3;
+    const LOSS_TIME_S: f64 = 0.002;
+    let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_BODY, 1.0, 1.3);
+    let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_BODY, 1.0, 2.0);
+    let mut comparisons = Vec::new();
+    for body in bodies().into_iter().take(2) {
+        let mut rig = Rig::new(PhysicsOptions {
+            step_s: REBOUND_STEP_S,
+            gravity_m_per_s2: 0.0,
+        });
+        let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
+        let upper = rig.add_free(&FreeBody {
+            part: body.upper.clone(),
+            mass_kg: MASS_KG,
+            surface: soft(stiffness, loss_time_s),
+            pose_world: Pose::from_position(DVec3::Z * body.height_m),
+            velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
+            may_rotate: [false; 3],
+        });
+        let (Some(_), Some(upper)) = (lower, upper) else {
+            return Err(CheckError::Case("a body without volume".into()));
+        };
+        let (mut deepest_m, mut deepest_at_s, mut impulse) = (0.0_f64, 0.0, 0.0);
+        for step in 1..=1000 {
+            rig.step();
+            let depth_m = body.height_m - rig.pose_world(upper).position.z;
+            if depth_m > deepest_m {
+                (deepest_m, deepest_at_s) = (depth_m, f64::from(step) * REBOUND_STEP_S);
+            }
+            impulse += rig.pressing_force_n(upper) * REBOUND_STEP_S;
+        }
+        let exact = foundation::bounce(MASS_KG, STIFFNESS_N_PER_M3, LOSS_TIME_S, body.overlap_m3, SPEED_M_PER_S);
+        let name = body.name;
+        let curvature = body.curvature_per_m * deepest_m / 4.0;
+        let reason = "1 %: the touch of 20 ms takes 200 steps of first order; and d / 4R where the closed form is the first \
+                      term in d / R";
+        comparisons.extend([
+            Comparison::relative(
+                format!("thrown {name}, deepest overlap"),
+                "m",
+                exact.depth_m,
+                deepest_m,
+                0.01 + curvature,
+                reason,
+            ),
+            Comparison::relative(
+                format!("thrown {name}, time until then"),
+                "s",
+                exact.deepest_at_s,
+                deepest_at_s,
+                0.02 + curvature,
+                "2 %: as above, and one step",
+            ),
+            Comparison::relative(
+                format!("thrown {name}, impulse of the touch"),
+                "N s",
+                MASS_KG * (SPEED_M_PER_S + exact.speed_m_per_s),
+                impulse,
+                0.01,
+                reason,
+            ),
+        ]);
+    }
+    Ok(comparisons)
 }
 
 /// A trunk pressed into the skin near the wrist, in the middle and near the elbow.

@@ -39,7 +39,7 @@ mod wrong_parameter;
 pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::Comparison;
 pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
-pub use portrait::{Portrait, portraits, roll_loop};
+pub use portrait::{Portrait, Section, portraits, roll_loop};
 pub use shortfall::{SHORTFALLS, Shortfall};
 pub use wrong_parameter::{Breaks, Falsification};
 

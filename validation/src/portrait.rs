@@ -20,15 +20,40 @@ pub struct Portrait {
     pub grid: Grid,
     /// True normal force on each taxel, N; index = row · columns + column.
     pub force_n: Vec<f64>,
+    /// The object's section in the plane of the forearm's axis and the push.
+    pub section: Section,
+    /// How deep it is in the skin, m.
+    pub depth_m: f64,
+}
+
+/// The section of an object.
+#[derive(Clone, Copy, Debug)]
+pub enum Section {
+    /// A disc.
+    Disc {
+        /// m.
+        radius_m: f64,
+    },
+    /// A rectangle.
+    Bar {
+        /// Length along the skin, m.
+        along_m: f64,
+        /// Length away from it, m.
+        away_m: f64,
+    },
 }
 
 /// Force with which the springs would push the forearm on each object if nothing moved, N.
 const PUSH_N: f64 = 6.0;
 
+const LEAF_WIDTH_M: f64 = 0.04;
+/// Thickness of a leaf's collision shape, m.
+const BLADE_M: f64 = 0.002;
+
 fn leaf() -> Box<dyn Object> {
     Box::new(Leaf {
         height_m: 0.35,
-        width_m: 0.04,
+        width_m: LEAF_WIDTH_M,
         flexural_rigidity_n_m2: 0.04,
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.1,
@@ -48,7 +73,7 @@ fn roll() -> FoamRoll {
     }
 }
 
-/// The skin under the edge of a leaf, a trunk and a foam roll that are pressed with the same equilibrium angles over
+/// The skin under the edge and the flat of a leaf, a trunk and a foam roll that are pressed with the same equilibrium angles over
 /// three seconds, each in the frame with the largest force.
 ///
 /// # Errors
@@ -58,17 +83,25 @@ pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
         diameter_m: 0.03,
         height_m: 0.6,
     });
-    // From the forearm's surface to the object's middle; the leaf rotated by a right angle, its edge to the skin.
-    let cases: [(&'static str, Box<dyn Object>, f64, f64); 3] = [
-        ("leaf, edge", leaf(), 0.021, std::f64::consts::FRAC_PI_2),
-        ("trunk", trunk, 0.017, 0.0),
-        ("foam roll", Box::new(roll()), 0.061, 0.0),
-    ];
-    cases.into_iter().map(portrait).collect()
+    let bar = |along_m, away_m| Section::Bar { along_m, away_m };
+    let disc = |radius_m| Section::Disc { radius_m };
+    // A leaf rotated by a right angle has its edge to the skin.
+    let quarter = std::f64::consts::FRAC_PI_2;
+    Ok(vec![
+        portrait("leaf, edge", leaf(), 0.021, quarter, bar(BLADE_M, LEAF_WIDTH_M))?,
+        portrait("leaf, flat", leaf(), 0.005, 0.0, bar(LEAF_WIDTH_M, BLADE_M))?,
+        portrait("trunk", trunk, 0.017, 0.0, disc(0.015))?,
+        portrait("foam roll", Box::new(roll()), 0.061, 0.0, disc(0.06))?,
+    ])
 }
 
+/// `gap_m` is from the forearm's surface to the object's middle.
 fn portrait(
-    (name, object, gap_m, rotation_rad): (&'static str, Box<dyn Object>, f64, f64),
+    name: &'static str,
+    object: Box<dyn Object>,
+    gap_m: f64,
+    rotation_rad: f64,
+    section: Section,
 ) -> Result<Portrait, CheckError> {
     let arm = Arm::cody()?;
     let beside = Beside {
@@ -82,7 +115,7 @@ fn portrait(
         return Err(CheckError::Case("the forearm has no grid of taxels".into()));
     };
     let push = pressed.pressing_rad(PUSH_N);
-    let mut best = vec![0.0; grid.rows * grid.columns];
+    let (mut best, mut depth_m) = (vec![0.0; grid.rows * grid.columns], 0.0);
     for frame in 1..=300 {
         // Slowly, because the picture shows how the object presses, not an impact.
         let share = f64::from(frame) / 300.0;
@@ -93,6 +126,8 @@ fn portrait(
         }
         if force_n.iter().sum::<f64>() > best.iter().sum() {
             best = force_n;
+            let depths = pressed.report().contacts.iter().map(|contact| contact.penetration_m);
+            depth_m = depths.fold(0.0, f64::max);
         }
     }
     if best.iter().all(|force| *force == 0.0) {
@@ -102,6 +137,8 @@ fn portrait(
         name,
         grid,
         force_n: best,
+        section,
+        depth_m,
     })
 }
 

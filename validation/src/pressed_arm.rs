@@ -32,6 +32,8 @@ pub const LEAF: Leaf = Leaf {
 
 /// Where on the forearm's axis the object is touched unless a check says otherwise, m, link frame: under its skin.
 const PLACE_LINK: DVec3 = DVec3::new(0.0, 0.0, 0.10);
+/// Slower contacts may stick, m/s.
+pub const SLIDING_M_PER_S: f64 = 5e-3;
 /// Radius of the forearm's collision shape, m.
 pub const FOREARM_RADIUS_M: f64 = 0.04604;
 
@@ -204,6 +206,37 @@ impl PressedArm {
         let velocity = DVector::from_vec(self.report().joint_velocity_rad_per_s());
         let velocity = self.arm.position_jacobian(poses, link, point) * velocity;
         DVec3::new(velocity.x, velocity.y, velocity.z)
+    }
+
+    /// The normal force of the forearm's first contact, N, and the one that would balance the joints' springs and dampers, K (φ − q)
+    /// − D q̇ + Jᵀ (n − μ t) N = 0 in least squares, with the friction against the slip t. `None` without a contact that slips.
+    pub fn normal_force_n(&self, equilibrium_rad: &[f64], friction: f64) -> Option<(f64, f64)> {
+        let report = self.report();
+        let contact = report.contacts.iter().rfind(|contact| contact.link == self.forearm)?;
+        let poses = &report.link_pose_world;
+        let slip = self.velocity_world(self.forearm, contact.position_link);
+        let along = slip.reject_from_normalized(contact.inward_world);
+        if along.length() < SLIDING_M_PER_S {
+            return None;
+        }
+        let along = along.normalize();
+        let point = poses[self.forearm].transform_point(contact.position_link);
+        let direction = contact.inward_world - along * friction;
+        let per_newton = self.jacobian(poses, point).transpose() * Vector3::from(direction.to_array());
+        let states = report
+            .joint_angle_rad()
+            .into_iter()
+            .zip(report.joint_velocity_rad_per_s());
+        let torques = self.arm.joints.iter().zip(equilibrium_rad).zip(states);
+        let torque = torques.map(|((joint, rest), (angle, velocity))| {
+            joint.stiffness_nm_per_rad * (rest - angle) - joint.damping_nm_s_per_rad * velocity
+        });
+        let torque = DVector::from_iterator(self.arm.joints.len(), torque);
+        let pressing = report
+            .contacts
+            .iter()
+            .map(|contact| contact.force_world.dot(contact.inward_world));
+        Some((pressing.sum(), -per_newton.dot(&torque) / per_newton.norm_squared()))
     }
 
     /// Sum of the contact forces on the arm, N, world frame.

@@ -49,6 +49,68 @@ pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, pla
     stiffness_n_per_m3 * (depth_m - gap).max(0.0)
 }
 
+/// A body that is thrown onto the layer and rebounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounce {
+    /// Largest depth, m.
+    pub depth_m: f64,
+    /// Time until then, s.
+    pub deepest_at_s: f64,
+    /// Speed afterwards, m/s.
+    pub speed_m_per_s: f64,
+    /// Time for which it touches, s.
+    pub duration_s: f64,
+}
+
+/// The bounce of a mass that meets the layer at `speed_m_per_s`. `volume_m3` is the overlap's volume at a depth, and the layer's
+/// loss is Kelvin-Voigt's with the time τ: a column of overlap h presses with k (h + τ dh/dt), never less than 0. While the
+/// body sinks in, that is k (V(d) + τ V'(d) ḋ). While it rises, only columns with h + τ ḋ > 0 press, and these are the overlap
+/// at the depth d + τ ḋ. Integrated by the classical Runge-Kutta method.
+pub fn bounce(
+    mass_kg: f64,
+    stiffness_n_per_m3: f64,
+    loss_time_s: f64,
+    volume_m3: impl Fn(f64) -> f64,
+    speed_m_per_s: f64,
+) -> Bounce {
+    const STEP_S: f64 = 1e-6;
+    let force_n = |depth: f64, rate: f64| {
+        let (depth, area) = if rate > 0.0 {
+            let small = 1e-9;
+            let area = (volume_m3(depth.max(0.0) + small) - volume_m3(depth.max(0.0))) / small;
+            (depth, area)
+        } else {
+            (depth + loss_time_s * rate, 0.0)
+        };
+        let elastic = if depth > 0.0 { volume_m3(depth) } else { 0.0 };
+        stiffness_n_per_m3 * (elastic + loss_time_s * area * rate.max(0.0))
+    };
+    let slope = |[depth, rate]: [f64; 2]| [rate, -force_n(depth, rate) / mass_kg];
+    let along = |from: [f64; 2], slope: [f64; 2], step: f64| [from[0] + step * slope[0], from[1] + step * slope[1]];
+    let (mut state, mut deepest, mut deepest_at, mut time) = ([0.0, speed_m_per_s], 0.0_f64, 0.0, 0.0);
+    loop {
+        let first = slope(state);
+        let second = slope(along(state, first, STEP_S / 2.0));
+        let third = slope(along(state, second, STEP_S / 2.0));
+        let fourth = slope(along(state, third, STEP_S));
+        for index in 0..2 {
+            state[index] += STEP_S / 6.0 * (first[index] + 2.0 * second[index] + 2.0 * third[index] + fourth[index]);
+        }
+        time += STEP_S;
+        if state[0] > deepest {
+            (deepest, deepest_at) = (state[0], time);
+        }
+        if force_n(state[0], state[1]) <= 0.0 {
+            return Bounce {
+                depth_m: deepest,
+                deepest_at_s: deepest_at,
+                speed_m_per_s: -state[1],
+                duration_s: time,
+            };
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,5 +163,33 @@ mod tests {
             sphere_force_n(stiffness, 0.01, depth),
             crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth)
         );
+    }
+
+    /// Pins the bounce without loss of a ball, ½ m v² = π k R d³ / 3, which returns all of its speed, and of a punch, half a
+    /// period of an oscillator.
+    #[test]
+    fn bounces_without_loss_keep_their_energy() {
+        let (mass, stiffness, radius, speed) = (0.2, 3e7, 0.03, 0.3_f64);
+        let ball = bounce(mass, stiffness, 0.0, |depth| PI * radius * depth * depth, speed);
+        let expected = (1.5 * mass * speed * speed / (PI * stiffness * radius)).cbrt();
+        assert_relative_eq!(ball.depth_m, expected, max_relative = 1e-6);
+        assert_relative_eq!(ball.speed_m_per_s, speed, max_relative = 1e-3);
+        let punch = bounce(mass, stiffness, 0.0, |depth| 4e-4 * depth, speed);
+        assert_relative_eq!(
+            punch.duration_s,
+            PI * (mass / (stiffness * 4e-4)).sqrt(),
+            max_relative = 1e-3
+        );
+    }
+
+    /// Pins the loss of a punch against the damped oscillator's: at the moment at which the force vanishes.
+    #[test]
+    fn a_punch_with_loss_rebounds_as_the_oscillator() {
+        let (mass, stiffness, loss_time) = (0.5, 3e7 * 4e-4, 0.002);
+        let punch = bounce(mass, 3e7, loss_time, |depth| 4e-4 * depth, 0.2);
+        let exact = crate::oscillator::Oscillator::new(mass, stiffness, stiffness * loss_time);
+        let (depth, speed) = exact.rebound(0.2, loss_time);
+        assert_relative_eq!(punch.depth_m, depth, max_relative = 1e-4);
+        assert_relative_eq!(punch.speed_m_per_s, speed, max_relative = 1e-3);
     }
 }

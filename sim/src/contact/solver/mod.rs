@@ -5,11 +5,13 @@
 //!
 //!   M (u − u*) = Σ Jᵀ λ(J u),
 //!
-//! where J gives the speeds of a patch from u, and λ is the impulse of [`super::law`]. For friction limits μ N that are held
-//! fixed this is the minimum of a strictly convex function: the kinetic term and the potentials of the law. Newton's method
-//! with a line search along the convex function finds it from any start. The limits are those of the present iterate, so that
-//! usually the whole converges together; if it does not within `JOINT_ITERATIONS`, the limits are held until the convex
-//! function is minimized, and then renewed, half way. What remains unsolved is reported as the residual.
+//! where J gives the speeds of a patch from u, and λ is the impulse of [`super::law`]. Newton's method solves for normal impulses
+//! and friction together. Friction has the limit μ N, so the derivative is not symmetric, and a step may lead away.
+//!
+//! For limits that are held fixed the equations are those of the minimum of a strictly convex function: the kinetic term and
+//! the potentials of the law. Newton's method with a line search along it finds that minimum from any start. It takes over
+//! where a step of the first kind does not help, and altogether after `JOINT_ITERATIONS`: the limits are then held until the
+//! function is minimized, and renewed, half way. What remains unsolved is reported as the residual.
 
 use nalgebra::Vector3;
 
@@ -18,22 +20,12 @@ use super::law::{Law, NormalSpeeds, Response, SlipSpeeds};
 use super::patch::Node;
 use super::stop::Stop;
 
+mod iteration;
 mod newton_step;
 
 /// Rows of a patch: parting speed and angular velocities about the tangents, then slip and r times the angular velocity
 /// about the normal.
 pub const ROWS: usize = 6;
-
-/// Iterations for normal impulses and friction together.
-const JOINT_ITERATIONS: usize = 20;
-/// A step is accepted there if it leaves at most this part of the squared residual.
-const SUFFICIENT: f64 = 0.5;
-/// Iterations altogether.
-const MAX_ITERATIONS: usize = 200;
-/// The residual at which the iteration ends, relative to the largest generalized impulse.
-const TOLERANCE: f64 = 1e-6;
-/// Below this, N s or N m s, an impulse is rounding.
-const NO_IMPULSE: f64 = 1e-14;
 
 /// The degrees of freedom of one articulated body among all.
 #[derive(Clone, Copy, Debug)]
@@ -213,193 +205,6 @@ impl Solver {
             normal_speeds,
             slip_speeds,
             deflection_m: patch.law.deflection_after(&patch.deflection, &slip_speeds),
-        }
-    }
-
-    /// Finds the velocities at the end of the step.
-    pub fn solve(&mut self) -> Convergence {
-        let size = self.velocity.len();
-        self.residual.resize(size, 0.0);
-        self.impulse.resize(size, 0.0);
-        self.step.resize(size, 0.0);
-        self.shape_matrix();
-        self.read_speeds(false);
-        let mut convergence = self.solve_together();
-        if convergence.residual > TOLERANCE {
-            self.solve_by_limits(&mut convergence);
-        }
-        convergence
-    }
-
-    /// Newton's method for normal impulses and friction together. Where a step does not help, one under held friction limits
-    /// is gone instead, as far as the convex function falls.
-    fn solve_together(&mut self) -> Convergence {
-        let mut convergence = Convergence::default();
-        self.evaluate(false);
-        loop {
-            convergence.residual = self.relative_residual();
-            if convergence.residual <= TOLERANCE || convergence.iterations == JOINT_ITERATIONS {
-                return convergence;
-            }
-            convergence.iterations += 1;
-            let before = self.squared_residual();
-            if self.find_step(true) {
-                self.go(1.0);
-                self.evaluate(false);
-                if self.squared_residual() < SUFFICIENT * before {
-                    continue;
-                }
-                self.go(-1.0);
-                self.evaluate(false);
-            }
-            if !self.find_step(false) {
-                return convergence;
-            }
-            let share = self.line_search();
-            self.go(share);
-            self.evaluate(false);
-        }
-    }
-
-    /// Minimizes the convex function of held friction limits, renews the limits half way, and so on.
-    fn solve_by_limits(&mut self, convergence: &mut Convergence) {
-        loop {
-            self.evaluate(true);
-            let is_last = convergence.iterations == MAX_ITERATIONS;
-            if is_last || self.relative_residual() <= TOLERANCE {
-                // What the held limits hide counts as well.
-                self.hold_limits();
-                self.evaluate(false);
-                convergence.residual = self.relative_residual();
-                if is_last || convergence.residual <= TOLERANCE {
-                    return;
-                }
-                self.move_limits();
-                self.evaluate(true);
-            }
-            convergence.iterations += 1;
-            if !self.find_step(false) {
-                return;
-            }
-            let share = self.line_search();
-            self.go(share);
-        }
-    }
-
-    /// Finds the Newton step. `is_coupled`: for friction limits that follow the normal impulses. Returns whether there is one.
-    fn find_step(&mut self, is_coupled: bool) -> bool {
-        self.assemble(is_coupled);
-        if !self.matrix.factorize() {
-            return false;
-        }
-        for (step, residual) in self.step.iter_mut().zip(&self.residual) {
-            *step = -residual;
-        }
-        self.matrix.solve(&mut self.step);
-        self.read_speeds(true);
-        true
-    }
-
-    /// Goes a share of the Newton step.
-    fn go(&mut self, share: f64) {
-        for (velocity, step) in self.velocity.iter_mut().zip(&self.step) {
-            *velocity += share * step;
-        }
-        for patch in &mut self.patches {
-            for (speed, change) in patch.speeds.iter_mut().zip(&patch.change) {
-                *speed += share * change;
-            }
-        }
-    }
-
-    /// Speeds of the patches at the present velocities, or their change along the Newton step.
-    fn read_speeds(&mut self, along_step: bool) {
-        let velocity = if along_step { &self.step } else { &self.velocity };
-        for patch in &mut self.patches {
-            let mut speeds = [0.0; ROWS];
-            for side in patch.sides.iter().flatten() {
-                let block = self.blocks[side.block];
-                let columns = &self.columns[side.columns..side.columns + block.size];
-                for (column, velocity) in columns.iter().zip(&velocity[block.offset..]) {
-                    for (speed, entry) in speeds.iter_mut().zip(column) {
-                        *speed += entry * velocity;
-                    }
-                }
-            }
-            if along_step {
-                patch.change = speeds;
-            } else {
-                patch.speeds = speeds;
-            }
-        }
-    }
-
-    /// Impulses and the residual M (u − u*) − Σ Jᵀ λ at the present speeds, with friction limits that are held or those of the
-    /// normal impulses.
-    fn evaluate(&mut self, hold_limits: bool) {
-        self.impulse.fill(0.0);
-        for patch in &mut self.patches {
-            let (normal_speeds, slip_speeds) = split(&patch.speeds);
-            let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
-            patch.normal = patch.law.normal(nodes, &normal_speeds);
-            if !hold_limits {
-                patch.limit = patch.law.interface.friction * patch.normal.impulse[0];
-            }
-            patch.friction = patch.law.friction(&patch.deflection, patch.limit, &slip_speeds);
-            let (normal, friction) = (&patch.normal.impulse, &patch.friction.impulse);
-            let impulse = [normal[0], normal[1], normal[2], friction[0], friction[1], friction[2]];
-            for side in patch.sides.iter().flatten() {
-                let block = self.blocks[side.block];
-                let columns = &self.columns[side.columns..side.columns + block.size];
-                for (column, sum) in columns.iter().zip(&mut self.impulse[block.offset..]) {
-                    let parts = column.iter().zip(&impulse).map(|(entry, impulse)| entry * impulse);
-                    *sum += parts.sum::<f64>();
-                }
-            }
-        }
-        for stop in &self.stops {
-            let (impulse, _) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
-            self.impulse[stop.index] += stop.sign * impulse;
-        }
-        for block in &self.blocks {
-            for row in 0..block.size {
-                let mass = &self.mass[block.mass + row * block.size..][..block.size];
-                let range = block.offset..block.offset + block.size;
-                let change = self.velocity[range.clone()].iter().zip(&self.free[range]);
-                let momentum: f64 = mass.iter().zip(change).map(|(mass, (u, free))| mass * (u - free)).sum();
-                self.residual[block.offset + row] = momentum - self.impulse[block.offset + row];
-            }
-        }
-    }
-
-    fn relative_residual(&self) -> f64 {
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-        largest(&self.residual) / largest(&self.impulse).max(NO_IMPULSE / TOLERANCE)
-    }
-
-    /// The sum of the squared residuals, each divided by its velocity's own entry of the mass matrix.
-    fn squared_residual(&self) -> f64 {
-        let residuals = |block: &Block| {
-            self.residual[block.offset..block.offset + block.size]
-                .iter()
-                .enumerate()
-        };
-        let squares = self.blocks.iter().flat_map(|block| {
-            residuals(block).map(|(row, residual)| residual * residual / self.mass[block.mass + row * (block.size + 1)])
-        });
-        squares.sum()
-    }
-
-    fn hold_limits(&mut self) {
-        for patch in &mut self.patches {
-            patch.held = patch.limit;
-        }
-    }
-
-    /// Moves the friction limits half way from those that were held to the present ones.
-    fn move_limits(&mut self) {
-        for patch in &mut self.patches {
-            patch.limit = 0.5 * (patch.held + patch.limit);
         }
     }
 }

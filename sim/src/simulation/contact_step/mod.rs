@@ -5,18 +5,18 @@
 //! [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with positions to match.
 
 use glam::DVec3;
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::bounds::AllBounds;
-use crate::contact::law::{center_of_pressure, in_plane};
 use crate::contact::patch::Node;
 use crate::contact::solver::{Convergence, Solver};
 use crate::contact::surface::Surface;
 use candidate::{Candidate, Detection};
 use copied::{Copied, mass_matrix};
 
+mod apply;
 mod candidate;
 mod copied;
 mod stops;
@@ -265,88 +265,6 @@ impl ContactStep {
                 scratch.solver.add_stop(stop);
             }
         }
-    }
-
-    /// Writes velocities and positions into the engine, and what happened into [`ContactStep::contacts`].
-    fn apply(&mut self, parts: &mut Parts) {
-        let scratch = &mut self.scratch;
-        for body in &scratch.order {
-            let block = scratch.block_of_body[*body];
-            scratch.displacement.clear();
-            scratch
-                .displacement
-                .extend(scratch.solver.change(block).map(|change| change * parts.step_s));
-            if scratch.displacement.iter().all(|part| *part == 0.0) {
-                continue;
-            }
-            let Some(multibody) = parts.joints.get_multibody_mut(scratch.bodies[*body].index) else {
-                continue;
-            };
-            let mut velocities = multibody.generalized_velocity_mut();
-            for (velocity, solved) in velocities.iter_mut().zip(scratch.solver.velocity(block)) {
-                *velocity = *solved;
-            }
-            multibody.apply_displacements(&scratch.displacement);
-            multibody.forward_kinematics(parts.bodies, false);
-            for link in multibody.links().filter(|link| !link.is_root()) {
-                // Unlike `update_rigid_bodies`, this also moves the colliders, from the next step on.
-                parts.bodies[link.rigid_body_handle()].set_position(*link.local_to_world(), false);
-            }
-        }
-        for (patch, candidate) in scratch.candidates.iter().enumerate() {
-            let solved = scratch.solver.solved(patch);
-            let normal_impulse = solved.normal_impulse[0];
-            if normal_impulse <= 0.0 {
-                continue;
-            }
-            let plane = &candidate.plane;
-            let at = center_of_pressure(&solved.normal_impulse);
-            let position_world = plane.origin_world + in_plane(&plane.tangents_world, at.x, at.y);
-            let tangential = |parts: &Vector3<f64>| in_plane(&plane.tangents_world, parts[0], parts[1]);
-            let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
-            let overlaps = nodes.iter().map(|node| {
-                let speeds = &solved.normal_speeds;
-                node.overlap_m - parts.step_s * (speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2])
-            });
-            self.contacts.push(PatchContact {
-                colliders: candidate.colliders,
-                position_body: candidate
-                    .body_poses
-                    .map(|pose| pose.inverse_transform_point(position_world)),
-                normal_world: plane.normal_world,
-                normal_impulse,
-                impulse_world: plane.normal_world * normal_impulse + tangential(&solved.friction_impulse),
-                moment_world: plane.normal_world * (candidate.radius_m * solved.friction_impulse[2]),
-                overlap_m: overlaps.fold(f64::NEG_INFINITY, f64::max),
-                radius_m: nodes.iter().map(|node| node.place.distance(at)).fold(0.0, f64::max),
-                slip_world: tangential(&solved.slip_speeds),
-            });
-        }
-    }
-
-    /// Keeps what the pairs need in the next step.
-    fn keep(&mut self) {
-        let scratch = &mut self.scratch;
-        scratch.kept.clear();
-        for (patch, candidate) in scratch.candidates.iter().enumerate() {
-            let to_body = |vector| candidate.body_poses[1].inverse_transform_vector(vector);
-            let solved = scratch.solver.solved(patch);
-            let deflection = if solved.normal_impulse[0] > 0.0 {
-                solved.deflection_m
-            } else {
-                Vector3::zeros()
-            };
-            scratch.kept.push((
-                key(&candidate.colliders),
-                Kept {
-                    bodies: candidate.bodies,
-                    normal: to_body(candidate.plane.normal_world),
-                    deflection: to_body(in_plane(&candidate.plane.tangents_world, deflection[0], deflection[1])),
-                    deflection_about_normal: deflection[2],
-                },
-            ));
-        }
-        std::mem::swap(&mut self.kept, &mut scratch.kept);
     }
 }
 
