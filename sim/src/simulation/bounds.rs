@@ -1,7 +1,7 @@
 //! Telling shapes that are far apart by boxes around them.
 //!
 //! The engine compares boxes that are parallel to the world's axes. That around a slanted forearm holds most of the leaves
-//! beside it. Boxes that are parallel to the shapes' own axes tell far shapes at a tenth of the cost of finding their distance.
+//! beside it. Boxes that are parallel to the shapes' own axes tell more of them, at a small part of the cost of a distance.
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;

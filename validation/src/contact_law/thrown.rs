@@ -1,0 +1,169 @@
+//! Bodies that are thrown onto a surface: how deep they sink in, when, and how they rebound.
+
+use glam::DVec3;
+use underbrush_oracles::{foundation, oscillator::Oscillator};
+use underbrush_recording::Pose;
+use underbrush_sim::contact::surface::Surface;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
+
+use super::{PUNCH_M, STIFFNESS_N_PER_M3, bodies, cuboid, soft};
+use crate::{Breaks, Case, CheckError, Comparison, Falsification, Simulated};
+
+/// A flat punch.
+pub const REBOUND: Case = Case {
+    compare: rebound,
+    falsifications: &[LOSSY_SURFACE, STIFF_PUNCH],
+};
+
+/// A ball and a rod.
+pub const FAST_TOUCH: Case = Case {
+    compare: fast_touch,
+    falsifications: &[LOSSY_BODY, STIFF_BODY],
+};
+
+const LOSSY_SURFACE: Falsification = Falsification {
+    wrong: "loss time of the simulated surface",
+    by: "twice as long",
+    breaks: Breaks::Every,
+};
+const STIFF_PUNCH: Falsification = Falsification {
+    wrong: "stiffness of the surface under the punch",
+    by: "10 % too high",
+    breaks: Breaks::Named(&["deepest overlap"]),
+};
+const LOSSY_BODY: Falsification = Falsification {
+    wrong: "loss time of the thrown body's surface",
+    by: "twice as long",
+    breaks: Breaks::Named(&["impulse"]),
+};
+const STIFF_BODY: Falsification = Falsification {
+    wrong: "stiffness of the thrown body's surface",
+    by: "30 % too high",
+    breaks: Breaks::Named(&["deepest overlap", "time until"]),
+};
+
+const REBOUND_STEP_S: f64 = 1e-4;
+
+/// A flat punch, which is a linear oscillator while it touches.
+fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const MASS_KG: f64 = 0.5;
+    const SPEED_M_PER_S: f64 = 0.2;
+    const LOSS_TIME_S: f64 = 0.002;
+    let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_PUNCH, 1.0, 1.1);
+    let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_SURFACE, 1.0, 2.0);
+    let mut rig = Rig::new(PhysicsOptions {
+        step_s: REBOUND_STEP_S,
+        gravity_m_per_s2: 0.0,
+    });
+    let table = rig.add_fixed(&cuboid(DVec3::new(1.0, 1.0, 0.1)), Surface::hard(0.4), &Pose::IDENTITY);
+    let punch = rig.add_free(&FreeBody {
+        part: cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04)),
+        mass_kg: MASS_KG,
+        surface: soft(stiffness, loss_time_s),
+        pose_world: Pose::from_position(DVec3::Z * 0.07),
+        velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
+        may_rotate: [false; 3],
+    });
+    let (Some(_), Some(punch)) = (table, punch) else {
+        return Err(CheckError::Case("a body without volume".into()));
+    };
+    let depth_m = |rig: &Rig, punch: BodyId| 0.07 - rig.pose_world(punch).position.z;
+    let mut deepest_m = 0.0_f64;
+    for _ in 0..1000 {
+        rig.step();
+        deepest_m = deepest_m.max(depth_m(&rig, punch));
+    }
+    let spring = STIFFNESS_N_PER_M3 * PUNCH_M * PUNCH_M;
+    let exact = Oscillator::new(MASS_KG, spring, spring * LOSS_TIME_S).under_implicit_euler(REBOUND_STEP_S);
+    let (depth, speed) = exact.rebound(SPEED_M_PER_S, LOSS_TIME_S);
+    let reason =
+        "1 %: the period of the contact, 20 ms, is resolved by 200 steps, whose own damping the closed form includes";
+    Ok(vec![
+        Comparison::relative(
+            "punch that rebounds, deepest overlap",
+            "m",
+            depth,
+            deepest_m,
+            0.01,
+            reason,
+        ),
+        Comparison::relative(
+            "punch that rebounds, speed afterwards",
+            "m/s",
+            speed,
+            rig.velocity_world(punch).z,
+            0.01,
+            reason,
+        ),
+    ])
+}
+
+/// A ball thrown onto a table, and a rod onto a post: the onset, and the impulse of the whole touch.
+fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const MASS_KG: f64 = 0.3;
+    const SPEED_M_PER_S: f64 = 0.3;
+    const LOSS_TIME_S: f64 = 0.002;
+    let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_BODY, 1.0, 1.3);
+    let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_BODY, 1.0, 2.0);
+    let mut comparisons = Vec::new();
+    for body in bodies().into_iter().take(2) {
+        let mut rig = Rig::new(PhysicsOptions {
+            step_s: REBOUND_STEP_S,
+            gravity_m_per_s2: 0.0,
+        });
+        let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
+        let upper = rig.add_free(&FreeBody {
+            part: body.upper.clone(),
+            mass_kg: MASS_KG,
+            surface: soft(stiffness, loss_time_s),
+            pose_world: Pose::from_position(DVec3::Z * body.height_m),
+            velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
+            may_rotate: [false; 3],
+        });
+        let (Some(_), Some(upper)) = (lower, upper) else {
+            return Err(CheckError::Case("a body without volume".into()));
+        };
+        let (mut deepest_m, mut deepest_at_s, mut impulse) = (0.0_f64, 0.0, 0.0);
+        for step in 1..=1000 {
+            rig.step();
+            let depth_m = body.height_m - rig.pose_world(upper).position.z;
+            if depth_m > deepest_m {
+                (deepest_m, deepest_at_s) = (depth_m, f64::from(step) * REBOUND_STEP_S);
+            }
+            impulse += rig.pressing_force_n(upper) * REBOUND_STEP_S;
+        }
+        let exact = foundation::bounce(MASS_KG, STIFFNESS_N_PER_M3, LOSS_TIME_S, body.overlap_m3, SPEED_M_PER_S);
+        let name = body.name;
+        let curvature = body.curvature_per_m * deepest_m / 4.0;
+        let reason = "1 %: the touch of 20 ms takes 200 steps of first order; and d / 4R where the closed form is the first \
+                      term in d / R";
+        comparisons.extend([
+            Comparison::relative(
+                format!("thrown {name}, deepest overlap"),
+                "m",
+                exact.depth_m,
+                deepest_m,
+                0.01 + curvature,
+                reason,
+            ),
+            Comparison::relative(
+                format!("thrown {name}, time until then"),
+                "s",
+                exact.deepest_at_s,
+                deepest_at_s,
+                0.02 + curvature,
+                "2 %: as above, and one step",
+            ),
+            Comparison::relative(
+                format!("thrown {name}, impulse of the touch"),
+                "N s",
+                MASS_KG * (SPEED_M_PER_S + exact.speed_m_per_s),
+                impulse,
+                0.01,
+                reason,
+            ),
+        ]);
+    }
+    Ok(comparisons)
+}
