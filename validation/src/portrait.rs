@@ -46,14 +46,10 @@ pub enum Section {
 /// Force with which the springs would push the forearm on each object if nothing moved, N.
 const PUSH_N: f64 = 6.0;
 
-const LEAF_WIDTH_M: f64 = 0.04;
-/// Thickness of a leaf's collision shape, m.
-const BLADE_M: f64 = 0.002;
-
 fn leaf() -> Box<dyn Object> {
     Box::new(Leaf {
         height_m: 0.35,
-        width_m: LEAF_WIDTH_M,
+        width_m: 0.04,
         flexural_rigidity_n_m2: 0.04,
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.1,
@@ -84,12 +80,13 @@ pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
         height_m: 0.6,
     });
     let bar = |along_m, away_m| Section::Bar { along_m, away_m };
+    let [thickness_m, width_m] = leaf().half_sizes_m().map(|half| 2.0 * half);
     let disc = |radius_m| Section::Disc { radius_m };
     // A leaf rotated by a right angle has its edge to the skin.
     let quarter = std::f64::consts::FRAC_PI_2;
     Ok(vec![
-        portrait("leaf, edge", leaf(), 0.021, quarter, bar(BLADE_M, LEAF_WIDTH_M))?,
-        portrait("leaf, flat", leaf(), 0.005, 0.0, bar(LEAF_WIDTH_M, BLADE_M))?,
+        portrait("leaf, edge", leaf(), 0.021, quarter, bar(thickness_m, width_m))?,
+        portrait("leaf, flat", leaf(), 0.005, 0.0, bar(width_m, thickness_m))?,
         portrait("trunk", trunk, 0.017, 0.0, disc(0.015))?,
         portrait("foam roll", Box::new(roll()), 0.061, 0.0, disc(0.06))?,
     ])

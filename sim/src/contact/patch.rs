@@ -48,7 +48,8 @@ const ALONG_STRIP: [(f64, f64); 3] = [
     (0.774_596_669_241_483, 0.555_555_555_555_556),
 ];
 
-/// The strips from the middle outwards, so that each is a start for the next, and whether one begins again from the middle.
+/// The order of the strips: outwards from the middle, to one side and then to the other. The search in each strip starts from
+/// the strip before it; `true` marks the one that starts from the middle again.
 const OUTWARDS: [(usize, bool); 5] = [(2, false), (1, false), (0, false), (3, true), (4, false)];
 
 /// Half an extent is first guessed as this, m; about that of a trunk under a few newtons.

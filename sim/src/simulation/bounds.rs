@@ -1,7 +1,7 @@
-//! Telling shapes that are far apart by boxes around them.
+//! Ruling out pairs of shapes that are far apart, by boxes around the shapes.
 //!
-//! The engine compares boxes that are parallel to the world's axes. That around a slanted forearm holds most of the leaves
-//! beside it. Boxes that are parallel to the shapes' own axes tell more of them, at a small part of the cost of a distance.
+//! The engine compares boxes that are parallel to the world's axes. The one around a slanted forearm contains most of the
+//! leaves beside it. Boxes that are parallel to the shapes' own axes rule out more of them, at a low cost.
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;

@@ -99,7 +99,7 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// A ball thrown onto a table, and a rod onto a post: the onset, and the impulse of the whole touch.
+/// A ball is thrown onto a table and a rod onto a post. Compares the onset and the impulse of the whole touch.
 fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const MASS_KG: f64 = 0.3;
     const SPEED_M_PER_S: f64 = 0.3;

@@ -83,7 +83,7 @@ impl Faces {
     }
 }
 
-/// The function with the least value times `sign` at a place; infinite if there are none.
+/// The smallest of the functions at a place if `sign` is 1, the largest if it is −1; infinite if there are none.
 fn least(functions: &[Slope], place: DVec2, sign: f64) -> Slope {
     let (mut value, mut gradient) = (f64::INFINITY, DVec2::ZERO);
     for function in functions {

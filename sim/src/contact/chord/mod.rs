@@ -134,6 +134,17 @@ mod tests {
         prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
     }
 
+    /// One of each kind.
+    fn shapes(corners: &[DVec3]) -> [SharedShape; 5] {
+        [
+            SharedShape::ball(0.07),
+            SharedShape::cuboid(0.05, 0.02, 0.09),
+            SharedShape::cylinder(0.06, 0.04),
+            SharedShape::capsule_y(0.06, 0.04),
+            SharedShape::convex_hull(corners).unwrap(),
+        ]
+    }
+
     proptest! {
         /// Pins entry and exit against parry's own ray casts from both sides, for every kind of shape.
         #[test]
@@ -149,14 +160,7 @@ mod tests {
             // The line through `origin`, which is beside the origin of the view.
             let place = -DVec2::new(origin.dot(first), origin.dot(second));
             let start = view.origin + first * place.x + second * place.y;
-            let shapes = [
-                SharedShape::ball(0.07),
-                SharedShape::cuboid(0.05, 0.02, 0.09),
-                SharedShape::cylinder(0.06, 0.04),
-                SharedShape::capsule_y(0.06, 0.04),
-                SharedShape::convex_hull(&corners).unwrap(),
-            ];
-            for shape in shapes {
+            for shape in shapes(&corners) {
                 let far = 1.0;
                 let hit = |from: f64, sign: f64| {
                     let ray = Ray::new(start + direction * from, direction * sign);
@@ -191,14 +195,7 @@ mod tests {
             let view = View { origin: DVec3::ZERO, axes: [first, second, direction] };
             let place = DVec2::from_array(place);
             let step = 1e-7;
-            let shapes = [
-                SharedShape::ball(0.07),
-                SharedShape::cuboid(0.05, 0.02, 0.09),
-                SharedShape::cylinder(0.06, 0.04),
-                SharedShape::capsule_y(0.06, 0.04),
-                SharedShape::convex_hull(&corners).unwrap(),
-            ];
-            for shape in shapes {
+            for shape in shapes(&corners) {
                 let mut faces = Faces::default();
                 let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
                 let here = chords.at(place);

@@ -1,4 +1,5 @@
-//! The iteration: Newton steps for everything together, or for held friction limits, until the residual is small.
+//! The main loop of the solver: Newton steps for normal forces and friction together, or with fixed friction limits, until the
+//! residual is small.
 
 use super::{Block, Convergence, ROWS, Solver, split};
 
@@ -29,8 +30,8 @@ impl Solver {
         convergence
     }
 
-    /// Newton's method for normal impulses and friction together. Where a step does not help, one under held friction limits
-    /// is gone instead, as far as the convex function falls.
+    /// Newton's method for normal impulses and friction together. Where a step does not help, one with
+    /// fixed friction limits is taken instead, as far as the convex function decreases.
     fn solve_together(&mut self) -> Convergence {
         let mut convergence = Convergence::default();
         self.evaluate(false);
@@ -59,7 +60,7 @@ impl Solver {
         }
     }
 
-    /// Minimizes the convex function of held friction limits, renews the limits half way, and so on.
+    /// Minimizes the convex function of fixed friction limits, moves the limits half way to their new values, and repeats.
     fn solve_by_limits(&mut self, convergence: &mut Convergence) {
         loop {
             self.evaluate(true);
@@ -98,7 +99,7 @@ impl Solver {
         true
     }
 
-    /// Goes a share of the Newton step.
+    /// Moves by a share of the Newton step.
     fn go(&mut self, share: f64) {
         for (velocity, step) in self.velocity.iter_mut().zip(&self.step) {
             *velocity += share * step;

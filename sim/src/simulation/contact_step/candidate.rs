@@ -1,4 +1,4 @@
-//! The patches that may press in a step, from the pairs of shapes that are near each other.
+//! Finds the patches that may press in a step, among the pairs of shapes that are near each other.
 
 use glam::{DVec2, DVec3};
 use nalgebra::Vector3;

@@ -10,7 +10,7 @@ use crate::contact::law::NormalSpeeds;
 use crate::contact::patch::Plane;
 use crate::geometry::from_parry;
 
-/// What the engine's step overwrites of an articulated body.
+/// The state of an articulated body that the engine's step overwrites.
 #[derive(Clone)]
 pub(super) struct Copied {
     pub(super) index: MultibodyIndex,

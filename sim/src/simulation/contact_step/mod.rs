@@ -1,7 +1,7 @@
 //! Contacts between the engine's bodies, added to a step that the engine made without any.
 //!
-//! The engine finds which shapes have overlapping boxes, but no contacts between them. Before its step the poses, Jacobians and
-//! velocities of every articulated body are copied. After it, the patches of the shapes that overlap are made from those poses,
+//! The engine finds which bounding boxes overlap, but computes no contacts. Before its step the poses, Jacobians and velocities
+//! of every articulated body are copied. After it, the patches of the shapes that overlap are made from those poses,
 //! [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with positions to match.
 
 use glam::DVec3;
@@ -191,8 +191,8 @@ impl ContactStep {
         Some(&self.kept[at].1)
     }
 
-    /// What another pair of shapes of the same two bodies keeps. A blade between two shapes of
-    /// one link must not be pushed towards one by the other.
+    /// The state that another pair of shapes of the same two bodies keeps. A blade between two shapes of one link must not be
+    /// pushed into one of them by the other.
     fn sibling(&self, bodies: &PairKey) -> Option<&Kept> {
         let mut kept = self.kept.iter().map(|(_, kept)| kept);
         kept.find(|kept| kept.bodies == *bodies)

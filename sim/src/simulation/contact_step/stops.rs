@@ -23,7 +23,7 @@ pub(in crate::simulation) struct JointStop {
 const NEAR_STOP_RAD: f64 = 0.05;
 
 impl JointStop {
-    /// The copied body whose joint this is, if the joint may reach a limit within this step.
+    /// The copied body that has this joint; `None` if the joint cannot reach a limit in this step.
     pub(super) fn body(&self, copies: &[Copied], parts: &Parts) -> Option<usize> {
         let (multibody, link) = parts.joints.get(self.joint)?;
         let angle = multibody.link(link)?.joint.coords()[self.axis];
