@@ -67,6 +67,7 @@ pub mod online;
 pub mod recipe;
 pub mod registry;
 pub mod stream_feature;
+pub mod touch;
 pub mod trial;
 
 pub use document::{Document, FORMAT};

@@ -14,6 +14,7 @@ mod rates;
 mod roc;
 mod stream;
 mod threshold;
+pub mod touch;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};

@@ -65,7 +65,7 @@ pub(super) fn components(image: &PatchImage, grid: Grid) -> Vec<Component> {
     found
 }
 
-fn neighbours(taxel: usize, grid: Grid) -> [Option<usize>; 4] {
+pub(super) fn neighbours(taxel: usize, grid: Grid) -> [Option<usize>; 4] {
     let (row, column) = (taxel / grid.columns, taxel % grid.columns);
     let at = |row: usize, column: usize| row * grid.columns + column;
     [

@@ -127,6 +127,11 @@ impl PatchImage {
         self.touched.get(taxel).copied().unwrap_or(false)
     }
 
+    /// Pose of the patch's link, world frame; the world's before the first frame is read.
+    pub fn pose_world(&self) -> Pose {
+        self.pose_world.unwrap_or_default()
+    }
+
     /// Position of a taxel's centre, m, in the world frame; in the link frame before the first frame is read.
     ///
     /// # Panics

@@ -15,6 +15,7 @@ use underbrush_recording::{Recording, Sample};
 pub use image::PatchImage;
 pub(crate) use region::Regions;
 pub use tracking::component_trials;
+pub(crate) use tracking::neighbours_of_patch;
 pub(crate) use travel::Travel;
 pub use trial_list::ContactTrial;
 

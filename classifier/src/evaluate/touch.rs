@@ -1,0 +1,340 @@
+//! Verdicts on what touches the skin, compared with ground truth taxel by taxel and frame by frame.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+use underbrush_recording::{Category, Recording};
+
+use crate::touch::{RegionTouch, TaxelTouch, Touch, TouchClassifier, TouchModel};
+use crate::trial::TrialError;
+
+/// A tenth of a second.
+const TENTH_SECOND_SAMPLES: usize = 10;
+/// Bins of the probability of the likeliest class.
+pub const CALIBRATION_BINS: usize = 20;
+
+/// Verdicts on the taxel frames of one truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct TouchTally {
+    /// The verdict is the truth.
+    pub right: usize,
+    /// The verdict is another category, unknown for a known category, or nothing for a touch.
+    pub wrong: usize,
+    /// Not sure yet.
+    pub uncertain: usize,
+    /// Of the wrong ones: called nothing.
+    pub nothing: usize,
+    /// Of all: called unknown.
+    pub unknown: usize,
+}
+
+impl TouchTally {
+    /// All verdicts.
+    pub fn total(&self) -> usize {
+        self.right + self.wrong + self.uncertain
+    }
+
+    fn count(&mut self, touch: Touch, truth: Touch) {
+        self.nothing += usize::from(touch == Touch::Nothing && truth != Touch::Nothing);
+        self.unknown += usize::from(touch == Touch::Unknown);
+        match touch {
+            Touch::Uncertain => self.uncertain += 1,
+            touch if touch == truth => self.right += 1,
+            _ => self.wrong += 1,
+        }
+    }
+
+    /// The sum of two.
+    pub fn plus(&self, other: &TouchTally) -> TouchTally {
+        TouchTally {
+            right: self.right + other.right,
+            wrong: self.wrong + other.wrong,
+            uncertain: self.uncertain + other.uncertain,
+            nothing: self.nothing + other.nothing,
+            unknown: self.unknown + other.unknown,
+        }
+    }
+}
+
+/// A contact of a taxel that something of a known category truly touched.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct JudgedContact {
+    /// Index of the true category.
+    pub category: usize,
+    /// Number of samples.
+    pub samples: usize,
+    /// The likeliest category at its end.
+    pub at_end: usize,
+    /// The likeliest category after ten samples, or at its end if it is shorter.
+    pub after_tenth_second: usize,
+    /// Samples until the first right verdict; `None` if there was none.
+    pub samples_until_right: Option<usize>,
+}
+
+/// How often the likeliest class was true, for probabilities in one bin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CalibrationBin {
+    /// Taxel frames.
+    pub count: usize,
+    /// Sum of the probabilities of the likeliest class.
+    pub probability: f64,
+    /// How often that class was the truth.
+    pub true_count: usize,
+}
+
+/// Distance of a touched region from the usual contacts, in one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TouchDistance {
+    /// The distance.
+    pub distance: f64,
+    /// Number of its taxels that something presses on.
+    pub taxels: usize,
+    /// Category code of what touches it.
+    pub category: i8,
+}
+
+/// All verdicts on some recordings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TouchEvaluation {
+    /// Taxel frames by truth: nothing, the model's categories, then everything else.
+    pub tallies: Vec<TouchTally>,
+    /// Contacts of taxels with known categories.
+    pub contacts: Vec<JudgedContact>,
+    /// Calibration over taxel frames whose truth is nothing or a known category.
+    pub calibration: [CalibrationBin; CALIBRATION_BINS],
+    /// Sum of the squared errors of all probabilities over those taxel frames (Brier 1950).
+    pub squared_error: f64,
+    /// One for each touched region and frame.
+    pub distances: Vec<TouchDistance>,
+}
+
+impl TouchEvaluation {
+    /// Judges a recording frame by frame.
+    ///
+    /// # Errors
+    /// [`TrialError`] if patch or a frame do not fit.
+    pub fn of(model: &Arc<TouchModel>, recording: &Recording) -> Result<Self, TrialError> {
+        let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
+        let mut evaluation = TouchEvaluation {
+            tallies: vec![TouchTally::default(); model.categories().len() + 2],
+            ..TouchEvaluation::default()
+        };
+        let taxels = classifier.tracker().image().patch().taxels.len();
+        let mut open: Vec<Option<OpenContact>> = vec![None; taxels];
+        for frame in &recording.frames {
+            classifier.update(frame)?;
+            for (taxel, contact) in open.iter_mut().enumerate() {
+                if !classifier.tracker().image().is_in_contact(taxel) {
+                    evaluation
+                        .contacts
+                        .extend(contact.take().and_then(|contact| contact.close()));
+                }
+            }
+            for (index, region) in classifier.regions().iter().enumerate() {
+                evaluation.measure(&classifier, index, region, recording);
+            }
+            for taxel in classifier.taxels() {
+                evaluation.judge(&classifier, taxel, &mut open[taxel.taxel], recording);
+            }
+        }
+        let rest = open.into_iter().flatten().filter_map(OpenContact::close);
+        evaluation.contacts.extend(rest);
+        Ok(evaluation)
+    }
+
+    fn judge(
+        &mut self,
+        classifier: &TouchClassifier,
+        taxel: &TaxelTouch,
+        open: &mut Option<OpenContact>,
+        recording: &Recording,
+    ) {
+        let categories = classifier.model().categories();
+        let touching = touching(classifier, taxel.taxel, recording);
+        let truth = match touching {
+            None => Touch::Nothing,
+            Some(category) => known(categories, category).map_or(Touch::Unknown, Touch::Category),
+        };
+        let row = match truth {
+            Touch::Nothing => 0,
+            Touch::Category(index) => index + 1,
+            Touch::Uncertain | Touch::Unknown => categories.len() + 1,
+        };
+        self.tallies[row].count(taxel.touch, truth);
+        let probabilities = classifier.probabilities(taxel.region);
+        self.calibrate(taxel.nothing, probabilities, truth);
+        let contact = open.get_or_insert_with(|| OpenContact::new(categories.len()));
+        contact.push(taxel, probabilities, truth);
+    }
+
+    fn calibrate(&mut self, nothing: f64, probabilities: &[f64], truth: Touch) {
+        let class = match truth {
+            Touch::Nothing => 0,
+            Touch::Category(index) => index + 1,
+            Touch::Uncertain | Touch::Unknown => return,
+        };
+        let (mut likeliest, mut largest) = (0, nothing);
+        let joint =
+            std::iter::once(nothing).chain(probabilities.iter().map(|probability| (1.0 - nothing) * probability));
+        for (index, probability) in joint.enumerate() {
+            if probability > largest {
+                (likeliest, largest) = (index, probability);
+            }
+            self.squared_error += (probability - f64::from(u8::from(index == class))).powi(2);
+        }
+        let bin = ((largest * CALIBRATION_BINS as f64) as usize).min(CALIBRATION_BINS - 1);
+        let bin = &mut self.calibration[bin];
+        bin.count += 1;
+        bin.probability += largest;
+        bin.true_count += usize::from(likeliest == class);
+    }
+
+    /// Keeps the distance of a region that something touches.
+    fn measure(&mut self, classifier: &TouchClassifier, index: usize, region: &RegionTouch, recording: &Recording) {
+        let tracker = classifier.tracker();
+        let own = &tracker.regions()[index];
+        let forces = tracker.taxels(own).iter().filter_map(|&taxel| {
+            let category = touching(classifier, taxel, recording)?;
+            Some((tracker.image().sensed_force_n(taxel), category))
+        });
+        let touched = forces.clone().count();
+        let strongest = forces.reduce(|most, other| if other.0 > most.0 { other } else { most });
+        if let Some((_, category)) = strongest {
+            debug_assert_eq!(own.contact, region.contact);
+            self.distances.push(TouchDistance {
+                distance: classifier.model().distance(&own.course),
+                taxels: touched,
+                category: category.code(),
+            });
+        }
+    }
+
+    /// Adds the verdicts on other recordings by a model with the same categories.
+    pub fn add(&mut self, other: TouchEvaluation) {
+        if self.tallies.is_empty() {
+            self.tallies = vec![TouchTally::default(); other.tallies.len()];
+        }
+        for (own, other) in self.tallies.iter_mut().zip(&other.tallies) {
+            *own = own.plus(other);
+        }
+        self.contacts.extend(other.contacts);
+        for (own, other) in self.calibration.iter_mut().zip(&other.calibration) {
+            own.count += other.count;
+            own.probability += other.probability;
+            own.true_count += other.true_count;
+        }
+        self.squared_error += other.squared_error;
+        self.distances.extend(other.distances);
+    }
+
+    /// Taxel frames of known categories.
+    pub fn known(&self) -> TouchTally {
+        let known = self
+            .tallies
+            .get(1..self.tallies.len().saturating_sub(1))
+            .unwrap_or_default();
+        known.iter().fold(TouchTally::default(), |sum, tally| sum.plus(tally))
+    }
+
+    /// Mean over the true categories of the share of contacts for which the likeliest category is right; `None` unless every
+    /// category has a contact.
+    pub fn balanced_accuracy(&self, categories: usize, likeliest: impl Fn(&JudgedContact) -> usize) -> Option<f64> {
+        let share = |category: usize| {
+            let own = self.contacts.iter().filter(|contact| contact.category == category);
+            let (right, count) = own.fold((0, 0), |(right, count), contact| {
+                (right + usize::from(likeliest(contact) == category), count + 1)
+            });
+            (count > 0).then(|| right as f64 / count as f64)
+        };
+        let shares: Option<Vec<f64>> = (0..categories).map(share).collect();
+        shares
+            .filter(|shares| !shares.is_empty())
+            .map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
+    }
+
+    /// Mean difference of probability and frequency of the likeliest class, weighted by the counts of the bins (Naeini et al.
+    /// 2015); `None` without any taxel frame.
+    pub fn expected_calibration_error(&self) -> Option<f64> {
+        let count: usize = self.calibration.iter().map(|bin| bin.count).sum();
+        let difference = |bin: &CalibrationBin| (bin.probability - bin.true_count as f64).abs();
+        (count > 0).then(|| self.calibration.iter().map(difference).sum::<f64>() / count as f64)
+    }
+
+    /// Mean squared error of the probabilities; `None` without any taxel frame.
+    pub fn brier_score(&self) -> Option<f64> {
+        let count: usize = self.calibration.iter().map(|bin| bin.count).sum();
+        (count > 0).then(|| self.squared_error / count as f64)
+    }
+}
+
+/// The category of the object that presses hardest on a taxel, by ground truth; `None` if nothing does.
+fn touching(classifier: &TouchClassifier, taxel: usize, recording: &Recording) -> Option<Category> {
+    let image = classifier.tracker().image();
+    let object = image.object(taxel).filter(|_| image.is_touched(taxel))?;
+    Some(recording.objects.get(usize::from(object))?.category)
+}
+
+fn known(categories: &[String], category: Category) -> Option<usize> {
+    categories.iter().position(|own| own == category.name())
+}
+
+/// A contact of a taxel that has not ended.
+#[derive(Clone, Debug)]
+struct OpenContact {
+    samples: usize,
+    /// Touched samples of each known category, and of others.
+    votes: Vec<usize>,
+    /// Sums of the log-probabilities of the categories, weighted by the probability of a touch.
+    evidence: Vec<f64>,
+    likeliest: usize,
+    after_tenth_second: usize,
+    /// Samples until the first verdict of each category.
+    first_verdicts: Vec<Option<usize>>,
+}
+
+impl OpenContact {
+    fn new(categories: usize) -> Self {
+        OpenContact {
+            samples: 0,
+            votes: vec![0; categories + 1],
+            evidence: vec![0.0; categories],
+            likeliest: 0,
+            after_tenth_second: 0,
+            first_verdicts: vec![None; categories],
+        }
+    }
+
+    fn push(&mut self, taxel: &TaxelTouch, probabilities: &[f64], truth: Touch) {
+        self.samples = taxel.samples;
+        match truth {
+            Touch::Category(index) => self.votes[index] += 1,
+            Touch::Unknown | Touch::Uncertain => *self.votes.last_mut().unwrap_or(&mut 0) += 1,
+            Touch::Nothing => {}
+        }
+        for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
+            *sum += (1.0 - taxel.nothing) * probability.max(1e-6).ln();
+        }
+        let best = self.evidence.iter().copied().enumerate();
+        let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
+        self.likeliest = best.map_or(0, |(index, _)| index);
+        if self.samples <= TENTH_SECOND_SAMPLES {
+            self.after_tenth_second = self.likeliest;
+        }
+        if let Touch::Category(index) = taxel.touch {
+            self.first_verdicts[index].get_or_insert(self.samples);
+        }
+    }
+
+    /// The contact, if a known category touched the taxel in most of the samples in which anything did.
+    fn close(self) -> Option<JudgedContact> {
+        let most = self.votes.iter().max().copied().filter(|most| *most > 0)?;
+        let category = self.votes.iter().position(|votes| *votes == most)?;
+        (category < self.first_verdicts.len()).then(|| JudgedContact {
+            category,
+            samples: self.samples,
+            at_end: self.likeliest,
+            after_tenth_second: self.after_tenth_second,
+            samples_until_right: self.first_verdicts[category],
+        })
+    }
+}

@@ -1,0 +1,277 @@
+//! What a contact region has felt since its contact began.
+
+use glam::DVec3;
+
+/// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Measure {
+    /// Number of taxels.
+    pub taxels: f64,
+    /// Sum of the sensed forces, N.
+    pub force_n: f64,
+    /// The largest of them, N.
+    pub largest_force_n: f64,
+    /// How far the skin moved along its outward normal since the last frame, m: what it touches must have given way by that.
+    pub press_m: f64,
+    /// How far the skin moved sideways since the last frame, m.
+    pub slide_m: f64,
+    /// Standard deviation of the places of the forces, m.
+    pub extent_m: f64,
+    /// Centre of the forces, link frame, m.
+    pub center_link: DVec3,
+    /// Centre of the forces, world frame, m.
+    pub center_world: DVec3,
+}
+
+/// Names of the features of a region, in order.
+pub const REGION_FEATURES: [&str; 30] = [
+    "samples",
+    "force",
+    "largest force so far",
+    "mean force",
+    "first force",
+    "taxel force",
+    "largest taxel force so far",
+    "taxels",
+    "most taxels so far",
+    "extent",
+    "press",
+    "largest press so far",
+    "path of press",
+    "path of slide",
+    "path on the skin",
+    "distance on the skin",
+    "distance in the world",
+    "stiffness at the largest force",
+    "slope of force over press",
+    "correlation of force and press",
+    "recent slope of force over press",
+    "slope of force over time",
+    "recent roughness",
+    "largest step of force",
+    "force over largest force",
+    "work",
+    "variation of force",
+    "speed of press at first",
+    "rise of force at first",
+    "share of the strongest taxel",
+];
+
+/// Number of features of a region.
+pub const REGION_FEATURE_COUNT: usize = REGION_FEATURES.len();
+
+/// Number of features that describe a contact: see [`Course::description`].
+pub const DESCRIPTION_COUNT: usize = 5;
+
+/// Values well below a knee are unchanged, up to a factor; values above it are compressed logarithmically. Choices: a contact
+/// force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
+const FORCE_KNEE_N: f64 = 0.1;
+const MOTION_KNEE_M: f64 = 5e-4;
+const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
+const RATE_KNEE_N_PER_S: f64 = 1.0;
+const SPEED_KNEE_M_PER_S: f64 = 0.01;
+const WORK_KNEE_J: f64 = 1e-4;
+/// Averages of the recent past forget with this time, s; a tenth of a second is the time in which a verdict is wanted.
+const RECENT_S: f64 = 0.1;
+/// What describes a contact is a mean that forgets with this time, s. Choice: from 0.3 to 5 s outliers are found equally well.
+const DESCRIBED_S: f64 = 1.0;
+/// How many samples count as the beginning.
+const FIRST_SAMPLES: f64 = 5.0;
+
+/// Running statistics of a contact region.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Course {
+    count: f64,
+    start_s: f64,
+    last_s: f64,
+    elapsed_s: f64,
+    now: Measure,
+    first_force_n: f64,
+    largest_force_n: f64,
+    largest_taxel_force_n: f64,
+    most_taxels: f64,
+    press_at_largest_m: f64,
+    press_m: f64,
+    largest_press_m: f64,
+    press_path_m: f64,
+    slide_path_m: f64,
+    skin_path_m: f64,
+    first_link: DVec3,
+    first_world: DVec3,
+    work_j: f64,
+    largest_step_n: f64,
+    variation_n: f64,
+    roughness: f64,
+    first_press_m: f64,
+    first_rise_n: f64,
+    first_s: f64,
+    /// Means and sums of squared deviations or of their products: force, press, time.
+    mean: [f64; 3],
+    force_squares: f64,
+    press_squares: f64,
+    time_squares: f64,
+    force_press: f64,
+    force_time: f64,
+    /// Means of force, taxel force, taxels and extent in the last second, as features, weighted by force; and the sum of the
+    /// weights.
+    described: [f64; 4],
+    described_weight_n: f64,
+    /// The same of the steps in the recent past.
+    recent_press_squares: f64,
+    recent_force_press: f64,
+}
+
+impl Course {
+    /// Number of samples since the contact began.
+    pub fn samples(&self) -> usize {
+        self.count as usize
+    }
+
+    /// The last sample.
+    pub fn now(&self) -> &Measure {
+        &self.now
+    }
+
+    /// Length of all motion of the skin at the contact so far, m.
+    pub fn way_m(&self) -> f64 {
+        self.press_path_m + self.slide_path_m
+    }
+
+    /// How much the force changed from sample to sample in the recent past, as a share of it.
+    pub(super) fn roughness(&self) -> f64 {
+        self.roughness
+    }
+
+    pub(super) fn push(&mut self, measure: &Measure, time_s: f64) {
+        self.count += 1.0;
+        let force_n = measure.force_n;
+        let since_last_s = if self.count == 1.0 {
+            0.0
+        } else {
+            (time_s - self.last_s).max(0.0)
+        };
+        if self.count == 1.0 {
+            self.start_s = time_s;
+            self.first_force_n = force_n;
+            self.first_link = measure.center_link;
+            self.first_world = measure.center_world;
+        } else {
+            let step_n = force_n - self.now.force_n;
+            self.press_m += measure.press_m;
+            self.press_path_m += measure.press_m.abs();
+            self.slide_path_m += measure.slide_m;
+            self.skin_path_m += measure.center_link.distance(self.now.center_link);
+            self.work_j += 0.5 * (force_n + self.now.force_n) * measure.press_m;
+            self.largest_step_n = self.largest_step_n.max(step_n.abs());
+            self.variation_n += step_n.abs();
+            let kept = (-since_last_s / RECENT_S).exp();
+            self.roughness = kept * self.roughness + (1.0 - kept) * step_n.abs() / (force_n + FORCE_KNEE_N);
+            self.recent_press_squares = kept * self.recent_press_squares + measure.press_m * measure.press_m;
+            self.recent_force_press = kept * self.recent_force_press + measure.press_m * step_n;
+        }
+        self.last_s = time_s;
+        self.elapsed_s = time_s - self.start_s;
+        if force_n > self.largest_force_n {
+            self.largest_force_n = force_n;
+            self.press_at_largest_m = self.press_m;
+        }
+        self.largest_taxel_force_n = self.largest_taxel_force_n.max(measure.largest_force_n);
+        self.most_taxels = self.most_taxels.max(measure.taxels);
+        self.largest_press_m = self.largest_press_m.max(self.press_m);
+        if self.count <= FIRST_SAMPLES {
+            self.first_press_m = self.press_m;
+            self.first_rise_n = force_n - self.first_force_n;
+            self.first_s = self.elapsed_s;
+        }
+        let values = [force_n, self.press_m, self.elapsed_s];
+        let deviations = [0, 1, 2].map(|index| values[index] - self.mean[index]);
+        for (mean, deviation) in self.mean.iter_mut().zip(deviations) {
+            *mean += deviation / self.count;
+        }
+        self.force_squares += deviations[0] * (values[0] - self.mean[0]);
+        self.press_squares += deviations[1] * (values[1] - self.mean[1]);
+        self.time_squares += deviations[2] * (values[2] - self.mean[2]);
+        self.force_press += deviations[1] * (values[0] - self.mean[0]);
+        self.force_time += deviations[2] * (values[0] - self.mean[0]);
+        self.now = *measure;
+        self.describe((-since_last_s / DESCRIBED_S).exp());
+    }
+
+    fn describe(&mut self, kept: f64) {
+        let Measure {
+            force_n,
+            largest_force_n,
+            taxels,
+            extent_m,
+            ..
+        } = self.now;
+        let now = [
+            compress(force_n, FORCE_KNEE_N),
+            compress(largest_force_n, FORCE_KNEE_N),
+            taxels.ln_1p(),
+            compress(extent_m, MOTION_KNEE_M),
+        ];
+        self.described_weight_n = kept * self.described_weight_n + force_n;
+        let share = force_n / self.described_weight_n.max(f64::MIN_POSITIVE);
+        for (mean, now) in self.described.iter_mut().zip(now) {
+            *mean += share * (now - *mean);
+        }
+    }
+
+    /// What describes the contact regardless of how it was brought about: how strong it is, altogether and at its strongest taxel,
+    /// how many taxels it covers and how far it is spread out, in the last second; and how far its object gave way so far.
+    pub fn description(&self) -> [f64; DESCRIPTION_COUNT] {
+        let [force, taxel_force, taxels, extent] = self.described;
+        let press = compress(self.largest_press_m, MOTION_KNEE_M);
+        [force, taxel_force, taxels, extent, press]
+    }
+
+    /// The features of the contact so far, in the order of [`REGION_FEATURES`].
+    pub fn features(&self) -> [f64; REGION_FEATURE_COUNT] {
+        let force = |newtons: f64| compress(newtons, FORCE_KNEE_N);
+        let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
+        let stiffness = |slope: f64| compress(slope, STIFFNESS_KNEE_N_PER_M);
+        let square = MOTION_KNEE_M * MOTION_KNEE_M;
+        let per_time = |value: f64, time_s: f64| if time_s > 0.0 { value / time_s } else { 0.0 };
+        let deviation_n = (self.force_squares.max(0.0) / self.count.max(1.0)).sqrt();
+        let correlation = self.force_press
+            / (self.force_squares.max(1e-6) * (self.press_squares + self.count * 1e-2 * square)).sqrt();
+        [
+            self.count.ln_1p(),
+            force(self.now.force_n),
+            force(self.largest_force_n),
+            force(self.mean[0]),
+            force(self.first_force_n),
+            force(self.now.largest_force_n),
+            force(self.largest_taxel_force_n),
+            self.now.taxels.ln_1p(),
+            self.most_taxels.ln_1p(),
+            motion(self.now.extent_m),
+            motion(self.press_m),
+            motion(self.largest_press_m),
+            motion(self.press_path_m),
+            motion(self.slide_path_m),
+            motion(self.skin_path_m),
+            motion(self.now.center_link.distance(self.first_link)),
+            motion(self.now.center_world.distance(self.first_world)),
+            stiffness(self.largest_force_n / (self.press_at_largest_m.max(0.0) + MOTION_KNEE_M)),
+            stiffness(self.force_press / (self.press_squares + self.count * square)),
+            correlation,
+            stiffness(self.recent_force_press / (self.recent_press_squares + square)),
+            compress(per_time(self.force_time, self.time_squares), RATE_KNEE_N_PER_S),
+            self.roughness,
+            force(self.largest_step_n),
+            self.now.force_n / self.largest_force_n.max(f64::MIN_POSITIVE),
+            compress(self.work_j, WORK_KNEE_J),
+            force(deviation_n),
+            compress(per_time(self.first_press_m, self.first_s), SPEED_KNEE_M_PER_S),
+            compress(per_time(self.first_rise_n, self.first_s), RATE_KNEE_N_PER_S),
+            self.now.largest_force_n / self.now.force_n.max(f64::MIN_POSITIVE),
+        ]
+    }
+}
+
+/// sign(x) ln(1 + |x| / knee).
+pub(super) fn compress(value: f64, knee: f64) -> f64 {
+    value.signum() * (value.abs() / knee).ln_1p()
+}

@@ -1,0 +1,73 @@
+//! From probabilities to a verdict.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Limits;
+
+use crate::error::{Fault, check_limits};
+
+/// Costs of verdicts, relative to that of a wrong one, and two limits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TouchDecision {
+    /// A reading is called nothing if the probability that nothing presses on the taxel is above this.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub nothing_above: f64,
+    /// A contact is called unknown if at most this share of contacts with known categories is as unusual. It is the share of
+    /// false alarms.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub unknown_share: f64,
+    /// What it costs not to decide, relative to a wrong category. A category is called if its probability is above 1 minus this.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub cost_of_uncertain: f64,
+}
+
+/// Shares and probabilities.
+const SHARE: Limits = Limits::new(0.0, 1.0, "");
+
+impl Default for TouchDecision {
+    /// Choices: one false alarm in a hundred, and a wrong category is ten times as bad as none. `nothing_above` is chosen in
+    /// training.
+    fn default() -> Self {
+        TouchDecision {
+            nothing_above: 0.5,
+            unknown_share: 0.01,
+            cost_of_uncertain: 0.1,
+        }
+    }
+}
+
+/// What touches a taxel or a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touch {
+    /// Nothing: a spurious reading.
+    Nothing,
+    /// The known category of this index.
+    Category(usize),
+    /// One of the known categories, but which one is not sure yet.
+    Uncertain,
+    /// Something unlike all known categories.
+    Unknown,
+}
+
+impl TouchDecision {
+    /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known contacts
+    /// that are as unusual.
+    pub fn of_region(&self, probabilities: &[f64], share_beyond: f64) -> Touch {
+        if share_beyond <= self.unknown_share {
+            return Touch::Unknown;
+        }
+        let best = probabilities.iter().copied().enumerate();
+        let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
+        match best {
+            Some((index, probability)) if probability > 1.0 - self.cost_of_uncertain => Touch::Category(index),
+            _ => Touch::Uncertain,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), Fault> {
+        check_limits("nothing_above", self.nothing_above, SHARE)?;
+        check_limits("unknown_share", self.unknown_share, SHARE)?;
+        check_limits("cost_of_uncertain", self.cost_of_uncertain, SHARE)
+    }
+}

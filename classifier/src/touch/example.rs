@@ -1,0 +1,102 @@
+//! Training rows from recordings with ground truth.
+
+use std::collections::BTreeMap;
+
+use underbrush_recording::Recording;
+
+use super::course::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT};
+use super::frame::SkinTracker;
+use super::options::TouchOptions;
+use super::region::Region;
+use super::taxel::TAXEL_FEATURE_COUNT;
+use crate::estimator::is_trained;
+use crate::trial::TrialError;
+
+/// Contacts are used after these numbers of samples, so that verdicts are learned for the beginning of a contact, too.
+const EARLY_SAMPLES: [usize; 6] = [1, 2, 3, 5, 10, 20];
+/// Apart from that, one frame of so many is used.
+const EVERY: usize = 10;
+
+/// A taxel in contact in one frame.
+#[derive(Clone, Debug)]
+pub(super) struct TaxelExample {
+    pub(super) features: [f64; TAXEL_FEATURE_COUNT],
+    /// Whether an object presses on it.
+    pub(super) is_touched: bool,
+    /// Whether the frame is one that is used anyway, so that these rows are a fair sample of all frames.
+    pub(super) is_regular: bool,
+}
+
+/// A touched region in one frame.
+#[derive(Clone, Debug)]
+pub(super) struct RegionExample {
+    pub(super) features: [f64; REGION_FEATURE_COUNT],
+    pub(super) description: [f64; DESCRIPTION_COUNT],
+    pub(super) category: String,
+    /// Number of its taxels that an object presses on.
+    pub(super) touched: usize,
+    pub(super) is_regular: bool,
+}
+
+/// The rows of one recording.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Examples {
+    pub(super) taxels: Vec<TaxelExample>,
+    pub(super) regions: Vec<RegionExample>,
+}
+
+impl Examples {
+    /// The rows of a recording. Contacts with categories that are not trained count as touched, and have no region rows.
+    pub(super) fn of(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
+        let mut tracker = SkinTracker::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
+        let mut examples = Examples::default();
+        for (index, frame) in recording.frames.iter().enumerate() {
+            tracker.update(frame)?;
+            for region in tracker.regions() {
+                let is_regular = index % EVERY == 0;
+                let samples = region.course.samples();
+                if (is_regular || EARLY_SAMPLES.contains(&samples))
+                    && let Some(category) = truth(&tracker, region, recording)
+                    && is_trained(&category)
+                {
+                    let taxels = tracker.taxels(region).iter();
+                    examples.regions.push(RegionExample {
+                        features: region.course.features(),
+                        description: region.course.description(),
+                        category,
+                        touched: taxels.filter(|taxel| tracker.image().is_touched(**taxel)).count(),
+                        is_regular,
+                    });
+                }
+                for &taxel in tracker.taxels(region) {
+                    if (is_regular || EARLY_SAMPLES.contains(&tracker.samples(taxel)))
+                        && let Some(features) = tracker.taxel_features(taxel, region)
+                    {
+                        examples.taxels.push(TaxelExample {
+                            features,
+                            is_touched: tracker.image().is_touched(taxel),
+                            is_regular,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(examples)
+    }
+}
+
+/// The category of the object that presses on most of a region's force, by ground truth; `None` if nothing does.
+pub(super) fn truth(tracker: &SkinTracker, region: &Region, recording: &Recording) -> Option<String> {
+    let image = tracker.image();
+    let mut forces: BTreeMap<u16, f64> = BTreeMap::new();
+    for &taxel in tracker.taxels(region) {
+        if let Some(object) = image.object(taxel).filter(|_| image.is_touched(taxel)) {
+            *forces.entry(object).or_default() += image.sensed_force_n(taxel);
+        }
+    }
+    let (object, _) = forces
+        .into_iter()
+        .reduce(|most, other| if other.1 > most.1 { other } else { most })?;
+    let object = recording.objects.get(usize::from(object))?;
+    Some(object.category.name().to_owned())
+}

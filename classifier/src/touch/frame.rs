@@ -1,0 +1,91 @@
+//! The features of all taxels and regions in contact, frame by frame.
+
+use glam::DVec3;
+use underbrush_recording::{Frame, Pose, SkinLayout};
+
+use super::region::{Region, RegionTracker};
+use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
+use crate::trial::{PatchImage, TrialError};
+
+/// Follows taxels and regions of one patch. Nothing is allocated after the first frames.
+#[derive(Clone, Debug)]
+pub struct SkinTracker {
+    image: PatchImage,
+    regions: RegionTracker,
+    /// One per taxel; `None` without contact.
+    courses: Vec<Option<TaxelCourse>>,
+    pose_before: Option<Pose>,
+    frames: usize,
+}
+
+impl SkinTracker {
+    /// Follows the named patch, or the skin's first. A taxel is in contact where it senses more than `threshold_n`.
+    ///
+    /// # Errors
+    /// [`TrialError`] if the patch is unknown or has no grid, or the threshold is out of range.
+    pub fn new(layout: &SkinLayout, patch: Option<&str>, threshold_n: f64) -> Result<Self, TrialError> {
+        let image = PatchImage::new(layout, patch, threshold_n)?;
+        Ok(SkinTracker {
+            regions: RegionTracker::new(&image)?,
+            courses: vec![None; image.patch().taxels.len()],
+            image,
+            pose_before: None,
+            frames: 0,
+        })
+    }
+
+    /// Takes in the next frame.
+    ///
+    /// # Errors
+    /// [`TrialError::BadFrame`] if the frame does not fit the skin or holds NaN or infinity.
+    pub fn update(&mut self, frame: &Frame) -> Result<(), TrialError> {
+        self.image.read(self.frames, frame)?;
+        self.frames += 1;
+        self.regions.update(&self.image, frame.time_s);
+        let pose = self.image.pose_world();
+        let before = self.pose_before.replace(pose).unwrap_or(pose);
+        for (taxel, course) in self.courses.iter_mut().enumerate() {
+            if !self.image.is_in_contact(taxel) {
+                *course = None;
+                continue;
+            }
+            let place = &self.image.patch().taxels[taxel];
+            let moved: DVec3 = pose.transform_point(place.position_link) - before.transform_point(place.position_link);
+            let press_m = moved.dot(pose.transform_vector(place.normal_link));
+            course
+                .get_or_insert_default()
+                .push(self.image.sensed_force_n(taxel), press_m, moved.length());
+        }
+        Ok(())
+    }
+
+    /// The forces of the last frame.
+    pub fn image(&self) -> &PatchImage {
+        &self.image
+    }
+
+    /// The regions of the last frame.
+    pub fn regions(&self) -> &[Region] {
+        self.regions.regions()
+    }
+
+    /// The taxels of a region of the last frame.
+    pub fn taxels(&self, region: &Region) -> &[usize] {
+        self.regions.taxels(region)
+    }
+
+    /// Number of samples since a taxel's contact began; 0 without contact.
+    pub fn samples(&self, taxel: usize) -> usize {
+        self.courses[taxel].map_or(0, |course| course.samples())
+    }
+
+    /// The features of a taxel in contact, which belongs to this region; `None` without contact.
+    pub fn taxel_features(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
+        let forces = self
+            .regions
+            .neighbours(taxel)
+            .map(|other| self.image.sensed_force_n(other));
+        let strongest_n = forces.fold(0.0, f64::max);
+        Some(self.courses[taxel].as_ref()?.features(&region.course, strongest_n))
+    }
+}

@@ -1,0 +1,40 @@
+//! What touches the skin: a verdict for each taxel and each contact region, in every frame, that a controller can act on.
+//!
+//! A taxel that senses a force is touched or has a spurious reading. A region of touched taxels is pressed by something of a
+//! known category, such as leaf or trunk, or by something unknown. All of this is told as probabilities; a decision with costs
+//! stands on top ([`TouchDecision`]).
+//!
+//! The paper's hidden Markov models see forces and how far a contact has travelled. Here the motion of the skin along its own
+//! normal counts as well: how far an object gives way under a force is what tells a leaf from a trunk, at any stiffness or speed
+//! of the arm.
+//!
+//! | step | where |
+//! |---|---|
+//! | taxels in contact form regions, followed from frame to frame | [`RegionTracker`], [`SkinTracker`] |
+//! | the course of a contact becomes features | [`REGION_FEATURES`], [`TAXEL_FEATURES`] |
+//! | networks are fitted to recordings with ground truth, and calibrated | [`TouchExamples`] |
+//! | frames become verdicts | [`TouchClassifier`] |
+
+mod course;
+mod decision;
+mod example;
+mod fit;
+mod frame;
+mod model;
+mod network;
+mod online;
+mod options;
+mod region;
+mod taxel;
+mod usual;
+
+pub use course::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
+pub use decision::{Touch, TouchDecision};
+pub use fit::TouchExamples;
+pub use frame::SkinTracker;
+pub use model::{TOUCH_FORMAT, TouchModel};
+pub use network::Network;
+pub use online::{RegionTouch, TaxelTouch, TouchClassifier};
+pub use options::TouchOptions;
+pub use region::{Region, RegionTracker};
+pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};

@@ -1,0 +1,155 @@
+//! The fitted classifier and its file.
+
+use std::path::Path;
+
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+use underbrush_recording::InputError;
+
+use super::course::{Course, REGION_FEATURE_COUNT};
+use super::decision::TouchDecision;
+use super::network::{Network, softmax};
+use super::options::TouchOptions;
+use super::taxel::TAXEL_FEATURE_COUNT;
+use super::usual::Usual;
+use crate::document::Document;
+
+/// The format of the file.
+pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
+
+/// What a touch model is made of: two networks, the usual contacts, and a decision.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TouchModel {
+    /// The format of the file.
+    #[schemars(extend("const" = TOUCH_FORMAT))]
+    pub(super) format: String,
+    /// How readings become contacts.
+    pub(super) options: TouchOptions,
+    /// Names in alphabetical order: the order of all probabilities.
+    #[schemars(length(min = 1))]
+    pub(super) categories: Vec<String>,
+    /// From probabilities to verdicts.
+    pub decision: TouchDecision,
+    /// Features of a taxel → nothing, touched.
+    pub(super) touched: Calibrated,
+    /// Features of a touched region → categories.
+    pub(super) category: Calibrated,
+    /// What contacts of known categories look like.
+    pub(super) usual: Usual,
+}
+
+/// A network and the factor of its scores that makes its probabilities right on reaches that were held out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Calibrated {
+    pub(super) sharpness: f64,
+    pub(super) network: Network,
+}
+
+impl Calibrated {
+    /// Writes the probabilities of the classes. Nothing is allocated.
+    pub(super) fn probabilities<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
+        self.network.scores(features, classes);
+        classes.iter_mut().for_each(|score| *score *= self.sharpness);
+        softmax(classes);
+    }
+}
+
+impl TouchModel {
+    /// The known categories in alphabetical order: the order of all probabilities.
+    pub fn categories(&self) -> &[String] {
+        &self.categories
+    }
+
+    /// How readings become contacts.
+    pub fn options(&self) -> &TouchOptions {
+        &self.options
+    }
+
+    /// The probability that nothing presses on a taxel with these features.
+    pub fn nothing(&self, features: &[f64; TAXEL_FEATURE_COUNT]) -> f64 {
+        let mut classes = [0.0; 2];
+        self.touched.probabilities(features, &mut classes);
+        classes[0]
+    }
+
+    /// Writes the probabilities of the known categories for a touched region with this course, and returns the share of contacts
+    /// with known categories that are as unusual.
+    ///
+    /// # Panics
+    /// If there are not as many places as categories.
+    pub fn region(&self, course: &Course, probabilities: &mut [f64]) -> f64 {
+        assert_eq!(
+            probabilities.len(),
+            self.categories.len(),
+            "one place for each category"
+        );
+        self.category.probabilities(&course.features(), probabilities);
+        self.usual.share_beyond(self.distance(course))
+    }
+
+    /// How far a region is from the usual contacts of the nearest category.
+    pub fn distance(&self, course: &Course) -> f64 {
+        self.usual.distance(&course.description())
+    }
+
+    /// The model as the text of its file.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// Reads and checks the text of a file; the path is for errors only.
+    ///
+    /// # Errors
+    /// [`InputError`] with line and field.
+    pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, InputError> {
+        let document = Document::new(path, text);
+        let model: TouchModel = document.read()?;
+        if model.format != TOUCH_FORMAT {
+            return Err(document.error("format", model.format, TOUCH_FORMAT));
+        }
+        if model.categories.is_empty() || !model.categories.is_sorted_by(|a, b| a < b) {
+            let found = model.categories.join(", ");
+            return Err(document.error(
+                "categories",
+                found,
+                "one or more names in alphabetical order, none twice",
+            ));
+        }
+        model
+            .decision
+            .check()
+            .map_err(|fault| document.fault(fault.within("decision")))?;
+        let classes = model.categories.len();
+        let parts = [
+            (
+                "touched",
+                model.touched.network.is_sound(TAXEL_FEATURE_COUNT, 2) && model.touched.sharpness > 0.0,
+            ),
+            (
+                "category",
+                model.category.network.is_sound(REGION_FEATURE_COUNT, classes) && model.category.sharpness > 0.0,
+            ),
+            ("usual", model.usual.is_sound(classes)),
+        ];
+        for (part, is_sound) in parts {
+            if !is_sound {
+                let allowed =
+                    format!("finite numbers, as many as {classes} categories and this program's features need");
+                return Err(document.error(part, "other sizes, or a number that is not finite", allowed));
+            }
+        }
+        Ok(model)
+    }
+
+    /// The JSON Schema of the file.
+    pub fn schema() -> Schema {
+        schemars::schema_for!(TouchModel)
+    }
+}

@@ -1,0 +1,245 @@
+//! A small neural network: one hidden layer of rectified linear units, and a softmax.
+//!
+//! Own code, because the libraries that train networks in Rust bring hundreds of crates for what takes a page here.
+
+use rand::{RngExt, SeedableRng, seq::SliceRandom};
+use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Number of hidden units. Choice: with 24 the accuracy on held-out reaches is within its error of that with 48.
+pub const HIDDEN: usize = 24;
+
+/// Passes over the training rows, rows in a batch, and the largest step of a weight. Choices, common for networks of this size;
+/// the step falls to zero along half a cosine.
+const PASSES: usize = 30;
+const BATCH: usize = 64;
+const STEP: f64 = 3e-3;
+/// Decay rates of the two averages, and what keeps the step finite (Kingma & Ba, "Adam", 2015).
+const DECAY: [f64; 2] = [0.9, 0.999];
+const SMALLEST: f64 = 1e-8;
+/// Weight of half the squared norm of the weights beside the mean cross-entropy, nats.
+const PENALTY: f64 = 1e-3;
+/// Standardized inputs are clamped to this, so that a single outlying number does not dominate.
+const MAX_DEVIATIONS: f64 = 5.0;
+
+/// A row that a network is fitted to.
+#[derive(Clone, Debug)]
+pub struct Row<const INPUTS: usize> {
+    /// The features.
+    pub features: [f64; INPUTS],
+    /// The class.
+    pub class: usize,
+    /// Its weight; those of all rows need not sum to 1.
+    pub weight: f64,
+}
+
+/// A fitted network. It gives the log-probability of each class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Network {
+    /// Mean of each feature in training.
+    mean: Vec<f64>,
+    /// What each feature's deviation from it is multiplied by.
+    scale: Vec<f64>,
+    /// For each hidden unit a weight per feature, then the constant.
+    hidden: Vec<Vec<f64>>,
+    /// For each class a weight per hidden unit, then the constant.
+    output: Vec<Vec<f64>>,
+}
+
+impl Network {
+    /// Number of features and of classes.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.mean.len(), self.output.len())
+    }
+
+    /// Whether all numbers are finite and all rows have the lengths that belong together, for this many features and classes.
+    pub fn is_sound(&self, inputs: usize, classes: usize) -> bool {
+        let finite =
+            |values: &[f64], length: usize| values.len() == length && values.iter().all(|value| value.is_finite());
+        finite(&self.mean, inputs)
+            && finite(&self.scale, inputs)
+            && self.hidden.len() == HIDDEN
+            && self.hidden.iter().all(|row| finite(row, inputs + 1))
+            && self.output.len() == classes
+            && self.output.iter().all(|row| finite(row, HIDDEN + 1))
+    }
+
+    /// Writes the log-odds of each class, up to a common constant, to `classes`. Nothing is allocated.
+    pub fn scores<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
+        let inputs = self.standardized(features);
+        let mut units = [0.0; HIDDEN];
+        for (unit, row) in units.iter_mut().zip(&self.hidden) {
+            *unit = affine(row, &inputs).max(0.0);
+        }
+        for (class, row) in classes.iter_mut().zip(&self.output) {
+            *class = affine(row, &units);
+        }
+    }
+
+    fn standardized<const INPUTS: usize>(&self, features: &[f64; INPUTS]) -> [f64; INPUTS] {
+        let mut inputs = [0.0; INPUTS];
+        let fitted = self.mean.iter().zip(&self.scale);
+        for ((input, feature), (mean, scale)) in inputs.iter_mut().zip(features).zip(fitted) {
+            *input = ((feature - mean) * scale).clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS);
+        }
+        inputs
+    }
+
+    /// Fits a network to rows by stochastic gradient descent. The result depends on the rows and their order alone.
+    pub fn fit<const INPUTS: usize>(rows: &[Row<INPUTS>], classes: usize) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let mut network = Network::unfitted(rows, classes, &mut random);
+        let total: f64 = rows.iter().map(|row| row.weight).sum();
+        let scale = rows.len() as f64 / total.max(f64::MIN_POSITIVE);
+        let inputs: Vec<[f64; INPUTS]> = rows.iter().map(|row| network.standardized(&row.features)).collect();
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        let mut descent = Descent::new(&network);
+        let steps = PASSES * rows.len().div_ceil(BATCH);
+        for _ in 0..PASSES {
+            order.shuffle(&mut random);
+            for batch in order.chunks(BATCH) {
+                descent.start();
+                for &index in batch {
+                    let row = &rows[index];
+                    let weight = row.weight * scale / batch.len() as f64;
+                    descent.add(&network, &inputs[index], row.class, weight);
+                }
+                descent.step(&mut network, steps);
+            }
+        }
+        network
+    }
+
+    /// Random weights of the size that keeps the signal's variance (He et al. 2015), and the standardization of the rows.
+    fn unfitted<const INPUTS: usize>(rows: &[Row<INPUTS>], classes: usize, random: &mut ChaCha8Rng) -> Self {
+        let count = rows.len().max(1) as f64;
+        let mut mean = vec![0.0; INPUTS];
+        let mut scale = vec![0.0; INPUTS];
+        for index in 0..INPUTS {
+            let values = || rows.iter().map(|row| row.features[index]);
+            mean[index] = values().sum::<f64>() / count;
+            let variance = values().map(|value| (value - mean[index]).powi(2)).sum::<f64>() / count;
+            // A feature that never varies is left out.
+            scale[index] = if variance > 1e-12 { variance.sqrt().recip() } else { 0.0 };
+        }
+        let mut layer = |units: usize, inputs: usize| -> Vec<Vec<f64>> {
+            let size = (6.0 / inputs as f64).sqrt();
+            let mut row = || {
+                let weights = (0..inputs).map(|_| size * (2.0 * random.random::<f64>() - 1.0));
+                weights.chain([0.0]).collect()
+            };
+            (0..units).map(|_| row()).collect()
+        };
+        let hidden = layer(HIDDEN, INPUTS);
+        let output = layer(classes, HIDDEN);
+        Network {
+            mean,
+            scale,
+            hidden,
+            output,
+        }
+    }
+
+    fn weights_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        self.hidden.iter_mut().chain(&mut self.output).flatten()
+    }
+}
+
+/// A row of weights applied to inputs, plus its constant.
+fn affine(row: &[f64], inputs: &[f64]) -> f64 {
+    // Four sums side by side, which the compiler turns into vector instructions; in a fixed order.
+    let mut sums = [0.0; 4];
+    let (weights, values) = (row.chunks_exact(4), inputs.chunks_exact(4));
+    let whole = inputs.len() / 4 * 4;
+    for (weights, values) in weights.zip(values) {
+        for ((sum, weight), value) in sums.iter_mut().zip(weights).zip(values) {
+            *sum += weight * value;
+        }
+    }
+    let rest: f64 = row[whole..]
+        .iter()
+        .zip(&inputs[whole..])
+        .map(|(weight, value)| weight * value)
+        .sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest + row[inputs.len()]
+}
+
+/// Turns log-odds up to a constant into probabilities.
+pub fn softmax(scores: &mut [f64]) {
+    let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut sum = 0.0;
+    for score in scores.iter_mut() {
+        *score = (*score - largest).exp();
+        sum += *score;
+    }
+    scores.iter_mut().for_each(|score| *score /= sum);
+}
+
+/// Gradient descent with averages of the gradient and of its square (Adam).
+struct Descent {
+    steps: usize,
+    gradient: Network,
+    /// Averages of each gradient and of its square.
+    averages: Vec<[f64; 2]>,
+}
+
+impl Descent {
+    fn new(network: &Network) -> Self {
+        let mut gradient = network.clone();
+        let count = gradient.weights_mut().count();
+        Descent {
+            steps: 0,
+            gradient,
+            averages: vec![[0.0; 2]; count],
+        }
+    }
+
+    fn start(&mut self) {
+        self.gradient.weights_mut().for_each(|weight| *weight = 0.0);
+    }
+
+    /// Adds the gradient of the cross-entropy of one row.
+    fn add(&mut self, network: &Network, inputs: &[f64], class: usize, weight: f64) {
+        let mut units = [0.0; HIDDEN];
+        for (unit, row) in units.iter_mut().zip(&network.hidden) {
+            *unit = affine(row, inputs).max(0.0);
+        }
+        let mut errors: Vec<f64> = network.output.iter().map(|row| affine(row, &units)).collect();
+        softmax(&mut errors);
+        errors[class] -= 1.0;
+        let mut back = [0.0; HIDDEN];
+        for ((error, row), sum) in errors.iter().zip(&network.output).zip(&mut self.gradient.output) {
+            let error = error * weight;
+            for unit in 0..HIDDEN {
+                sum[unit] += error * units[unit];
+                back[unit] += error * row[unit];
+            }
+            sum[HIDDEN] += error;
+        }
+        for ((unit, back), sum) in units.iter().zip(back).zip(&mut self.gradient.hidden) {
+            if *unit > 0.0 {
+                for (sum, input) in sum.iter_mut().zip(inputs) {
+                    *sum += back * input;
+                }
+                sum[inputs.len()] += back;
+            }
+        }
+    }
+
+    fn step(&mut self, network: &mut Network, steps: usize) {
+        let progress = self.steps as f64 / steps as f64;
+        let length = STEP * 0.5 * (1.0 + (std::f64::consts::PI * progress).cos());
+        self.steps += 1;
+        let corrections = DECAY.map(|decay| 1.0 - decay.powi(i32::try_from(self.steps).unwrap_or(i32::MAX)));
+        let gradients = self.gradient.weights_mut();
+        for ((weight, gradient), averages) in network.weights_mut().zip(gradients).zip(&mut self.averages) {
+            let slope = *gradient + PENALTY * *weight;
+            averages[0] += (1.0 - DECAY[0]) * (slope - averages[0]);
+            averages[1] += (1.0 - DECAY[1]) * (slope * slope - averages[1]);
+            let [mean, square] = [averages[0] / corrections[0], averages[1] / corrections[1]];
+            *weight -= length * mean / (square.sqrt() + SMALLEST);
+        }
+    }
+}

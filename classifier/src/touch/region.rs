@@ -1,0 +1,206 @@
+//! Contact regions of a patch, followed from frame to frame.
+
+use glam::DVec3;
+use underbrush_recording::Pose;
+
+use super::course::{Course, Measure};
+use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
+
+/// A region of a frame continues the region of the last frame that pressed on the same taxels. Where none did, it continues one
+/// that pressed on a neighbour, with this weight.
+const NEIGHBOUR_WEIGHT: f64 = 0.1;
+
+/// Taxels that touch each other and are in contact.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// Number of the contact. A contact keeps its number while it slides over the skin.
+    pub contact: u64,
+    /// What its forces and motions have been since the contact began.
+    pub course: Course,
+    /// Where its taxels are in the list of all.
+    taxels: std::ops::Range<usize>,
+}
+
+/// The contact regions of a patch. Nothing is allocated after the first frames.
+#[derive(Clone, Debug)]
+pub struct RegionTracker {
+    neighbours: Vec<[Option<usize>; 4]>,
+    /// Region of each taxel, now and in the last frame.
+    region_of: Vec<Option<usize>>,
+    region_before: Vec<Option<usize>>,
+    regions: Vec<Region>,
+    before: Vec<Region>,
+    /// The taxels of one region after the other.
+    taxels: Vec<usize>,
+    /// How much of a region continues each region of the last frame.
+    votes: Vec<f64>,
+    /// The region that continues each of the last frame with the most votes, and those votes.
+    heirs: Vec<(usize, f64)>,
+    pose_before: Option<Pose>,
+    contacts: u64,
+}
+
+impl RegionTracker {
+    /// Regions of the patch of an image, none so far.
+    ///
+    /// # Errors
+    /// [`TrialError::NoGrid`] if the patch has no grid.
+    pub fn new(image: &PatchImage) -> Result<Self, TrialError> {
+        let neighbours = neighbours_of_patch(image)?;
+        let count = neighbours.len();
+        Ok(RegionTracker {
+            neighbours,
+            region_of: vec![None; count],
+            region_before: vec![None; count],
+            regions: Vec::with_capacity(count),
+            before: Vec::with_capacity(count),
+            taxels: Vec::with_capacity(count),
+            votes: Vec::with_capacity(count),
+            heirs: Vec::with_capacity(count),
+            pose_before: None,
+            contacts: 0,
+        })
+    }
+
+    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`.
+    pub fn update(&mut self, image: &PatchImage, time_s: f64) {
+        std::mem::swap(&mut self.regions, &mut self.before);
+        std::mem::swap(&mut self.region_of, &mut self.region_before);
+        self.find(image);
+        self.continue_contacts(image);
+        let pose = image.pose_world();
+        let pose_before = self.pose_before.unwrap_or(pose);
+        for region in &mut self.regions {
+            let taxels = &self.taxels[region.taxels.clone()];
+            region.course.push(&measure(image, taxels, &pose_before, &pose), time_s);
+        }
+        self.pose_before = Some(pose);
+    }
+
+    /// The regions of the last frame.
+    pub fn regions(&self) -> &[Region] {
+        &self.regions
+    }
+
+    /// The region of a taxel, by its index among the regions; `None` without contact.
+    pub fn region_of(&self, taxel: usize) -> Option<usize> {
+        self.region_of.get(taxel).copied().flatten()
+    }
+
+    /// The taxels of a region of the last frame.
+    pub fn taxels(&self, region: &Region) -> &[usize] {
+        &self.taxels[region.taxels.clone()]
+    }
+
+    /// The neighbours of a taxel.
+    pub fn neighbours(&self, taxel: usize) -> impl Iterator<Item = usize> + '_ {
+        self.neighbours[taxel].into_iter().flatten()
+    }
+
+    fn find(&mut self, image: &PatchImage) {
+        self.region_of.fill(None);
+        self.regions.clear();
+        self.taxels.clear();
+        for first in 0..self.neighbours.len() {
+            if self.region_of[first].is_some() || !image.is_in_contact(first) {
+                continue;
+            }
+            let region = self.regions.len();
+            let start = self.taxels.len();
+            self.region_of[first] = Some(region);
+            self.taxels.push(first);
+            let mut next = start;
+            while let Some(taxel) = self.taxels.get(next).copied() {
+                next += 1;
+                for neighbour in self.neighbours[taxel].into_iter().flatten() {
+                    if self.region_of[neighbour].is_none() && image.is_in_contact(neighbour) {
+                        self.region_of[neighbour] = Some(region);
+                        self.taxels.push(neighbour);
+                    }
+                }
+            }
+            self.regions.push(Region {
+                contact: 0,
+                course: Course::default(),
+                taxels: start..next,
+            });
+        }
+    }
+
+    /// Gives each region the course of the region that it continues. If several continue the same one, all have its course, and
+    /// the one with the most votes keeps its number.
+    fn continue_contacts(&mut self, image: &PatchImage) {
+        self.heirs.clear();
+        self.heirs.resize(self.before.len(), (usize::MAX, 0.0));
+        for (index, region) in self.regions.iter_mut().enumerate() {
+            self.votes.clear();
+            self.votes.resize(self.before.len(), 0.0);
+            for &taxel in &self.taxels[region.taxels.clone()] {
+                let force_n = image.sensed_force_n(taxel);
+                if let Some(before) = self.region_before[taxel] {
+                    self.votes[before] += force_n;
+                }
+                for neighbour in self.neighbours[taxel].into_iter().flatten() {
+                    if let Some(before) = self.region_before[neighbour] {
+                        self.votes[before] += NEIGHBOUR_WEIGHT * force_n;
+                    }
+                }
+            }
+            let mut most = (None, 0.0);
+            for (before, votes) in self.votes.iter().enumerate() {
+                if *votes > most.1 {
+                    most = (Some(before), *votes);
+                }
+            }
+            if let (Some(before), votes) = most {
+                region.course = self.before[before].course;
+                if votes > self.heirs[before].1 {
+                    self.heirs[before] = (index, votes);
+                }
+            }
+        }
+        for (before, (heir, _)) in self.before.iter().zip(&self.heirs) {
+            if let Some(region) = self.regions.get_mut(*heir) {
+                region.contact = before.contact;
+            }
+        }
+        for region in &mut self.regions {
+            if region.contact == 0 {
+                self.contacts += 1;
+                region.contact = self.contacts;
+            }
+        }
+    }
+}
+
+/// Forces and motion of a region in one frame.
+fn measure(image: &PatchImage, taxels: &[usize], before: &Pose, now: &Pose) -> Measure {
+    let mut measure = Measure {
+        taxels: taxels.len() as f64,
+        ..Measure::default()
+    };
+    let (mut step, mut center) = (DVec3::ZERO, DVec3::ZERO);
+    for &taxel in taxels {
+        let force_n = image.sensed_force_n(taxel);
+        let place = &image.patch().taxels[taxel];
+        let normal_world = now.transform_vector(place.normal_link);
+        let moved = now.transform_point(place.position_link) - before.transform_point(place.position_link);
+        let pressed_m = moved.dot(normal_world);
+        measure.largest_force_n = measure.largest_force_n.max(force_n);
+        measure.force_n += force_n;
+        measure.press_m += force_n * pressed_m;
+        step += force_n * (moved - normal_world * pressed_m);
+        center += force_n * place.position_link;
+    }
+    let center_link = center / measure.force_n;
+    let square = |taxel: &usize| {
+        let place = image.patch().taxels[*taxel].position_link;
+        image.sensed_force_n(*taxel) * place.distance_squared(center_link)
+    };
+    measure.extent_m = (taxels.iter().map(square).sum::<f64>() / measure.force_n).sqrt();
+    measure.press_m /= measure.force_n;
+    measure.slide_m = step.length() / measure.force_n;
+    measure.center_link = center_link;
+    measure.center_world = now.transform_point(center_link);
+    measure
+}
