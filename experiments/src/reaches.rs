@@ -26,6 +26,8 @@ enum Wanted {
     All(Vec<Category>),
     /// The patch touches the outlier before it touches any of these, and then one of these.
     OutlierFirst(Vec<Category>),
+    /// The patch touches something of another category than these.
+    Unknown(Vec<Category>),
 }
 
 /// Reaches of one scene that meet the requirement.
@@ -48,6 +50,8 @@ pub struct TestReaches {
     pub general: Option<Found>,
     /// Reaches that meet the outlier first.
     pub outlier: Option<Found>,
+    /// Reaches that touch another outlier.
+    pub second_outlier: Option<Found>,
 }
 
 struct Search<'a> {
@@ -85,6 +89,7 @@ impl Wanted {
                 only && taxel_trials(recording, options)?.iter().any(felt)
             }
             Wanted::All(categories) => categories.iter().all(|category| touched.contains(category)),
+            Wanted::Unknown(known) => touched.iter().any(|category| !known.contains(category)),
             Wanted::OutlierFirst(known) => {
                 let outlier = touched.iter().position(|category| *category == Category::OUTLIER);
                 let first_known = touched.iter().position(|category| known.contains(category));
@@ -167,6 +172,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
     let mut searches = Vec::new();
     for (own, wanted) in [
         (&file.outlier, Wanted::OutlierFirst(known.clone())),
+        (&file.second_outlier, Wanted::Unknown(known.clone())),
         (&file.general, Wanted::All(known.clone())),
     ] {
         if let Some(own) = own {
@@ -186,6 +192,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
             engineered: Vec::new(),
             general: None,
             outlier: None,
+            second_outlier: None,
         });
     }
     session.stage("Engineered, general and outlier reaches", || {
@@ -204,11 +211,13 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
             .collect();
         let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
         let outlier = file.outlier.as_ref().and_then(|_| found.next());
+        let second_outlier = file.second_outlier.as_ref().and_then(|_| found.next());
         let general = file.general.as_ref().and_then(|_| found.next());
         Ok(TestReaches {
             engineered: categories.iter().copied().zip(found).collect(),
             general,
             outlier,
+            second_outlier,
         })
     })
 }

@@ -89,8 +89,8 @@ pub struct TouchDistance {
     pub distance: f64,
     /// Number of its taxels that something presses on.
     pub taxels: usize,
-    /// Category code of what touches it.
-    pub category: i8,
+    /// Whether what presses on it is of a known category.
+    pub is_known: bool,
 }
 
 /// All verdicts on some recordings.
@@ -204,7 +204,7 @@ impl TouchEvaluation {
             self.distances.push(TouchDistance {
                 distance: classifier.model().distance(&own.course),
                 taxels: touched,
-                category: category.code(),
+                is_known: known(classifier.model().categories(), category).is_some(),
             });
         }
     }

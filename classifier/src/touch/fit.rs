@@ -1,5 +1,7 @@
 //! Fitting a touch model to recordings with ground truth.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use underbrush_recording::Recording;
 
@@ -23,7 +25,7 @@ const LOST_SHARE: f64 = 0.015;
 /// Rows of all recordings that a model is fitted to.
 pub struct TouchExamples {
     options: TouchOptions,
-    reaches: Vec<Examples>,
+    reaches: Vec<Arc<Examples>>,
 }
 
 impl TouchExamples {
@@ -40,8 +42,20 @@ impl TouchExamples {
     /// # Errors
     /// [`TrialError`] if the patch is unknown or has no grid, or a frame does not fit.
     pub fn add(&mut self, recording: &Recording) -> Result<(), TrialError> {
-        self.reaches.push(Examples::of(recording, &self.options)?);
+        self.reaches.push(Arc::new(Examples::of(recording, &self.options)?));
         Ok(())
+    }
+
+    /// The rows of the recordings whose positions `keeps` returns true for, in the order in which they were added.
+    pub fn some(&self, keeps: impl Fn(usize) -> bool) -> TouchExamples {
+        let reaches = self.reaches.iter().enumerate();
+        let kept = reaches
+            .filter(|(index, _)| keeps(*index))
+            .map(|(_, reach)| Arc::clone(reach));
+        TouchExamples {
+            options: self.options.clone(),
+            reaches: kept.collect(),
+        }
     }
 
     /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model itself is
@@ -63,7 +77,7 @@ impl TouchExamples {
             .collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
         let regions: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.regions).collect();
-        let all: Vec<&Examples> = self.reaches.iter().collect();
+        let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
         let (touched, (category, mut usual)) =
             rayon::join(|| touched_network(&all), || category_network(&all, &categories));
         usual.keep_distances(
@@ -104,7 +118,7 @@ impl TouchExamples {
             .iter()
             .enumerate()
             .partition(|(index, _)| index % FOLDS == fold);
-        let others: Vec<&Examples> = others.into_iter().map(|(_, reach)| reach).collect();
+        let others: Vec<&Examples> = others.into_iter().map(|(_, reach)| reach.as_ref()).collect();
         let touched = touched_network(&others);
         let (category, usual) = category_network(&others, categories);
         let mut held_out = HeldOut::default();

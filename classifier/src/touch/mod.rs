@@ -38,3 +38,6 @@ pub use online::{RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use region::{Region, RegionTracker};
 pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};
+
+#[cfg(test)]
+mod tests;

@@ -87,14 +87,17 @@ pub fn check_labels(
     scenes: &BTreeMap<String, Scene>,
     source: &Source,
 ) -> Result<(), InputError> {
-    let online = !file.engineered.is_empty() || file.general.is_some() || file.outlier.is_some();
+    let online = !file.engineered.is_empty()
+        || file.general.is_some()
+        || file.outlier.is_some()
+        || file.second_outlier.is_some()
+        || file.verdicts.is_some();
     let labels = file.training.iter().map(|own| &own.label);
     let unknown = |label: &&String| online && category(scenes, label).is_none();
     match labels.into_iter().find(unknown) {
         None => Ok(()),
         Some(label) => {
-            let allowed = "the category of an object: in the scenes `engineered`, `general` and `outlier` verdicts are held \
-                           against what presses on each taxel";
+            let allowed = "the category of an object: verdicts are held against what presses on each taxel";
             Err(source.field("training.label", label).fault(label, allowed))
         }
     }

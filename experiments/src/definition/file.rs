@@ -56,6 +56,12 @@ pub struct ExperimentFile {
     /// A scene in which the arm touches an outlier first and then a known category.
     #[serde(default)]
     pub outlier: Option<TestScene>,
+    /// A scene with another outlier, on which nothing was chosen. Verdicts on what touches the skin are tested on it.
+    #[serde(default)]
+    pub second_outlier: Option<TestScene>,
+    /// Verdicts on what touches each taxel, frame by frame; left out if not given.
+    #[serde(default)]
+    pub verdicts: Option<VerdictSection>,
     /// Arm stiffnesses and hand speeds to train and test at, beside the scenes' own.
     #[serde(default)]
     pub settings: Vec<Setting>,
@@ -156,6 +162,19 @@ pub struct TestScene {
     /// Reaches are drawn until enough do what they should, but no more than this.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
+}
+
+/// What verdicts on each taxel are learned from, beside the training scenes.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VerdictSection {
+    /// A scene in which the arm touches every category, relative to this file. Its reaches are other ones than those of `general`.
+    pub scene: String,
+    /// Number of reaches.
+    pub reaches: u64,
+    /// Number of reaches with `--quick`; a third, rounded up, if not given.
+    #[serde(default)]
+    pub quick_reaches: Option<u64>,
 }
 
 /// A recipe for hidden Markov models.

@@ -18,7 +18,7 @@ mod source;
 pub use file::{
     AblationName, ChosenOn, ClassifierEntry, EngineeredScene, ExperimentFile, OrderingName, Published,
     PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TableOneUnit, TestScene,
-    ThresholdSection, TrainingScene, TrialSection,
+    ThresholdSection, TrainingScene, TrialSection, VerdictSection,
 };
 
 pub use check::is_hmm;
@@ -239,7 +239,16 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
         .map(|own| (own.scene.as_str(), "engineered.scene"));
     let general = file.general.iter().map(|own| (own.scene.as_str(), "general.scene"));
     let outlier = file.outlier.iter().map(|own| (own.scene.as_str(), "outlier.scene"));
-    training.chain(engineered).chain(general).chain(outlier).collect()
+    let second_outlier = file.second_outlier.iter();
+    let second_outlier = second_outlier.map(|own| (own.scene.as_str(), "second_outlier.scene"));
+    let verdicts = file.verdicts.iter().map(|own| (own.scene.as_str(), "verdicts.scene"));
+    training
+        .chain(engineered)
+        .chain(general)
+        .chain(outlier)
+        .chain(second_outlier)
+        .chain(verdicts)
+        .collect()
 }
 
 /// The arms that scenes name by a file, each once.

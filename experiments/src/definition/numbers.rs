@@ -2,7 +2,7 @@
 
 use underbrush_classifier::feature::FeatureSet;
 
-use super::file::{Published, PublishedAccuracy, TableOneUnit, TestScene, TrainingScene};
+use super::file::{Published, PublishedAccuracy, TableOneUnit, TestScene, TrainingScene, VerdictSection};
 
 impl TrainingScene {
     /// Number of reaches of a full run or a quick one.
@@ -30,6 +30,16 @@ impl TestScene {
     pub fn reaches(&self, quick: bool) -> usize {
         match quick {
             true => self.quick_reaches.unwrap_or(1),
+            false => self.reaches,
+        }
+    }
+}
+
+impl VerdictSection {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> u64 {
+        match quick {
+            true => self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)),
             false => self.reaches,
         }
     }

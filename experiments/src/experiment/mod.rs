@@ -21,6 +21,7 @@ macro_rules! for_each_experiment {
             example_trials,
             over_time,
             engineered,
+            verdicts,
             moments,
             truncation,
             outliers,

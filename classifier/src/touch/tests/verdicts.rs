@@ -1,0 +1,107 @@
+use std::sync::Arc;
+
+use super::*;
+use crate::evaluate::touch::TouchEvaluation;
+use crate::touch::{Touch, TouchClassifier, TouchDecision, TouchExamples, TouchModel, TouchOptions};
+
+fn examples() -> TouchExamples {
+    let mut examples = TouchExamples::new(TouchOptions::default());
+    for recording in reaches() {
+        examples.add(&recording).unwrap();
+    }
+    examples
+}
+
+/// Pins that soft, stiff and spurious readings are told apart in a new reach, by the same model however many threads fit it, and
+/// that something unlike both is called unknown.
+#[test]
+fn springs_are_told_apart() {
+    let model = examples().fit().unwrap();
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(alone.install(|| examples().fit().unwrap()), model);
+    let model = Arc::new(model);
+    assert_eq!(model.categories(), ["leaf", "trunk"]);
+    let mut evaluation = TouchEvaluation::default();
+    for (object, depth_m) in [(0, 0.035), (1, 0.0025)] {
+        let reach = presses(object, 1.15 * STIFFNESS_N_PER_M[usize::from(object)], depth_m, 0.06);
+        evaluation.add(TouchEvaluation::of(&model, &reach).unwrap());
+    }
+    let [nothing, leaf, trunk, other] = evaluation.tallies[..] else {
+        panic!("{} truths", evaluation.tallies.len());
+    };
+    for tally in [nothing, leaf, trunk] {
+        assert!(tally.right as f64 > 0.9 * tally.total() as f64, "{tally:?}");
+    }
+    assert_eq!(other.total(), 0);
+    assert_eq!(evaluation.balanced_accuracy(2, |contact| contact.at_end), Some(1.0));
+    // As strong as a trunk, and giving way as far as a leaf.
+    let reach = presses(0, 1000.0, 0.04, 0.05);
+    let mut classifier = TouchClassifier::new(Arc::clone(&model), &reach.layout).unwrap();
+    for frame in &reach.frames[..11] {
+        classifier.update(frame).unwrap();
+    }
+    let touch = classifier
+        .taxels()
+        .iter()
+        .find(|taxel| taxel.taxel == 7)
+        .map(|taxel| taxel.touch);
+    assert_eq!(touch, Some(Touch::Unknown));
+}
+
+/// Pins that nothing is allocated for a frame once as many contacts were seen before.
+#[test]
+fn verdicts_allocate_nothing() {
+    let reach = presses(0, 30.0, 0.03, 0.05);
+    let model = Arc::new(examples().fit().unwrap());
+    let mut classifier = TouchClassifier::new(model, &reach.layout).unwrap();
+    let mut verdicts = 0;
+    for frame in &reach.frames[..60] {
+        classifier.update(frame).unwrap();
+    }
+    let allocations = allocation_counter::measure(|| {
+        for frame in &reach.frames[60..] {
+            classifier.update(frame).unwrap();
+            verdicts += classifier.taxels().len();
+        }
+    });
+    assert!(verdicts > 200, "{verdicts}");
+    assert_eq!(allocations.count_total, 0);
+}
+
+/// Pins that a model read back is the model written, and that damaged files are refused with the place.
+#[test]
+fn files_are_exact_and_checked() {
+    let model = examples().fit().unwrap();
+    let text = model.to_json().unwrap();
+    assert_eq!(TouchModel::from_json("touch.json", &text).unwrap(), model);
+    for (from, to, place) in [
+        ("underbrush-touch/1", "underbrush-touch/9", "format"),
+        ("\"leaf\"", "\"zebra\"", "categories"),
+        ("\"threshold_n\"", "\"threshold\"", "options"),
+        (
+            "\"unknown_share\": 0.01",
+            "\"unknown_share\": 2",
+            "decision.unknown_share",
+        ),
+        ("\"sharpness\": ", "\"sharpness\": -", "touched"),
+        ("\"mean\": [", "\"mean\": [ 0.0,", "touched"),
+    ] {
+        let broken = text.replacen(from, to, 1);
+        assert_ne!(broken, text, "{from}");
+        let error = TouchModel::from_json("touch.json", &broken).unwrap_err().to_string();
+        assert!(error.contains("touch.json") && error.contains(place), "{error}");
+    }
+}
+
+/// Pins the rule: unknown before all else, then the likeliest category if an error costs less than no verdict.
+#[test]
+fn verdicts_follow_the_costs() {
+    let decision = TouchDecision {
+        unknown_share: 0.05,
+        cost_of_uncertain: 0.2,
+        ..TouchDecision::default()
+    };
+    assert_eq!(decision.of_region(&[0.1, 0.9], 0.04), Touch::Unknown);
+    assert_eq!(decision.of_region(&[0.1, 0.9], 0.06), Touch::Category(1));
+    assert_eq!(decision.of_region(&[0.3, 0.7], 0.06), Touch::Uncertain);
+}

@@ -1,0 +1,286 @@
+//! What touches each taxel, frame by frame, by networks over the course of a contact region.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use underbrush_classifier::evaluate::RocCurve;
+use underbrush_classifier::evaluate::touch::{TouchDistance, TouchEvaluation, TouchTally};
+use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
+use underbrush_recording::Recording;
+
+use crate::definition::VerdictSection;
+use crate::error::ExperimentError;
+use crate::reaches::{self, Found};
+use crate::session::Session;
+use crate::training;
+
+/// Reaches are judged by networks that were fitted to the other parts of so many.
+const FOLDS: usize = 3;
+/// The reaches of the mixed scene have indices from here on, so that none of them is among the test reaches, which are drawn
+/// from 0.
+const FIRST_INDEX: u64 = 1000;
+/// The rate of false alarms at which the share of outliers found is given.
+pub const FALSE_ALARMS: f64 = 0.05;
+
+/// The verdicts, if the experiment asks for them.
+#[derive(Serialize)]
+pub struct Outcome {
+    /// The figures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdicts: Option<Verdicts>,
+}
+
+/// Figures over whole reaches that were held out. Shares are from 0 to 1.
+#[derive(Serialize)]
+pub struct Verdicts {
+    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole contact: mean over the
+    /// categories of the share that is right.
+    pub touched_balanced_accuracy: Option<f64>,
+    /// The same by the first ten samples, or the whole contact if it is shorter.
+    pub first_tenth_second_balanced_accuracy: Option<f64>,
+    /// Number of those contacts.
+    pub contacts: usize,
+    /// The share of the most frequent category among them: the accuracy of always naming it.
+    pub largest_category_share: Option<f64>,
+    /// Median number of samples until the first right verdict, over the contacts that get one, and the share of those.
+    pub median_samples_until_right: Option<usize>,
+    /// Share of the contacts that get a right verdict before they end.
+    pub ever_right: Option<f64>,
+    /// Share of the taxel frames in contact that nothing presses on and that are called so.
+    pub spurious_called_nothing: Option<f64>,
+    /// Share of the taxel frames with a true contact that are called nothing.
+    pub touches_lost: Option<f64>,
+    /// Mean difference of the probability and the frequency of the likeliest class.
+    pub expected_calibration_error: Option<f64>,
+    /// Mean squared error of the probabilities.
+    pub brier_score: Option<f64>,
+    /// The outlier against known categories, by taxel frames that something presses on.
+    #[serde(flatten)]
+    pub outlier: OutlierFigures,
+    /// Verdicts on taxel frames of known categories, by test scene.
+    pub scenes: Vec<SceneFigures>,
+    /// Reaches that the networks were fitted to, apart from the held-out part.
+    pub training_reaches: usize,
+    /// All verdicts on the held-out reaches.
+    #[serde(skip)]
+    pub held_out: TouchEvaluation,
+    /// Curves of the outlier and of the second one.
+    #[serde(skip)]
+    pub curves: [Option<RocCurve>; 2],
+    /// The known categories.
+    #[serde(skip)]
+    pub categories: Vec<String>,
+}
+
+/// How well contacts with unknown objects are found.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct OutlierFigures {
+    /// Area under the curve.
+    pub outlier_roc_area: Option<f64>,
+    /// Share of the outlier's taxel frames found at one false alarm in twenty.
+    pub outliers_found: Option<f64>,
+    /// Area under the curve of the second outlier, on which nothing was chosen.
+    pub second_outlier_roc_area: Option<f64>,
+    /// Share of its taxel frames found at one false alarm in twenty.
+    pub second_outliers_found: Option<f64>,
+}
+
+/// Verdicts on the taxel frames of known categories in the test reaches of one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneFigures {
+    /// The scene.
+    pub scene: String,
+    /// Taxel frames.
+    pub taxel_frames: usize,
+    /// Share that is right.
+    pub right: f64,
+    /// Share that is wrong: another category, unknown, or nothing.
+    pub wrong: f64,
+    /// Share that is uncertain.
+    pub uncertain: f64,
+}
+
+/// Fits the networks and judges reaches that were held out.
+pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+    let Some(section) = &session.experiment.file.verdicts else {
+        return Ok(Outcome { verdicts: None });
+    };
+    let recordings = recordings(session, section)?;
+    let tests = session.once(reaches::run)?;
+    session.stage("Verdicts", || {
+        let options = TouchOptions {
+            patch: session.experiment.file.trials.patch.clone(),
+            threshold_n: session.experiment.file.trials.threshold_n,
+        };
+        let mut examples = TouchExamples::new(options);
+        for recording in &recordings {
+            examples.add(recording)?;
+        }
+        let folds = 0..FOLDS;
+        let held_out: Vec<Result<TouchEvaluation, ExperimentError>> = folds
+            .into_par_iter()
+            .map(|fold| held_out(&examples, &recordings, fold))
+            .collect();
+        let mut all = TouchEvaluation::default();
+        for fold in held_out {
+            all.add(fold?);
+        }
+        let model = Arc::new(examples.fit()?);
+        let known = tests.engineered.iter().map(|(_, found)| found).chain(&tests.general);
+        let known: Vec<(String, TouchEvaluation)> =
+            known.map(|found| judge(&model, found)).collect::<Result<_, _>>()?;
+        let unknown = |found: &Option<Found>| found.as_ref().map(|found| judge(&model, found)).transpose();
+        let unknown = [unknown(&tests.outlier)?, unknown(&tests.second_outlier)?];
+        let curves = unknown.map(|own| own.and_then(|(_, own)| curve(&own, &known)));
+        let verdicts = Verdicts::of(model.categories().to_vec(), all, &known, curves, recordings.len());
+        Ok(Outcome {
+            verdicts: Some(verdicts),
+        })
+    })
+}
+
+/// The reaches of the training scenes, and those of the mixed scene.
+fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, ExperimentError> {
+    let data = session.once(training::run)?;
+    let dataset = &data.dataset;
+    let mut recordings: Vec<Recording> = (0..dataset.episodes().len())
+        .map(|index| dataset.read_reach(index))
+        .collect::<Result<_, _>>()?;
+    session.stage("Mixed training reaches", || {
+        let plan = reaches::plan(session.experiment, &section.scene, session.seed)?;
+        let count = section.reaches(session.quick);
+        let progress = session.progress.count("reaches", count, 0);
+        let mixed: Vec<Result<Recording, ExperimentError>> = (0..count)
+            .into_par_iter()
+            .map(|index| {
+                let recording = plan.run(FIRST_INDEX + index, &mut |_, _| {})?;
+                progress.advance();
+                Ok(recording)
+            })
+            .collect();
+        for recording in mixed {
+            recordings.push(recording?);
+        }
+        Ok(recordings)
+    })
+}
+
+/// Judges every `FOLDS`-th recording by networks fitted to the others.
+fn held_out(
+    examples: &TouchExamples,
+    recordings: &[Recording],
+    fold: usize,
+) -> Result<TouchEvaluation, ExperimentError> {
+    let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit()?);
+    let mut evaluation = TouchEvaluation::default();
+    for recording in recordings.iter().skip(fold).step_by(FOLDS) {
+        evaluation.add(TouchEvaluation::of(&model, recording)?);
+    }
+    Ok(evaluation)
+}
+
+/// The verdicts on all reaches of a scene.
+fn judge(model: &Arc<TouchModel>, found: &Found) -> Result<(String, TouchEvaluation), ExperimentError> {
+    let mut evaluation = TouchEvaluation::default();
+    for recording in &found.reaches {
+        evaluation.add(TouchEvaluation::of(model, recording)?);
+    }
+    Ok((found.scene.clone(), evaluation))
+}
+
+/// The curve of contacts with unknown objects against all contacts with known ones, by taxel frames.
+fn curve(own: &TouchEvaluation, known: &[(String, TouchEvaluation)]) -> Option<RocCurve> {
+    let by_taxel = |distance: &TouchDistance| std::iter::repeat_n(distance.distance, distance.taxels);
+    let positives: Vec<f64> = own
+        .distances
+        .iter()
+        .filter(|own| !own.is_known)
+        .flat_map(by_taxel)
+        .collect();
+    let others = known.iter().flat_map(|(_, known)| &known.distances);
+    let negatives: Vec<f64> = own
+        .distances
+        .iter()
+        .chain(others)
+        .filter(|own| own.is_known)
+        .flat_map(by_taxel)
+        .collect();
+    RocCurve::of(&positives, &negatives)
+}
+
+impl Verdicts {
+    fn of(
+        categories: Vec<String>,
+        held_out: TouchEvaluation,
+        known: &[(String, TouchEvaluation)],
+        curves: [Option<RocCurve>; 2],
+        training_reaches: usize,
+    ) -> Self {
+        let spurious = held_out.tallies.first().copied().unwrap_or_default();
+        let touched = held_out.known();
+        let share = |part: usize, all: usize| (all > 0).then(|| part as f64 / all as f64);
+        let contacts = held_out.contacts.len();
+        let count = |category: usize| held_out.contacts.iter().filter(|own| own.category == category).count();
+        let mut until_right: Vec<usize> = held_out
+            .contacts
+            .iter()
+            .filter_map(|own| own.samples_until_right)
+            .collect();
+        until_right.sort_unstable();
+        let scene = |(scene, own): &(String, TouchEvaluation)| SceneFigures::of(scene, &own.known());
+        Verdicts {
+            touched_balanced_accuracy: held_out.balanced_accuracy(categories.len(), |own| own.at_end),
+            first_tenth_second_balanced_accuracy: held_out
+                .balanced_accuracy(categories.len(), |own| own.after_tenth_second),
+            contacts,
+            largest_category_share: (0..categories.len())
+                .map(count)
+                .max()
+                .and_then(|most| share(most, contacts)),
+            median_samples_until_right: until_right.get(until_right.len() / 2).copied(),
+            ever_right: share(until_right.len(), contacts),
+            spurious_called_nothing: share(spurious.right, spurious.total()),
+            touches_lost: share(touched.nothing, touched.total()),
+            expected_calibration_error: held_out.expected_calibration_error(),
+            brier_score: held_out.brier_score(),
+            outlier: OutlierFigures::of(&curves),
+            scenes: known.iter().filter_map(scene).collect(),
+            training_reaches,
+            held_out,
+            curves,
+            categories,
+        }
+    }
+}
+
+impl OutlierFigures {
+    fn of([first, second]: &[Option<RocCurve>; 2]) -> Self {
+        let area = |curve: &Option<RocCurve>| curve.as_ref().map(|curve| curve.area);
+        let found = |curve: &Option<RocCurve>| {
+            let points = curve.iter().flat_map(|curve| &curve.points);
+            let allowed = points.filter(|point| point.false_positive_rate <= FALSE_ALARMS);
+            allowed.map(|point| point.true_positive_rate).reduce(f64::max)
+        };
+        OutlierFigures {
+            outlier_roc_area: area(first),
+            outliers_found: found(first),
+            second_outlier_roc_area: area(second),
+            second_outliers_found: found(second),
+        }
+    }
+}
+
+impl SceneFigures {
+    fn of(scene: &str, tally: &TouchTally) -> Option<Self> {
+        let total = tally.total();
+        let share = |count: usize| count as f64 / total as f64;
+        (total > 0).then(|| SceneFigures {
+            scene: scene.to_owned(),
+            taxel_frames: total,
+            right: share(tally.right),
+            wrong: share(tally.wrong),
+            uncertain: share(tally.uncertain),
+        })
+    }
+}
