@@ -20,7 +20,7 @@ except ImportError as missing:
     sys.exit(f"{missing}: install the peers first, `pip install -r benches/peers/requirements.txt`")
 
 from elastica import Blade
-from engines import IMPEDANCE, ours
+from engines import IMPEDANCE, Peer, our_run, ours
 from mujoco_model import Builder, text
 
 # Rotation of the leaf and slope of the forearm's axis, degrees.
@@ -28,9 +28,11 @@ CASES = {"facing": (0, 0), "oblique": (30, 20)}
 SPEED_M_PER_S = 0.1
 # Hinges of the blade, the default first.
 SEGMENTS = [4, 8, 16]
-# Steps here, s, the default first; the one for tables about something else.
+# Steps here, s, the default first, and the one where another thing is varied.
 OUR_STEPS = [0.005, 0.0025, 0.001, 0.0005]
 FINE = 0.001
+# Drawn leaves that the whole arm meets, and MuJoCo's step there, s.
+DRAWN, PEER_DRAWN_STEP = 5, 0.0005
 # MuJoCo's settings, and what one of them changes at a time. Its second contact of a pair is left out, because it stays on
 # the blade's face when the forearm already rolls over the edge of the tip.
 PEER = {"step_s": 0.0001, "contact_hz": 100, "impratio": 1, "cone": "elliptic", "multiccd": "disable", "capsule": False}
@@ -185,6 +187,24 @@ def compare_elastica():
     show(f"{segments} hinges, at a fifth of the speed and {5e3 * FINE:g} ms", forces, at_frames(found, setup), setup)
 
 
+def compare_drawn():
+    """The whole arm with one drawn leaf, there and back, as in `compare.py`: total force on the arm."""
+    print("\n| drawn leaf | ours / N | MuJoCo: mean; median distance | the same with impratio 20 |\n|---|---|---|---|")
+    for layout in range(DRAWN):
+        setup = ours("setup", 1, layout)
+        forces = np.array(our_run(1, layout, FINE, False)["force_on_links_n"]).sum(axis=1)
+        mean = np.linalg.norm(forces, axis=1).mean()
+        cells = []
+        for impratio in ("1", "20"):
+            options = {"integrator": "implicitfast", "solver": "Newton", "cone": "elliptic", "impratio": impratio}
+            peer = Peer(setup, PEER_DRAWN_STEP, options, {"sleep": "disable", "multiccd": "disable"}).forces().sum(axis=1)
+            size = np.linalg.norm(peer, axis=1)
+            touching = (size > 0.01) | (np.linalg.norm(forces, axis=1) > 0.01)
+            distance = np.median(np.linalg.norm(peer - forces, axis=1)[touching])
+            cells.append(f"{100 * (size.mean() / mean - 1):+.2f} %; {1e3 * distance:.1f} mN")
+        print(f"| {layout} | {mean:.4f} | {' | '.join(cells)} |", flush=True)
+
+
 def main():
     subprocess.run(["cargo", "build", "--release", "--example", "foliage_peer"], check=True)
     setup, _ = here(SEGMENTS[0], OUR_STEPS[0], "facing")
@@ -193,6 +213,7 @@ def main():
     compare_elastica()
     for case in CASES:
         compare(case)
+    compare_drawn()
 
 
 if __name__ == "__main__":
