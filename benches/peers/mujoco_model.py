@@ -60,13 +60,10 @@ def text(numbers):
     return " ".join(repr(float(number)) for number in np.ravel(numbers))
 
 
-# Turns MuJoCo's z, along which its cylinders and capsules lie, into the y of this project's engine.
-
-
 class Builder:
     """Writes MJCF. `options` are attributes of <option>, `flags` of <flag>."""
 
-    def __init__(self, setup, options, flags, impedance, sleep):
+    def __init__(self, setup, options, flags, impedance, sleep, contact_hz=CONTACT_FREQUENCY_HZ):
         self.setup = setup
         self.sleep = sleep
         self.root = ElementTree.Element("mujoco", model="sweep")
@@ -77,7 +74,7 @@ class Builder:
         self.world = self.add(self.root, "worldbody")
         self.contact = self.add(self.root, "contact")
         self.actuator = self.add(self.root, "actuator")
-        self.solver = solver_parameters(setup, impedance)
+        self.solver = solver_parameters(impedance, contact_hz)
         self.arm = set(setup["arm"]["bodies"])
         shapes = [shape for tree in setup["trees"] for link in tree if link["body"] not in self.arm
                   for shape in link["colliders"]]
@@ -176,7 +173,7 @@ class Builder:
             given = {"type": "mesh", "mesh": name, **pose.attributes()}
         # This project's engine takes the mean of both coefficients; in MuJoCo the geom of higher priority decides.
         friction = (collider["friction"] + self.leaf_friction) / 2
-        self.add(body, "geom", contype=collider["memberships"], conaffinity=collider["filter"] & 0x7FFFFFFF,
+        self.add(body, "geom", contype=collider["memberships"] & 0x7FFFFFFF, conaffinity=collider["filter"] & 0x7FFFFFFF,
                  condim=3, priority=int(is_arm), friction=text([friction, 0.005, 0.0001]), mass=0, **self.solver,
                  **given)
 
@@ -196,7 +193,7 @@ def moved(joint, pose):
             "direction": pose.rotation @ joint["direction"]}
 
 
-def solver_parameters(setup, impedance):
+def solver_parameters(impedance, contact_hz):
     """Contact springs of the same stiffness m ω² and damping 2 ζ m ω at the effective mass m.
 
     MuJoCo's constraint pushes with m d/(1 − d) (a_ref − a), a_ref = −b v − k r, b = damping/d, k = stiffness/d
@@ -204,7 +201,7 @@ def solver_parameters(setup, impedance):
     impedance d; d then only sets the inertia m d/(1 − d) that the contact adds. Negative numbers stand for stiffness
     and damping given directly.
     """
-    omega = 2 * math.pi * CONTACT_FREQUENCY_HZ
+    omega = 2 * math.pi * contact_hz
     damping = 2 * omega
     d = impedance
     return {"solref": text([-(1 - d) * omega**2, -(1 - d) * damping]), "solimp": text([d, d, 0.001, 0.5, 2])}

@@ -1,9 +1,10 @@
-//! This project's side of `benches/peers/compare.py`: writes the sweep as JSON, read back from the engine, or
-//! runs it and writes the forces on the arm and the processor time.
+//! This project's side of `benches/peers/compare.py` and `slide.py`: writes the sweep as JSON, read back from the engine,
+//! or runs it and writes the forces on the arm and the processor time.
 //!
 //!     foliage_peer setup LEAVES LAYOUT
-//!     foliage_peer run LEAVES LAYOUT STEP_S SUBSTEPS DORMANCY(true|false)
+//!     foliage_peer run LEAVES LAYOUT STEP_S DORMANCY(true|false)
 //!     foliage_peer statics
+//!     foliage_peer slide SEGMENTS STEP_S ROTATION_DEG SLOPE_DEG SPEED_M_PER_S SKIN(true|false)
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::io::Write;
@@ -17,8 +18,10 @@ use underbrush_sim::physics::{ENGINE, PhysicsOptions};
 use underbrush_sim::scene::PhysicsSection;
 use underbrush_sim::simulation::rig::{BodyId, ColliderDescription, LinkDescription, Rig};
 
+use slide::{Case, slide};
 use sweep::Sweep;
 
+mod slide;
 mod sweep;
 
 fn main() {
@@ -34,6 +37,24 @@ fn main() {
             run(bare(sweep_of(leaves, layout)), options, dormancy.parse().unwrap())
         }
         ["statics"] => statics(),
+        [
+            "slide",
+            segments,
+            step_s,
+            rotation_deg,
+            slope_deg,
+            speed_m_per_s,
+            has_skin,
+        ] => {
+            let case = Case {
+                segments: segments.parse().unwrap(),
+                rotation_rad: rotation_deg.parse::<f64>().unwrap().to_radians(),
+                slope_rad: slope_deg.parse::<f64>().unwrap().to_radians(),
+                speed_m_per_s: speed_m_per_s.parse().unwrap(),
+                has_skin: has_skin.parse().unwrap(),
+            };
+            slide(&case, step_s.parse().unwrap())
+        }
         _ => panic!("see the head of benches/peers/underbrush.rs"),
     };
     serde_json::to_writer(std::io::stdout().lock(), &result).unwrap();
@@ -154,20 +175,25 @@ fn processor_time_s() -> f64 {
 fn setup(sweep: &Sweep) -> Value {
     let options = PhysicsSection::default().options();
     let (mut rig, links, _) = rig(sweep, options);
-    let description = rig.describe();
-    let trees: Vec<Vec<Value>> = description
-        .trees
-        .iter()
-        .map(|tree| tree.iter().map(link).collect())
+    let mut setup = bodies_and_joints(&mut rig);
+    setup["arm"] = arm(sweep, &links);
+    setup["equilibrium_rad"] = (0..Sweep::frames())
+        .map(|frame| Sweep::equilibrium_rad(&sweep.arm, frame))
         .collect();
+    setup
+}
+
+/// What is on a rig, and the engine's settings.
+fn bodies_and_joints(rig: &mut Rig) -> Value {
+    let options = rig.physics();
+    let trees = rig.describe().trees;
+    let trees: Vec<Vec<Value>> = trees.iter().map(|tree| tree.iter().map(link).collect()).collect();
     json!({
         "engine": ENGINE,
         "frame_period_s": underbrush_recording::FRAME_PERIOD_S,
         "gravity_m_per_s2": options.gravity_m_per_s2,
         "default_step_s": options.step_s,
-        "arm": arm(sweep, &links),
         "trees": trees,
-        "equilibrium_rad": (0..Sweep::frames()).map(|frame| Sweep::equilibrium_rad(&sweep.arm, frame)).collect::<Vec<_>>(),
     })
 }
 

@@ -122,7 +122,7 @@ impl ContactStep {
         self.surfaces[index] = Some(surface);
     }
 
-    fn surface(&self, collider: ColliderHandle) -> Option<Surface> {
+    pub(super) fn surface(&self, collider: ColliderHandle) -> Option<Surface> {
         *self.surfaces.get(collider.into_raw_parts().0 as usize)?
     }
 

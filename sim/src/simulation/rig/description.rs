@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
+use crate::contact::surface::Surface;
 use crate::geometry::from_parry;
 use crate::simulation::engine::Engine;
 
@@ -125,7 +126,7 @@ fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
                 colliders: body
                     .colliders()
                     .iter()
-                    .filter_map(|handle| collider(&engine.colliders[*handle]))
+                    .filter_map(|handle| collider(&engine.colliders[*handle], engine.contact_step.surface(*handle)?))
                     .collect(),
             }
         })
@@ -133,7 +134,7 @@ fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
 }
 
 /// A collision shape; `None` for one that no recording knows, which nothing here builds.
-fn collider(collider: &Collider) -> Option<ColliderDescription> {
+fn collider(collider: &Collider, surface: Surface) -> Option<ColliderDescription> {
     let shape = collider.shape();
     // The engine's cylinders lie along y, and its capsules between any two points.
     let along = |axis: DVec3| WorldPose::from_orientation(glam::DQuat::from_rotation_arc(DVec3::Z, axis));
@@ -167,7 +168,32 @@ fn collider(collider: &Collider) -> Option<ColliderDescription> {
             shape,
             pose_body: pose * shape_pose,
         },
-        friction: collider.friction(),
+        friction: surface.friction,
         groups: [groups.memberships.bits(), groups.filter.bits()],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::arm::Arm;
+    use crate::physics::PhysicsOptions;
+    use crate::simulation::rig::Rig;
+
+    /// Pins that the friction of a shape is that of its surface; the engine's own coefficients are not used.
+    #[test]
+    fn friction_is_that_of_the_surface() {
+        let arm = Arm {
+            friction: 0.27,
+            ..Arm::cody().unwrap()
+        };
+        let mut rig = Rig::new(PhysicsOptions {
+            step_s: 0.005,
+            gravity_m_per_s2: 9.81,
+        });
+        rig.add_arm(&arm);
+        let trees = rig.describe().trees;
+        let shapes: Vec<_> = trees.iter().flatten().flat_map(|link| &link.colliders).collect();
+        assert!(!shapes.is_empty());
+        assert!(shapes.iter().all(|shape| shape.friction == arm.friction));
+    }
 }
