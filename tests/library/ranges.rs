@@ -76,6 +76,7 @@ fn run(plan: &ReachPlan, clutter: Clutter, what: &str) {
 #[test]
 fn ends_of_a_scene_s_ranges_can_be_simulated() {
     let roll = "[[objects.foam_roll]]\ncount = 1\nplace = { x_m = 0.25, y_m = 0.1 }\n";
+    let bottle = "[[objects.water_bottle]]\ncount = 1\nplace = { x_m = 0.5, y_m = 0.1 }\n";
     #[rustfmt::skip]
     let ends = [
         ("[physics]\ngravity_m_per_s2 = V\n", ["0", "30"]),
@@ -103,10 +104,21 @@ fn ends_of_a_scene_s_ranges_can_be_simulated() {
         ("ROLLrelaxing_share = V\n", ["0", "0.95"]),
         ("ROLLrelaxation_time_s = V\n", ["0.01", "1000"]),
         ("ROLLdensity_kg_per_m3 = V\n", ["1", "1000"]),
+        ("BOTTLEdiameter_m = V\n", ["0.02", "0.5"]),
+        ("BOTTLEheight_m = V\n", ["0.05", "2"]),
+        ("BOTTLEempty_mass_kg = V\n", ["0.01", "30"]),
+        ("BOTTLEwater_mass_kg = V\ndiameter_m = 0.5\nheight_m = 2\n", ["0", "300"]),
+        ("BOTTLEfriction = V\n", ["0", "2"]),
     ];
     for (section, values) in ends {
         for value in values {
-            let text = format!("{AROUND}\n{}", section.replace("ROLL", roll).replace('V', value));
+            let text = format!(
+                "{AROUND}\n{}",
+                section
+                    .replace("ROLL", roll)
+                    .replace("BOTTLE", bottle)
+                    .replace('V', value)
+            );
             let scene = Scene::parse("ends.toml", text.clone()).unwrap();
             stays_finite(&ReachPlan::new(scene, None, 0).unwrap(), &text);
         }

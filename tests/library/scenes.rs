@@ -32,14 +32,14 @@ fn plan(path: &Path, seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::load(path).unwrap(), None, seed).unwrap()
 }
 
-/// Pins that the four environments of the paper and the ten engineered scenes exist, five per category.
+/// Pins that the four environments of the paper, the second outlier and the ten engineered scenes exist, five per category.
 #[test]
 fn all_that_the_readers_are_told_of_are_there() {
     let names: Vec<String> = scenes()
         .iter()
         .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
         .collect();
-    for name in ["leaf", "trunk", "mixed", "outlier"] {
+    for name in ["leaf", "trunk", "mixed", "outlier", "bottle"] {
         assert!(names.iter().any(|found| found == name), "no scene {name}");
     }
     for prefix in ["leaf-", "trunk-"] {
@@ -123,7 +123,7 @@ fn contacts_at_start(plan: &ReachPlan) -> usize {
 
 /// Pins that the arm truly touches only leaves or foam in leaf scenes and only trunks or foam in trunk scenes, and
 /// that in the five scenes of a category it does touch that category. Pins that in 1,000 draws of every scene each
-/// goal is 6 cm or more from every trunk and roll, from its surface as an upright cylinder, and that every one of
+/// goal is 6 cm or more from every trunk, roll and bottle, from its surface as an upright cylinder, and that every one of
 /// these draws finds its goals.
 #[test]
 fn goals_are_clear_of_trunks_and_rolls() {
@@ -156,10 +156,10 @@ fn goals_are_clear_of_trunks_and_rolls() {
     );
 }
 
-/// The foot of a trunk or roll, m, with its radius and height, m.
+/// The foot of a trunk, roll or bottle, m, with its radius and height, m.
 fn cylinder(placed: &PlacedObject) -> Option<[[f64; 3]; 2]> {
-    match (placed.object.category(), placed.object.footprint()) {
-        (Category::TRUNK | Category::OUTLIER, Footprint::Disc(radius)) => {
+    match (placed.object.kind(), placed.object.footprint()) {
+        ("trunk" | "foam_roll" | "water_bottle", Footprint::Disc(radius)) => {
             Some([placed.foot_world.to_array(), [radius, placed.object.height_m(), 0.0]])
         }
         _ => None,

@@ -34,6 +34,7 @@ mod series;
 mod shortfall;
 mod skin_forces;
 mod skin_layer;
+mod standing_bottle;
 mod wrong_parameter;
 
 pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
@@ -63,6 +64,7 @@ pub const CHECKS: &[Check] = &[
     sensor::CHECK,
     hmm::CHECK,
     contact_law::CHECK,
+    standing_bottle::CHECK,
 ];
 
 #[cfg(test)]

@@ -20,6 +20,7 @@ pub mod structure;
 pub mod trunk;
 #[cfg(test)]
 pub mod wand;
+pub mod water_bottle;
 
 pub use structure::Structure;
 
@@ -32,6 +33,8 @@ macro_rules! for_each_object_kind {
             trunk: $crate::object::trunk::TrunkSpecification,
             /// Soft rolls, foreign to the foliage.
             foam_roll: $crate::object::foam_roll::FoamRollSpecification,
+            /// Nearly empty water bottles that slide on the table, foreign to the foliage.
+            water_bottle: $crate::object::water_bottle::WaterBottleSpecification,
             /// Blocks of the ground platform.
             foam_block: $crate::object::foam_block::FoamBlockSpecification,
             /// Bendable leaves that stand in foam.
@@ -128,6 +131,9 @@ pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 /// Coefficient of friction between the skin and whatever it touches. The paper gives none; 0.2–0.4 is usual for fabric and
 /// silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;
+
+/// Coefficient of friction of the table. Choice: that of the skin, so that an object slides on both alike.
+pub const TABLE_FRICTION: f64 = 0.4;
 
 #[cfg(test)]
 mod tests;

@@ -42,6 +42,25 @@ pub struct Joint {
     pub free_axes: Vec<(Axis, Spring)>,
 }
 
+impl Joint {
+    /// A joint that holds nothing: all six axes are free and have no spring. Contacts act on bodies with joints only.
+    pub fn free(parent: usize, origin_parent: DVec3) -> Self {
+        let axes = [
+            Axis::TranslationX,
+            Axis::TranslationY,
+            Axis::TranslationZ,
+            Axis::RotationX,
+            Axis::RotationY,
+            Axis::RotationZ,
+        ];
+        Joint {
+            parent,
+            origin_parent,
+            free_axes: axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).to_vec(),
+        }
+    }
+}
+
 /// A degree of freedom of a joint, along or about an axis of the joint frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
@@ -145,6 +164,9 @@ pub enum CollisionGroup {
     /// The lowest part of something that bends. It may stand inside foam, so it does not collide with
     /// [`CollisionGroup::Fixed`] bodies.
     Rooted,
+    /// Something that no joint holds: it collides with every group, and with the table, which lies at the height of the
+    /// object's foot.
+    Standing,
 }
 
 impl Body {

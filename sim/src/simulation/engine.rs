@@ -5,7 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::contact_step::{ContactStep, Parts};
 use crate::contact::surface::Surface;
+use crate::object::TABLE_FRICTION;
 use crate::physics::PhysicsOptions;
+
+/// Half the sizes of the table, m. Choice: larger than any table, so that nothing falls off. A bottle that is tipped over and
+/// rolls away with the hand's speed, 0.2 m/s, covers 12 m in a minute.
+const TABLE_HALF_SIZES_M: Vector = Vector::new(20.0, 20.0, 0.05);
 
 /// Tells the engine not to compute contacts. It would reuse contact points and normals while shapes slide by up to a millimetre
 /// at a time; on a round trunk the errors add up to several millimetres.
@@ -33,6 +38,8 @@ pub struct Engine {
     pub narrow_phase: NarrowPhase,
     /// Contacts of the last step.
     pub(super) contact_step: ContactStep,
+    /// The heights of the tables that are laid, m.
+    tables_m: Vec<f64>,
     #[serde(skip, default = "PhysicsPipeline::new")]
     pipeline: PhysicsPipeline,
     islands: IslandManager,
@@ -53,6 +60,7 @@ impl Clone for Engine {
             joints: self.joints.clone(),
             narrow_phase: self.narrow_phase.clone(),
             contact_step: self.contact_step.clone(),
+            tables_m: self.tables_m.clone(),
             pipeline: PhysicsPipeline::new(),
             islands: self.islands.clone(),
             broad_phase: self.broad_phase.clone(),
@@ -89,6 +97,7 @@ impl Engine {
             joints: MultibodyJointSet::new(),
             narrow_phase: NarrowPhase::new(),
             contact_step: ContactStep::default(),
+            tables_m: Vec::new(),
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
             broad_phase: BroadPhaseBvh::new(),
@@ -112,6 +121,23 @@ impl Engine {
         let shape = self.colliders[collider].shape();
         self.contact_step.add_collider(collider, shape, surface);
         collider
+    }
+
+    /// Lays a table whose top is at a height, m, unless there is one. Only what stands free collides with it.
+    pub fn lay_table(&mut self, height_m: f64) {
+        if self.tables_m.contains(&height_m) {
+            return;
+        }
+        self.tables_m.push(height_m);
+        let body = RigidBodyBuilder::fixed().translation(Vector::new(0.0, 0.0, height_m - TABLE_HALF_SIZES_M.z));
+        let body = self.bodies.insert(body);
+        let top = ColliderBuilder::new(SharedShape::cuboid(
+            TABLE_HALF_SIZES_M.x,
+            TABLE_HALF_SIZES_M.y,
+            TABLE_HALF_SIZES_M.z,
+        ));
+        let top = top.density(0.0).collision_groups(groups::table());
+        self.insert_collider(top, Surface::hard(TABLE_FRICTION), body);
     }
 
     /// The pose of a collider, world frame. The engine's own copy is that of the start of the last step.
@@ -186,13 +212,14 @@ pub mod groups {
     const FIXED: Group = Group::GROUP_2;
     const BENDABLE: Group = Group::GROUP_3;
     const ROOTED: Group = Group::GROUP_4;
+    const TABLE: Group = Group::GROUP_5;
 
     /// Links of the arm: they collide with everything but each other.
     pub fn arm() -> InteractionGroups {
         InteractionGroups::new(ARM, FIXED | BENDABLE | ROOTED, InteractionTestMode::And)
     }
 
-    /// Trunks, foam blocks and the table.
+    /// Trunks and foam blocks.
     pub fn fixed() -> InteractionGroups {
         InteractionGroups::new(FIXED, ARM | BENDABLE, InteractionTestMode::And)
     }
@@ -205,5 +232,16 @@ pub mod groups {
     /// The lowest part of a leaf or roll. It stands inside foam, with which it must not collide.
     pub fn rooted() -> InteractionGroups {
         InteractionGroups::new(ROOTED, ARM | BENDABLE, InteractionTestMode::And)
+    }
+
+    /// What stands free on the table: as moving parts, and it collides with the table.
+    pub fn standing() -> InteractionGroups {
+        let others = ARM | FIXED | BENDABLE | ROOTED | TABLE;
+        InteractionGroups::new(BENDABLE, others, InteractionTestMode::And)
+    }
+
+    /// The table. Other moving parts belong to the group that it collides with, but do not collide with it.
+    pub fn table() -> InteractionGroups {
+        InteractionGroups::new(TABLE, BENDABLE, InteractionTestMode::And)
     }
 }

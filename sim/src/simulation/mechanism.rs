@@ -41,6 +41,9 @@ impl Mechanism {
         };
         let mut mechanism = Mechanism::default();
         for body in &structure.bodies {
+            if body.collision_group == CollisionGroup::Standing {
+                engine.lay_table(foot_world.z);
+            }
             mechanism.insert_body(engine, body, structure.surface, foot_pose_world);
         }
         mechanism.finish(engine);
@@ -217,6 +220,7 @@ fn engine_groups(group: CollisionGroup) -> InteractionGroups {
         CollisionGroup::Fixed => groups::fixed(),
         CollisionGroup::Bendable => groups::bendable(),
         CollisionGroup::Rooted => groups::rooted(),
+        CollisionGroup::Standing => groups::standing(),
     }
 }
 

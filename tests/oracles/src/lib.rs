@@ -11,7 +11,7 @@
 //! | damped oscillators, exact and under implicit Euler | [`oscillator`] |
 //! | an elastic layer over a hard body (Winkler) | [`foundation`] |
 //! | foam: bars, sag, standard linear solids | [`foam`] |
-//! | friction on a slope, stiffnesses in series | [`statics`] |
+//! | friction on a slope, stiffnesses in series, cylinders that tip over | [`statics`] |
 //! | probability of a sequence as the sum over all paths | [`markov`] |
 //! | orders of convergence | [`order`] |
 

@@ -3,6 +3,7 @@
 mod foam_block;
 mod foam_roll;
 mod leaf;
+mod water_bottle;
 
 use glam::DVec3;
 

@@ -1,0 +1,157 @@
+//! Water bottle: an outlier that stands free on the table, and slides or tips over when it is pushed.
+
+mod specification;
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use underbrush_recording::{BodyShape, Category};
+
+use super::structure::{Body, CollisionGroup, Inertia, Joint, Structure, part};
+use super::{Object, TABLE_FRICTION};
+use crate::contact::surface::Surface;
+use crate::geometry::Footprint;
+
+pub use specification::WaterBottleSpecification;
+
+/// The category of water bottles. Like the foam roll, a bottle does not belong to the foliage; it has a category of its own
+/// because it feels different from a roll.
+pub const CATEGORY: Category = Category::new("bottle", 4).expect("a valid name and a free code");
+
+const WATER_DENSITY_KG_PER_M3: f64 = 1000.0;
+
+/// One bottle of a water dispenser, nearly empty. It is a rigid upright cylinder that no joint holds: it stands on the table
+/// by contact alone.
+///
+/// Pushed slowly below the height r / μ it slides, and resists with μ m g however far it has been pushed. Pushed higher up it
+/// tips over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaterBottle {
+    /// Diameter, m.
+    pub diameter_m: f64,
+    /// Height, m.
+    pub height_m: f64,
+    /// Mass of the empty bottle, kg.
+    pub empty_mass_kg: f64,
+    /// Mass of the water in it, kg.
+    pub water_mass_kg: f64,
+    /// Coefficient of friction of its surface. A contact has the mean of the coefficients of its two surfaces.
+    pub friction: f64,
+}
+
+impl WaterBottle {
+    /// Mass with the water, kg.
+    pub fn mass_kg(&self) -> f64 {
+        self.empty_mass_kg + self.water_mass_kg
+    }
+
+    /// Coefficient of friction between bottle and table.
+    pub fn friction_on_table(&self) -> f64 {
+        self.surface().with(&Surface::hard(TABLE_FRICTION)).friction
+    }
+
+    /// Height of the centre of mass over the table, m: the shell's is half-way up, the water's is half-way up its level.
+    pub fn center_of_mass_m(&self) -> f64 {
+        (self.empty_mass_kg * self.height_m + self.water_mass_kg * self.water_level_m()) / (2.0 * self.mass_kg())
+    }
+
+    /// Mass of the water that it can hold, kg.
+    pub fn capacity_kg(&self) -> f64 {
+        WATER_DENSITY_KG_PER_M3 * PI * self.radius_m().powi(2) * self.height_m
+    }
+
+    fn radius_m(&self) -> f64 {
+        self.diameter_m / 2.0
+    }
+
+    fn water_level_m(&self) -> f64 {
+        self.water_mass_kg / (WATER_DENSITY_KG_PER_M3 * PI * self.radius_m().powi(2))
+    }
+
+    /// About the centre of mass, which is the origin of the body's frame. Choices: all plastic is in the wall, and the water
+    /// moves as if it were frozen, because slow pushes hardly make it slosh.
+    fn inertia(&self) -> Inertia {
+        let (radius, height) = (self.radius_m(), self.height_m);
+        // A thin-walled cylinder without ends: (m/12) (6 r² + h²) across, m r² about its axis.
+        let wall_across = self.empty_mass_kg * (6.0 * radius * radius + height * height) / 12.0;
+        let wall = DVec3::new(wall_across, wall_across, self.empty_mass_kg * radius * radius);
+        let water = Inertia::of_cylinder(self.water_mass_kg, radius, self.water_level_m());
+        // Both are shifted along the axis to the common centre of mass.
+        let shift = |mass_kg: f64, center_m: f64| {
+            mass_kg * (center_m - self.center_of_mass_m()).powi(2) * DVec3::new(1.0, 1.0, 0.0)
+        };
+        Inertia {
+            mass_kg: self.mass_kg(),
+            center_of_mass_body: DVec3::ZERO,
+            principal_kg_m2: wall
+                + water.principal_kg_m2
+                + shift(self.empty_mass_kg, height / 2.0)
+                + shift(self.water_mass_kg, self.water_level_m() / 2.0),
+        }
+    }
+
+    /// Hard, as the other shells of plastic are: where a wall bends under a push, it does so locally.
+    fn surface(&self) -> Surface {
+        Surface::hard(self.friction)
+    }
+}
+
+impl Object for WaterBottle {
+    fn kind(&self) -> &'static str {
+        "water_bottle"
+    }
+
+    fn category(&self) -> Category {
+        CATEGORY
+    }
+
+    /// The arm can push it away, but not pass through it.
+    fn is_obstacle(&self) -> bool {
+        true
+    }
+
+    fn may_stand_in_foam(&self) -> bool {
+        false
+    }
+
+    fn footprint(&self) -> Footprint {
+        Footprint::Disc(self.radius_m())
+    }
+
+    fn height_m(&self) -> f64 {
+        self.height_m
+    }
+
+    fn parameters(&self) -> BTreeMap<String, f64> {
+        BTreeMap::from([
+            ("diameter_m".into(), self.diameter_m),
+            ("height_m".into(), self.height_m),
+            ("empty_mass_kg".into(), self.empty_mass_kg),
+            ("water_mass_kg".into(), self.water_mass_kg),
+            ("friction".into(), self.friction),
+        ])
+    }
+
+    fn structure(&self) -> Structure {
+        let center_of_mass = DVec3::Z * self.center_of_mass_m();
+        let cylinder = BodyShape::Cylinder {
+            radius_m: self.radius_m(),
+            length_m: self.height_m,
+        };
+        let bottle = Body {
+            joint: Some(Joint::free(0, center_of_mass)),
+            inertia: self.inertia(),
+            parts: vec![part(cylinder, DVec3::Z * (self.height_m / 2.0) - center_of_mass)],
+            collision_group: CollisionGroup::Standing,
+        };
+        Structure {
+            bodies: vec![Body::foot(), bottle],
+            axisymmetric: true,
+            surface: self.surface(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
