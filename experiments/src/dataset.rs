@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Mutex;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -168,6 +169,20 @@ impl Campaign {
         });
         drop(count);
         Ok(result?)
+    }
+
+    /// Runs the campaign and returns its recordings in their order. They need some 10 MB for a minute of simulated time.
+    pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, ExperimentError> {
+        let found: Mutex<Vec<(usize, Recording)>> = Mutex::default();
+        self.run(progress, |place, recording| {
+            if let Ok(mut found) = found.lock() {
+                found.push((place, recording));
+            }
+            Ok::<(), DiskError>(())
+        })?;
+        let mut found = found.into_inner().unwrap_or_default();
+        found.sort_by_key(|(place, _)| *place);
+        Ok(found.into_iter().map(|(_, recording)| recording).collect())
     }
 
     /// Whether a finished data set is what this campaign would make.

@@ -163,6 +163,24 @@ impl Trials {
         Ok(trials)
     }
 
+    /// The trials of all reaches of a campaign, in their order.
+    pub fn of_recordings(
+        experiment: &Experiment,
+        labelled: &Labelled,
+        recordings: &[Recording],
+    ) -> Result<Self, ExperimentError> {
+        let options = experiment.trial_options();
+        let mut trials = Trials::default();
+        for (place, recording) in recordings.iter().enumerate() {
+            trials.append(
+                place,
+                label_by(&options, labelled, place),
+                Trials::cut(recording, &options)?,
+            );
+        }
+        Ok(trials)
+    }
+
     /// Runs a campaign and keeps only its trials, because the frames of twenty campaigns would fill a disk.
     pub fn of_campaign(
         experiment: &Experiment,

@@ -1,5 +1,6 @@
 //! Fitting a touch model to recordings with ground truth.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -71,9 +72,10 @@ impl TouchExamples {
             let trials = self.reaches.len();
             return Err(ModelError::NoCategories { trials });
         }
+        let folds = self.folds();
         let held_out: Vec<HeldOut> = (0..FOLDS)
             .into_par_iter()
-            .map(|fold| self.hold_out(fold, &categories))
+            .map(|fold| self.hold_out(&folds, fold, &categories))
             .collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
         let regions: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.regions).collect();
@@ -111,18 +113,31 @@ impl TouchExamples {
         self.reaches.iter().flat_map(|reach| &reach.regions)
     }
 
-    /// Judges every `FOLDS`-th reach by a model of the others.
-    fn hold_out(&self, fold: usize, categories: &[String]) -> HeldOut {
-        let (own, others): (Vec<_>, Vec<_>) = self
-            .reaches
-            .iter()
-            .enumerate()
-            .partition(|(index, _)| index % FOLDS == fold);
-        let others: Vec<&Examples> = others.into_iter().map(|(_, reach)| reach.as_ref()).collect();
+    /// The fold of each reach. Reaches that touch the same categories are dealt out in turn, so that every fold has some of them in
+    /// whatever order they come.
+    fn folds<'a>(&'a self) -> Vec<usize> {
+        let mut dealt: BTreeMap<BTreeSet<&'a str>, usize> = BTreeMap::new();
+        let fold = |reach: &'a Arc<Examples>| {
+            let categories = reach.regions.iter().map(|region| region.category.as_str()).collect();
+            let next = dealt.entry(categories).or_default();
+            *next += 1;
+            (*next - 1) % FOLDS
+        };
+        self.reaches.iter().map(fold).collect()
+    }
+
+    /// Judges the reaches of a fold by a model of the others.
+    fn hold_out(&self, folds: &[usize], fold: usize, categories: &[String]) -> HeldOut {
+        let of_fold = |is_own: bool| -> Vec<&Examples> {
+            let reaches = self.reaches.iter().zip(folds);
+            let chosen = reaches.filter(|(_, own)| (**own == fold) == is_own);
+            chosen.map(|(reach, _)| reach.as_ref()).collect()
+        };
+        let others = of_fold(false);
         let touched = touched_network(&others);
         let (category, usual) = category_network(&others, categories);
         let mut held_out = HeldOut::default();
-        for (_, reach) in own {
+        for reach in of_fold(true) {
             for taxel in reach.taxels.iter().filter(|taxel| taxel.is_regular) {
                 let mut scores = vec![0.0; 2];
                 touched.scores(&taxel.features, &mut scores);

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
@@ -47,11 +48,12 @@ macro_rules! shipped {
 }
 
 /// The scenes of the experiment that ships, by their path in its file.
-const SHIPPED_SCENES: [(&str, &str); 14] = shipped![
+const SHIPPED_SCENES: [(&str, &str); 15] = shipped![
     "scenes/leaf.toml",
     "scenes/trunk.toml",
     "scenes/mixed.toml",
     "scenes/outlier.toml",
+    "scenes/bottle.toml",
     "scenes/engineered/leaf-clump.toml",
     "scenes/engineered/leaf-right.toml",
     "scenes/engineered/leaf-row.toml",
@@ -202,6 +204,14 @@ impl Experiment {
             min_samples: self.file.trials.min_samples,
             labels: Labels::Environment,
             ..TrialOptions::default()
+        }
+    }
+
+    /// The options for verdicts on each taxel: the same patch and threshold.
+    pub fn touch_options(&self) -> TouchOptions {
+        TouchOptions {
+            patch: self.file.trials.patch.clone(),
+            threshold_n: self.file.trials.threshold_n,
         }
     }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::Estimator;
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
-use underbrush_recording::Trial;
+use underbrush_recording::{Recording, Trial};
 
 use crate::accuracy::Accuracy;
 use crate::definition::Experiment;
@@ -14,12 +14,22 @@ use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
 use crate::training::{self, Trials};
+use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 
 /// Every classifier, trained and tested at every pair of settings.
 #[derive(Serialize)]
 pub struct Outcome {
     /// By classifier, then by the setting of training, then by that of testing.
     pub splits: Vec<Split>,
+    /// Verdict networks fitted at the scenes' own setting and tested at the others.
+    pub verdict_transfer: Vec<VerdictTransfer>,
+}
+
+/// What is kept of a finished run.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    splits: Vec<Split>,
+    verdict_transfer: Vec<VerdictTransfer>,
 }
 
 /// The accuracy of a classifier that was trained at one setting and tested at another.
@@ -62,16 +72,8 @@ impl Folded {
     pub fn new(name: &str, taxel_trials: &[Trial], reaches: &[u64], counts: &[u64]) -> Self {
         let mut folds = [Vec::new(), Vec::new()];
         for trial in taxel_trials {
-            let Some(mut index) = trial.reach else { continue };
-            for (reaches, count) in reaches.iter().zip(counts) {
-                if index >= *reaches {
-                    index -= reaches;
-                    continue;
-                }
-                if index < *count {
-                    folds[usize::from(2 * index >= *count)].push(trial.clone());
-                }
-                break;
+            if let Some(fold) = trial.reach.and_then(|reach| fold_of(reach, reaches, counts)) {
+                folds[fold].push(trial.clone());
             }
         }
         Folded {
@@ -81,12 +83,34 @@ impl Folded {
     }
 }
 
+/// The fold of a reach in a campaign of `reaches` of each scene, of which the first `counts` are used; `None` for the others.
+fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
+    let mut index = reach;
+    for (reaches, count) in reaches.iter().zip(counts) {
+        if index < *reaches {
+            return (index < *count).then_some(usize::from(2 * index >= *count));
+        }
+        index -= reaches;
+    }
+    None
+}
+
+/// Recordings of a campaign with their folds.
+fn folded(recordings: Vec<(u64, Recording)>, reaches: &[u64], counts: &[u64]) -> FoldedReaches {
+    let folded = recordings.into_iter();
+    let folded = folded.filter_map(|(reach, recording)| Some((fold_of(reach, reaches, counts)?, recording)));
+    folded.collect()
+}
+
 /// Runs the training scenes at the other settings, and tests each setting's classifiers at each.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     if experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty() {
-        return Ok(Outcome { splits: Vec::new() });
+        return Ok(Outcome {
+            splits: Vec::new(),
+            verdict_transfer: Vec::new(),
+        });
     }
     let counts: Vec<u64> = experiment
         .file
@@ -94,20 +118,38 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         .iter()
         .map(|own| own.setting_reaches(session.quick))
         .collect();
-    let splits = session.stage("Other arms and speeds", || {
+    let kept: Kept = session.stage("Other arms and speeds", || {
         session.kept("splits", session.seed, || {
             let reaches = training::reaches(experiment, session.quick);
+            let nominal = (0..).zip(0..data.dataset.episodes().len());
+            let nominal = nominal.filter(|(reach, _)| fold_of(*reach, &reaches, &counts).is_some());
+            let nominal = nominal.map(|(reach, index)| Ok((reach, data.dataset.read_reach(index)?)));
+            let nominal = folded(nominal.collect::<Result<_, ExperimentError>>()?, &reaches, &counts);
+            let mut verdict_transfer = Vec::new();
             let mut settings = vec![Folded::new(NOMINAL, &data.trials.taxel, &reaches, &counts)];
             for setting in &experiment.file.settings {
-                let campaign =
+                let (campaign, labelled) =
                     training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;
-                let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
+                let recordings = campaign.recordings(session.progress)?;
+                let trials = Trials::of_recordings(experiment, &labelled, &recordings)?;
                 settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
+                if experiment.file.verdicts.is_some() {
+                    let here = folded((0..).zip(recordings).collect(), &counts, &counts);
+                    let options = experiment.touch_options();
+                    verdict_transfer.push(VerdictTransfer::of(&setting.name, &options, &here, &nominal)?);
+                }
             }
-            splits(experiment, &settings)
+            let splits = splits(experiment, &settings)?;
+            Ok(Kept {
+                splits,
+                verdict_transfer,
+            })
         })
     })?;
-    Ok(Outcome { splits })
+    Ok(Outcome {
+        splits: kept.splits,
+        verdict_transfer: kept.verdict_transfer,
+    })
 }
 
 /// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::RocCurve;
 use underbrush_classifier::evaluate::touch::{TouchDistance, TouchEvaluation, TouchTally};
-use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{TouchExamples, TouchModel};
 use underbrush_recording::Recording;
 
 use crate::definition::VerdictSection;
@@ -109,11 +109,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let recordings = recordings(session, section)?;
     let tests = session.once(reaches::run)?;
     session.stage("Verdicts", || {
-        let options = TouchOptions {
-            patch: session.experiment.file.trials.patch.clone(),
-            threshold_n: session.experiment.file.trials.threshold_n,
-        };
-        let mut examples = TouchExamples::new(options);
+        let mut examples = TouchExamples::new(session.experiment.touch_options());
         for recording in &recordings {
             examples.add(recording)?;
         }

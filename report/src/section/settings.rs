@@ -27,6 +27,11 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         report.page.table(&table);
         report.print(&table, table.columns.len());
     }
+    if !outcome.verdict_transfer.is_empty() {
+        let table = verdict_table(outcome);
+        report.print(&table, table.columns.len());
+        report.table(table);
+    }
     // The tables above link to it.
     report.tables.push(all(outcome));
 }
@@ -99,6 +104,32 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
     table
         .rows
         .push(std::iter::once("majority baseline".into()).chain(majority).collect());
+    table
+}
+
+/// Verdict networks at each setting.
+fn verdict_table(outcome: &Outcome) -> Table {
+    let columns = [
+        "tested at",
+        "fitted there / %",
+        "fitted nominally / %",
+        "difference / points",
+        "contacts",
+    ];
+    let caption = "Verdicts on touched contacts, balanced over the categories, by networks fitted at the setting and by networks \
+                   fitted to as many reaches at the scenes' own";
+    let mut table = Table::new("verdict_transfer", caption, &columns);
+    for row in &outcome.verdict_transfer {
+        let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
+        let (here, nominal) = (percent(row.fitted_here), percent(row.fitted_nominally));
+        table.rows.push(vec![
+            row.setting.as_str().into(),
+            Cell::optional(here, 1),
+            Cell::optional(nominal, 1),
+            Cell::optional(here.zip(nominal).map(|(here, nominal)| nominal - here), 1),
+            row.contacts.into(),
+        ]);
+    }
     table
 }
 

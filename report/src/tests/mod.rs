@@ -37,6 +37,8 @@ engineered = [
 ]
 general = { scene = "both.toml", reaches = 1, max_draws = 20 }
 outlier = { scene = "roll.toml", reaches = 1, max_draws = 20 }
+second_outlier = { scene = "roll.toml", reaches = 1, max_draws = 20 }
+verdicts = { scene = "both.toml", reaches = 4 }
 settings = [{ name = "twice as stiff", robot = { stiffness_scale = 2.0, hand_speed_scale = 1.0 } }]
 classifiers = [
     { name = "models, force", method = "hmm", features = ["force"], states = 5 },
@@ -219,9 +221,25 @@ fn a_report_is_whole() {
         "speeds",
         "splits",
         "ablation",
+        "verdicts",
+        "verdict_transfer",
         "timing",
     ] {
         assert!(!summary[key].is_null(), "{key}");
+    }
+    for key in [
+        "touched_balanced_accuracy",
+        "first_tenth_second_balanced_accuracy",
+        "outlier_roc_area",
+        "second_outlier_roc_area",
+        "spurious_called_nothing",
+        "expected_calibration_error",
+    ] {
+        let share = summary["verdicts"][key].as_f64();
+        assert!(
+            share.is_some_and(|share| (0.0..=1.0).contains(&share)),
+            "{key}: {share:?}"
+        );
     }
     let table = summary["table_1"].as_array().unwrap();
     assert_eq!(table.len(), 8);

@@ -58,6 +58,10 @@ const FIRST_EXTENT_M: f64 = 0.004;
 const MAX_EXTENT_M: f64 = 1.0;
 /// Extents are found to half of this part of themselves.
 const TOLERANCE: f64 = 1e-3;
+/// The middle of a strip at this part of the way to the end of the region leads farther towards the true end.
+const NEAR_END: f64 = 0.9;
+/// The end is found when it moves by less than this part of itself.
+const SETTLED: f64 = 1e-2;
 /// Trials for one extent. Bisection alone would need 40 at most.
 const MAX_TRIALS: usize = 60;
 
@@ -152,13 +156,40 @@ impl<'a> Columns<'a> {
         0.5 * (within + beyond)
     }
 
+    /// The end of the region of columns whose overlap is more than `over_m`, in the direction `along` of the first tangent. Where
+    /// the edge of the region is not at right angles to that tangent, the region goes on beside it.
+    fn end(&self, along: DVec2, over_m: f64, guess_m: f64) -> DVec2 {
+        let mut end = along * self.extent_m(DVec2::ZERO, along, over_m, guess_m);
+        for _ in 0..MAX_TRIALS {
+            let slope = self.excess(end, over_m).gradient;
+            if slope.y.abs() <= TOLERANCE * slope.x.abs() {
+                break;
+            }
+            // From the middle of the strip near the end, the region reaches farther.
+            let near = end * NEAR_END;
+            let half = guess_m.max(end.x.abs());
+            let [high, low] = [DVec2::Y, DVec2::NEG_Y].map(|side| self.extent_m(near, side, over_m, half));
+            let middle = near + DVec2::Y * (0.5 * (high - low));
+            let farther = middle + along * self.extent_m(middle, along, over_m, guess_m);
+            let grown = farther.x / end.x - 1.0;
+            if grown > 0.0 {
+                end = farther;
+            }
+            if grown <= SETTLED {
+                break;
+            }
+        }
+        end
+    }
+
     /// The columns whose overlap is more than `over_m`, added to `nodes`. None if the origin of the plane is not among them.
     pub fn add_nodes(&self, over_m: f64, nodes: &mut Vec<Node>) {
         if !self.has_more_than(over_m, DVec2::ZERO) {
             return;
         }
-        let upper = self.extent_m(DVec2::ZERO, DVec2::X, over_m, FIRST_EXTENT_M);
-        let lower = -self.extent_m(DVec2::ZERO, DVec2::NEG_X, over_m, upper);
+        let upper_end = self.end(DVec2::X, over_m, FIRST_EXTENT_M);
+        let lower_end = self.end(DVec2::NEG_X, over_m, upper_end.x);
+        let (upper, lower) = (upper_end.x, lower_end.x);
         let at = |strip: usize| 0.5 * (upper + lower) + 0.5 * (upper - lower) * STRIPS[strip].0;
         // Middle and half length of the strip before, and of the one in the middle.
         let mut before = (0.0, FIRST_EXTENT_M);
@@ -168,7 +199,9 @@ impl<'a> Columns<'a> {
                 before = central;
             }
             let inside = |across: &f64| self.has_more_than(over_m, DVec2::new(at(strip), *across));
-            let Some(across) = [before.0, 0.0].into_iter().find(inside) else {
+            // The line from the origin to an end lies within the region, as it is convex.
+            let end = if at(strip) > 0.0 { upper_end } else { lower_end };
+            let Some(across) = [before.0, end.y * at(strip) / end.x].into_iter().find(inside) else {
                 continue;
             };
             let from = DVec2::new(at(strip), across);

@@ -1,0 +1,88 @@
+//! Verdict networks that were fitted at one arm stiffness and hand speed and judge reaches at another.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use underbrush_classifier::ModelError;
+use underbrush_classifier::evaluate::touch::TouchEvaluation;
+use underbrush_classifier::touch::{TouchExamples, TouchOptions};
+use underbrush_recording::Recording;
+
+use crate::error::ExperimentError;
+
+/// Reaches at one setting, each with its fold, 0 or 1. Reaches with the same clutter are in the same fold at every setting.
+pub type FoldedReaches = Vec<(usize, Recording)>;
+
+/// How well contacts at one setting are told apart by networks fitted there, and by networks fitted to as many reaches at the
+/// scenes' own setting. Shares are from 0 to 1, over touched contacts, balanced over the categories.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VerdictTransfer {
+    /// The setting.
+    pub setting: String,
+    /// By networks fitted at this setting; `None` if too few contacts were touched.
+    pub fitted_here: Option<f64>,
+    /// By networks fitted at the scenes' own setting; `None` likewise.
+    pub fitted_nominally: Option<f64>,
+    /// Contacts.
+    pub contacts: usize,
+}
+
+impl VerdictTransfer {
+    /// Judges both folds of reaches by networks fitted to the other fold, of the same reaches and of those at the scenes' own
+    /// setting.
+    ///
+    /// # Errors
+    /// If the reaches do not fit the patch.
+    pub fn of(
+        setting: &str,
+        options: &TouchOptions,
+        here: &FoldedReaches,
+        nominal: &FoldedReaches,
+    ) -> Result<Self, ExperimentError> {
+        let fitted_here = judged(options, here, here)?;
+        let fitted_nominally = judged(options, nominal, here)?;
+        Ok(VerdictTransfer {
+            setting: setting.to_owned(),
+            contacts: fitted_here.as_ref().map_or(0, |own| own.evaluation.contacts.len()),
+            fitted_here: fitted_here.and_then(|own| own.accuracy()),
+            fitted_nominally: fitted_nominally.and_then(|own| own.accuracy()),
+        })
+    }
+}
+
+/// Verdicts on both folds.
+struct Judged {
+    evaluation: TouchEvaluation,
+    categories: usize,
+}
+
+impl Judged {
+    fn accuracy(&self) -> Option<f64> {
+        self.evaluation
+            .balanced_accuracy(self.categories, |contact| contact.at_end)
+    }
+}
+
+/// Verdicts on each fold of `tested` by networks fitted to the other fold of `fitted`; `None` if there is nothing to fit to.
+fn judged(
+    options: &TouchOptions,
+    fitted: &FoldedReaches,
+    tested: &FoldedReaches,
+) -> Result<Option<Judged>, ExperimentError> {
+    let (mut evaluation, mut categories) = (TouchEvaluation::default(), 0);
+    for fold in 0..2 {
+        let mut examples = TouchExamples::new(options.clone());
+        for (_, recording) in fitted.iter().filter(|(own, _)| *own != fold) {
+            examples.add(recording)?;
+        }
+        let model = match examples.fit() {
+            Err(ModelError::NoCategories { .. }) => return Ok(None),
+            model => Arc::new(model?),
+        };
+        categories = model.categories().len();
+        for (_, recording) in tested.iter().filter(|(own, _)| *own == fold) {
+            evaluation.add(TouchEvaluation::of(&model, recording)?);
+        }
+    }
+    Ok(Some(Judged { evaluation, categories }))
+}
