@@ -9,8 +9,8 @@ use underbrush_experiments::suite::{Suite, bless};
 use underbrush_report::junit;
 
 use crate::failure::Failure;
+use crate::output;
 use crate::progress::Shown;
-use crate::{interrupt, output};
 
 mod text;
 
@@ -96,11 +96,20 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 /// Writes new bounds into the file, and gives the result as held against them.
 fn blessed(suite: &Suite, result: SuiteResult, path: &Path) -> Result<SuiteResult, Failure> {
     output::write_file(path, bless::text(suite, &result)?.as_bytes())?;
-    Ok(Suite::load(path)?.hold(result))
+    let result = Suite::load(path)?.hold(result);
+    for scene in &result.scenes {
+        for bound in scene.bounds.iter().filter(|bound| bound.allows_everything()) {
+            output::remark(format!(
+                "warning: {}: {} differs so much between reaches that its bound allows everything; run more reaches, let the \
+                 scene vary less, or remove it",
+                scene.scene, bound.name
+            ));
+        }
+    }
+    Ok(result)
 }
 
 fn write(folder: &Path, report: &Report) -> Result<(), Failure> {
-    interrupt::hint(format!("results may be missing in {}", folder.display()));
     let json = serde_json::to_string_pretty(report).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&folder.join("results.json"), json.as_bytes())?;
     let xml = junit::document(&report.suites, text::why);

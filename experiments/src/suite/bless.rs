@@ -2,7 +2,7 @@
 
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};
-use super::statistics::{margin, margin_of_shares};
+use super::statistics::{margin, margin_in_steps};
 use super::{Bound, SceneBound, Suite};
 use crate::error::ExperimentError;
 
@@ -50,19 +50,21 @@ fn is_new(own: &SceneBound) -> bool {
 }
 
 fn bounded_below(own: &SceneBound) -> bool {
-    own.bound.at_least.is_some() || (is_new(own) && own.metric.sides != Sides::Above)
+    own.bound.at_least.is_some() || (is_new(own) && own.metric.sides != Sides::AtMost)
 }
 
 fn bounded_above(own: &SceneBound) -> bool {
-    own.bound.at_most.is_some() || (is_new(own) && own.metric.sides != Sides::Below)
+    own.bound.at_most.is_some() || (is_new(own) && own.metric.sides != Sides::AtLeast)
 }
 
 fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability: f64) -> Option<Bound> {
     let found = result.found?;
     let values: Vec<f64> = result.values.iter().map(|own| own.value).collect();
     let margin = match own.metric.statistic {
+        Statistic::Mean if own.metric.counts => margin_in_steps(&values, found + 1.0, probability)?,
         Statistic::Mean => margin(&values, probability)?,
-        Statistic::Share => margin_of_shares(&values, probability)?,
+        // The other end of the range.
+        Statistic::Share => margin_in_steps(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?,
         Statistic::Largest => (suite.bless.largest_factor - 1.0) * found.abs(),
     };
     let end = if own.metric.statistic == Statistic::Share {
@@ -70,7 +72,9 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
     } else {
         f64::INFINITY
     };
-    let high = own.metric.limit.unwrap_or((found + margin).min(end));
+    // A limit is not a matter of what was found. Whoever wrote another one into the file had a reason.
+    let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
+    let high = limit.unwrap_or((found + margin).min(end));
     Some(Bound {
         // No metric is negative.
         at_least: bounded_below(own).then(|| rounded(found - margin, f64::floor).max(0.0)),

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use underbrush_classifier::decision::Rule;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_sim::controller::ControllerKind;
 
@@ -41,6 +42,10 @@ pub struct ModelSection {
     /// A taxel is in contact where its sensed force is above this, N.
     #[serde(default = "default_threshold")]
     pub threshold_n: f64,
+    /// Rule to use instead of the model's own: `"argmax"`, `{ uncertain_below = { margin = NATS } }` or
+    /// `{ outlier_band = { uncertain_below = NATS, category_above = NATS } }`. A model without one uses `argmax`.
+    #[serde(default)]
+    pub rule: Option<Rule>,
 }
 
 /// That of `underbrush train` and `classify`.

@@ -24,9 +24,9 @@ pub enum Sides {
     /// Any change matters.
     Both,
     /// More is better.
-    Below,
+    AtLeast,
     /// Less is better.
-    Above,
+    AtMost,
 }
 
 /// What a metric is computed from.
@@ -52,6 +52,8 @@ pub struct Metric {
     pub needs_model: bool,
     /// How the values of all reaches become one number.
     pub statistic: Statistic,
+    /// Whether its values are counts, so that all reaches may well agree.
+    pub counts: bool,
     /// On which sides it is bounded by default.
     pub sides: Sides,
     /// The upper bound, if it does not depend on what was found.
@@ -65,6 +67,7 @@ const PLAIN: Metric = Metric {
     by_category: false,
     needs_model: false,
     statistic: Statistic::Mean,
+    counts: false,
     sides: Sides::Both,
     limit: None,
     of_reach: |_, _| None,
@@ -77,7 +80,7 @@ const VERDICT: Metric = Metric {
     by_category: true,
     needs_model: true,
     statistic: Statistic::Share,
-    sides: Sides::Above,
+    sides: Sides::AtMost,
     ..PLAIN
 };
 
@@ -87,7 +90,7 @@ pub const METRICS: [Metric; 14] = [
         name: "audit",
         summary: "Largest error of the physics, each relative to the simulator's own bound for it",
         statistic: Statistic::Largest,
-        sides: Sides::Above,
+        sides: Sides::AtMost,
         limit: Some(1.0),
         of_reach: |reach, _| Some(audit_share(reach.recording)),
         ..PLAIN
@@ -96,7 +99,7 @@ pub const METRICS: [Metric; 14] = [
         name: "goals_reached",
         summary: "Share of the scene's goals that were reached",
         statistic: Statistic::Share,
-        sides: Sides::Below,
+        sides: Sides::AtLeast,
         of_reach: |reach, _| Some(reach.recording.goal_outcomes().reached as f64 / f64::from(reach.goals.max(1))),
         ..PLAIN
     },
@@ -104,7 +107,7 @@ pub const METRICS: [Metric; 14] = [
         name: "touched",
         summary: "1 if the arm touches such an object at all, else 0",
         statistic: Statistic::Share,
-        sides: Sides::Below,
+        sides: Sides::AtLeast,
         of_reach: |reach, category| Some(f64::from(reach.recording.contact_forces(category).contacts.min(1) as u8)),
         ..FORCE
     },
@@ -124,13 +127,13 @@ pub const METRICS: [Metric; 14] = [
         name: "largest_force_n",
         summary: "The same, and the largest of all reaches counts instead of their mean",
         statistic: Statistic::Largest,
-        sides: Sides::Above,
+        sides: Sides::AtMost,
         of_reach: |reach, category| force(reach, category, |forces| forces.peak_n),
         ..FORCE
     },
     Metric {
         name: "taxel_force_n",
-        summary: "Largest reading of a taxel on which such an object presses, which the controller keeps near f_max",
+        summary: "Largest reading of a taxel on which such an object presses",
         of_reach: taxel_force_n,
         ..FORCE
     },
@@ -138,7 +141,7 @@ pub const METRICS: [Metric; 14] = [
         name: "right",
         summary: "Share of the taxels in contact with such an object, over all frames, whose verdict is right; \
                   `right.outlier` is the share of outlier contact that is found",
-        sides: Sides::Below,
+        sides: Sides::AtLeast,
         of_reach: |reach, category| share(reach, category, |tally| tally.correct),
         ..VERDICT
     },
@@ -165,6 +168,7 @@ pub const METRICS: [Metric; 14] = [
         summary: "Median over the taxel contacts with such objects that are ever judged rightly: samples from the first touch \
                   to the first right verdict",
         statistic: Statistic::Mean,
+        counts: true,
         of_reach: samples_to_right,
         ..VERDICT
     },

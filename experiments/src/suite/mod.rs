@@ -112,10 +112,12 @@ impl Suite {
         let folder = path.parent().unwrap_or(Path::new(""));
         let model = file.model.as_ref().map(|own| {
             let model = Model::load(folder.join(&own.file))?;
+            let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
+            decision.rule = own.rule.unwrap_or(decision.rule);
             let options = OnlineOptions {
                 patch: own.patch.clone(),
                 threshold_n: own.threshold_n,
-                decision: model.decision.clone().unwrap_or(Decision::argmax()),
+                decision,
             };
             Ok::<_, ExperimentError>(Judging { model, options })
         });
@@ -170,7 +172,10 @@ fn scene(
         let (classifier, layout) = (judging.model.classifier.as_ref(), &plan.arm.skin.layout);
         OnlineClassifier::new(classifier, layout, &judging.options).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());
-            let allowed = format!("a model, patch and threshold that fit the skin of {}", entry.scene);
+            let allowed = format!(
+                "a model, patch, threshold and rule that fit the skin of {}",
+                entry.scene
+            );
             source.field("model.file", file).fault(error.to_string(), allowed)
         })?;
     }

@@ -25,8 +25,14 @@ fn of_suite(result: &SuiteResult) -> String {
         );
     }
     let bounds: usize = result.scenes.iter().map(|scene| scene.bounds.len()).sum();
-    for (scene, bound) in result.broken() {
+    let (unbounded, broken): (Vec<_>, Vec<_>) = result
+        .broken()
+        .partition(|(_, bound)| bound.verdict == BoundVerdict::NoBound);
+    for (scene, bound) in broken {
         text += &format!("\n{}", why(result, scene, bound));
+    }
+    if !unbounded.is_empty() {
+        text += &format!("\n{} metrics have no bound yet; --bless writes them\n", unbounded.len());
     }
     let broken = result.broken().count();
     let held = bounds - broken;
