@@ -2,7 +2,7 @@
 
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};
-use super::statistics::{margin, margin_in_steps};
+use super::statistics::{margin, margin_with_one_more};
 use super::{Bound, SceneBound, Suite};
 use crate::error::ExperimentError;
 
@@ -61,10 +61,12 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
     let found = result.found?;
     let values: Vec<f64> = result.values.iter().map(|own| own.value).collect();
     let margin = match own.metric.statistic {
-        Statistic::Mean if own.metric.counts => margin_in_steps(&values, found + 1.0, probability)?,
-        Statistic::Mean => margin(&values, probability)?,
-        // The other end of the range.
-        Statistic::Share => margin_in_steps(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?,
+        Statistic::Mean if own.metric.counts => margin_with_one_more(&values, found + 1.0, probability)?,
+        // The other end of the range. A share that is the same in all reaches has no spread of its own either.
+        Statistic::Share if own.metric.counts || values.iter().all(|value| *value == values[0]) => {
+            margin_with_one_more(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?
+        }
+        Statistic::Mean | Statistic::Share => margin(&values, probability)?,
         Statistic::Largest => (suite.bless.largest_factor - 1.0) * found.abs(),
     };
     let end = if own.metric.statistic == Statistic::Share {

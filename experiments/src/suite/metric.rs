@@ -52,7 +52,7 @@ pub struct Metric {
     pub needs_model: bool,
     /// How the values of all reaches become one number.
     pub statistic: Statistic,
-    /// Whether its values are counts, so that all reaches may well agree.
+    /// Whether its values are counted, so that few reaches may agree by chance.
     pub counts: bool,
     /// On which sides it is bounded by default.
     pub sides: Sides,
@@ -99,6 +99,7 @@ pub const METRICS: [Metric; 14] = [
         name: "goals_reached",
         summary: "Share of the scene's goals that were reached",
         statistic: Statistic::Share,
+        counts: true,
         sides: Sides::AtLeast,
         of_reach: |reach, _| Some(reach.recording.goal_outcomes().reached as f64 / f64::from(reach.goals.max(1))),
         ..PLAIN
@@ -107,6 +108,7 @@ pub const METRICS: [Metric; 14] = [
         name: "touched",
         summary: "1 if the arm touches such an object at all, else 0",
         statistic: Statistic::Share,
+        counts: true,
         sides: Sides::AtLeast,
         of_reach: |reach, category| Some(f64::from(reach.recording.contact_forces(category).contacts.min(1) as u8)),
         ..FORCE

@@ -24,15 +24,13 @@ pub fn margin(values: &[f64], probability: f64) -> Option<f64> {
     Some(margin.max(SMALLEST_MARGIN * spread.mean.abs()))
 }
 
-/// The same for values that move in steps, such as shares of goals or numbers of samples. If they are all alike their spread
-/// says nothing, so one reach with the value `other` is added: after 24 goals that were all reached, the next one may well be
-/// missed.
-pub fn margin_in_steps(values: &[f64], other: f64, probability: f64) -> Option<f64> {
-    let first = *values.first()?;
-    if values.len() < 2 || values.iter().any(|value| *value != first) {
-        return margin(values, probability);
+/// The same with one more reach of the value `other`, for values that are counted, such as goals. Few reaches say little of
+/// what is rare: after 24 goals that were all reached, the next one may well be missed.
+pub fn margin_with_one_more(values: &[f64], other: f64, probability: f64) -> Option<f64> {
+    match values.len() {
+        0 | 1 => None,
+        _ => margin(&[values, &[other]].concat(), probability),
     }
-    margin(&[values, &[other]].concat(), probability)
 }
 
 /// The quantile of Student's t distribution for a probability above one half.
@@ -120,15 +118,15 @@ mod tests {
         assert!((share - 0.05).abs() < 0.006, "{share}");
     }
 
-    /// Pins that equal values still leave a margin: one per cent for a force, and for values in steps as if one more reach
-    /// differed; and that one value alone has none.
+    /// Pins that equal values still leave a margin: one per cent for a force, and for counted values that of one more reach
+    /// that differs; and that one value alone has none.
     #[test]
     fn equal_values_leave_a_margin() {
         assert_eq!(margin(&[2.0; 8], 0.01), Some(0.02));
         let expected = margin(&[1.0, 1.0, 1.0, 1.0, 0.0], 0.01);
-        assert_eq!(margin_in_steps(&[1.0; 4], 0.0, 0.01), expected);
-        assert_eq!(margin_in_steps(&[1.0, 0.5], 0.0, 0.01), margin(&[1.0, 0.5], 0.01));
+        assert_eq!(margin_with_one_more(&[1.0; 4], 0.0, 0.01), expected);
         assert_eq!(margin(&[1.0], 0.01), None);
-        assert_eq!(margin_in_steps(&[], 0.0, 0.01), None);
+        assert_eq!(margin_with_one_more(&[1.0], 0.0, 0.01), None);
+        assert_eq!(margin_with_one_more(&[], 0.0, 0.01), None);
     }
 }
