@@ -91,9 +91,11 @@ enum Command {
     Score(command::score::Options),
     /// Check the simulated physics against closed-form solutions
     Validate(command::validate::Options),
+    /// Run regression suites: hold what scenes, controller and model give against the bounds in a file
+    Check(command::check::Options),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(command::inspect::Options),
-    /// Print the JSON Schema of scene, arm, skin or experiment files, for use in an editor
+    /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::Options),
 }
 
@@ -131,6 +133,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Trials(options) => command::trials::run(options, shared.json),
         Command::Score(options) => command::score::run(options, shared.json),
         Command::Validate(options) => command::validate::run(options, shared.json),
+        Command::Check(options) => command::check::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
     }

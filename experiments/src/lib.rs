@@ -24,6 +24,8 @@ pub mod reaches;
 pub mod results;
 mod sealed;
 pub mod session;
+mod source;
+pub mod suite;
 pub mod thresholds;
 pub mod training;
 pub mod verdict_transfer;

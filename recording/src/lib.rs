@@ -26,5 +26,5 @@ pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::Limits;
 pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};
-pub use reach::{Contact, GoalRecord, ObjectRecord, Recording};
+pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use trial::{Region, Sample, Trial};

@@ -55,6 +55,17 @@ pub struct Contact {
     pub mean_force_n: f64,
 }
 
+/// How hard some contacts pressed, over all of their frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactForces {
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Largest contact force in any frame, N; 0 without contacts.
+    pub peak_n: f64,
+    /// Mean contact force over the frames of all contacts, N; 0 without contacts.
+    pub mean_n: f64,
+}
+
 /// One reach: everything that was sensed, and the ground truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
@@ -124,6 +135,28 @@ impl Recording {
             patch: patch.map(|patch| patch.name.clone()),
             force_n: stop.force_n,
         })
+    }
+
+    /// The forces of the contacts with objects of this category, or with any object.
+    pub fn contact_forces(&self, category: Option<Category>) -> ContactForces {
+        let of = |contact: &&Contact| {
+            self.objects
+                .get(usize::from(contact.object))
+                .map(|object| object.category)
+        };
+        let wanted = |contact: &&Contact| category.is_none() || of(contact) == category;
+        let (mut forces, mut frames, mut sum_n) = (ContactForces::default(), 0.0, 0.0);
+        for contact in self.contacts.iter().filter(wanted) {
+            let own_frames = f64::from(contact.last_frame - contact.first_frame + 1);
+            forces.contacts += 1;
+            forces.peak_n = forces.peak_n.max(contact.peak_force_n);
+            frames += own_frames;
+            sum_n += contact.mean_force_n * own_frames;
+        }
+        if frames > 0.0 {
+            forces.mean_n = sum_n / frames;
+        }
+        forces
     }
 
     /// The number of frames in which an object truly pressed on each patch, by the patch's name. Sensor readings do not

@@ -1,5 +1,6 @@
 //! The subcommands, one file each.
 
+pub mod check;
 pub mod classify;
 mod decision_arguments;
 mod estimator_arguments;

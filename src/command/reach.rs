@@ -139,13 +139,7 @@ impl Report {
             .map(|index| &layout.patches[index]);
         let cut = |by| input::cut(recording, by, options, 0).map(|trials| trials.len());
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
-        let frames = |contact: &underbrush_recording::Contact| f64::from(contact.last_frame - contact.first_frame + 1);
-        let contact_frames: f64 = recording.contacts.iter().map(frames).sum();
-        let force_sum: f64 = recording
-            .contacts
-            .iter()
-            .map(|contact| contact.mean_force_n * frames(contact))
-            .sum();
+        let forces = recording.contact_forces(None);
         Ok(Report {
             scene: recording.scene.clone(),
             controller: recording.controller.clone(),
@@ -167,14 +161,9 @@ impl Report {
             wall_s,
             simulated_over_wall: simulated_s / wall_s.max(1e-9),
             f_max_n,
-            contacts: recording.contacts.len(),
-            peak_contact_force_n: recording
-                .contacts
-                .iter()
-                .map(|contact| contact.peak_force_n)
-                .fold(0.0, f64::max),
-            // An empty sum is −0.
-            mean_contact_force_n: force_sum.max(0.0) / contact_frames.max(1.0),
+            contacts: forces.contacts,
+            peak_contact_force_n: forces.peak_n,
+            mean_contact_force_n: forces.mean_n,
             audit: recording.audit,
             patch: patch.map(|patch| patch.name.clone()),
             taxel_trials: patch.map(|_| cut(Unit::Taxel)).transpose()?,

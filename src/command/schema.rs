@@ -24,6 +24,8 @@ enum Kind {
     Skin,
     /// Experiment: scenes to train and test on, classifiers, and figures to compare with
     Experiment,
+    /// Suite: scenes with bounds on what a run of them gives, for `underbrush check`
+    Suite,
     /// Model: a fitted classifier
     Model,
 }
@@ -35,6 +37,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Kind::Arm => underbrush_sim::arm::schema(),
         Kind::Skin => underbrush_sim::arm::skin_schema(),
         Kind::Experiment => underbrush_experiments::definition::schema(),
+        Kind::Suite => underbrush_experiments::suite::schema(),
         Kind::Model => underbrush_classifier::model_schema(),
     };
     let text = serde_json::to_string_pretty(&schema);

@@ -4,6 +4,7 @@ mod damaged;
 mod models;
 mod ranges;
 mod scenes;
+mod suites;
 mod tables;
 mod usage;
 

@@ -31,6 +31,7 @@ const SCENE: &[Key] = &[
     Key("[workspace]\ntable_height_m = V\n", "table_height_m", "-0.6", "0 -1 1e-300"),
     Key("[robot]\nstiffness_scale = V\n", "robot.stiffness_scale", "2.0", ""),
     Key("[robot]\nhand_speed_scale = V\n", "robot.hand_speed_scale", "2.0", ""),
+    Key("[robot]\nforce_limit_scale = V\n", "robot.force_limit_scale", "2.0", ""),
     Key("[goals]\ncount = V\n", "goals.count", "3", ""),
     Key("[goals]\nretries = V\n", "goals.retries", "3", "0"),
     Key("[goals]\npatience_s = V\n", "goals.patience_s", "2.0", ""),

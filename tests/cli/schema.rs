@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use underbrush_classifier::registry::CLASSIFIERS;
+use underbrush_experiments::suite::metric::METRICS;
 
 use crate::support::fixture::fixture;
 use crate::support::json_schema::faults;
@@ -36,6 +37,29 @@ fn arm_and_skin_files_have_schemas() {
     assert_eq!(
         schema("skin")["$defs"]["CylinderTable"]["properties"]["radius_m"]["unit"],
         "m"
+    );
+}
+
+/// Pins that the schema of suites lists every metric, with bounds by category where the metric has one.
+#[test]
+fn the_schema_lists_the_metrics_of_a_suite() {
+    let suite = schema("suite");
+    assert_eq!(suite["additionalProperties"], false);
+    let bounds = &suite["$defs"]["Bounds"];
+    assert_eq!(bounds["additionalProperties"], false);
+    let metrics = bounds["properties"].as_object().unwrap();
+    assert_eq!(metrics.len(), METRICS.len());
+    for metric in METRICS {
+        assert_eq!(
+            metrics[metric.name]["additionalProperties"].is_object(),
+            metric.by_category,
+            "{}",
+            metric.name
+        );
+    }
+    assert_eq!(
+        suite["$defs"]["Bound"]["properties"]["at_most"]["type"],
+        json!(["number", "null"])
     );
 }
 

@@ -9,3 +9,4 @@ mod own_controller;
 mod ranges;
 mod reach_controller;
 mod scenes;
+mod suites;

@@ -27,7 +27,7 @@ pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use prediction::Prediction;
 pub use rates::Rates;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
-pub use stream::{Stream, StreamFrame, StreamTruth, Tally, classify_stream};
+pub use stream::{Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 
 #[cfg(test)]

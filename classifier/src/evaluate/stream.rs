@@ -72,6 +72,17 @@ pub struct StreamFrame {
     pub mean_samples_since_contact: f64,
 }
 
+/// One contact of a taxel with something, from the samples that were classified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamContact {
+    /// The truth of the first sample that has one. Contacts that never have one are left out.
+    pub truth: Category,
+    /// Number of samples of the contact, from the first reading above the threshold.
+    pub samples: usize,
+    /// The number of samples that had arrived when the verdict was right for the first time; `None` if it never was.
+    pub first_right: Option<usize>,
+}
+
 /// A reach classified online.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stream {
@@ -83,6 +94,8 @@ pub struct Stream {
     pub frames: Vec<StreamFrame>,
     /// Taxels in contact, summed over all frames, by truth ([`Stream::truths`], then without truth) and verdict.
     pub taxel_frames: Vec<Vec<usize>>,
+    /// Contacts with ground truth, in the order in which they first had it.
+    pub contacts: Vec<StreamContact>,
     /// Wall time of the classifier for each frame, s. This is the only field that depends on the machine.
     pub seconds: Vec<f64>,
 }
@@ -92,6 +105,8 @@ pub struct Stream {
 struct Last {
     verdict: Option<Verdict>,
     samples_used: usize,
+    /// Its present contact in [`Stream::contacts`].
+    contact: Option<usize>,
 }
 
 /// Classifies a recorded reach frame by frame, as online while the arm moves.
@@ -122,6 +137,7 @@ pub fn classify_stream(
         taxel_frames: vec![vec![0; verdicts.len()]; truths.len() + 1],
         truths,
         verdicts,
+        contacts: Vec::new(),
         frames: Vec::with_capacity(recording.frames.len()),
         seconds: Vec::with_capacity(recording.frames.len()),
     };
@@ -204,6 +220,10 @@ impl Stream {
                 StreamTruth::Object => pressing.on(taxel.taxel),
                 StreamTruth::Environment(category) => Some(category),
             };
+            if taxel.samples == 1 {
+                last.contact = None;
+            }
+            self.follow(&mut last.contact, truth, taxel);
             frame.in_contact += 1;
             frame.tally.count(truth, &taxel.verdict);
             used += last.samples_used;
@@ -219,6 +239,45 @@ impl Stream {
         frame.mean_samples_used = used as f64 / taxels;
         frame.mean_samples_since_contact = since_contact as f64 / taxels;
         self.frames.push(frame);
+    }
+
+    /// Counts a sample of a contact; `place` is where the contact is in the list, once it has a truth.
+    fn follow(&mut self, place: &mut Option<usize>, truth: Option<Category>, taxel: &TaxelVerdict) {
+        if place.is_none()
+            && let Some(truth) = truth
+        {
+            *place = Some(self.contacts.len());
+            self.contacts.push(StreamContact {
+                truth,
+                samples: 0,
+                first_right: None,
+            });
+        }
+        let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else {
+            return;
+        };
+        contact.samples = taxel.samples;
+        if contact.first_right.is_none() && truth.is_some_and(|truth| is_right(truth.name(), &taxel.verdict)) {
+            contact.first_right = Some(taxel.samples);
+        }
+    }
+
+    /// The taxels in contact with objects of this category, summed over all frames.
+    pub fn tally_of(&self, truth: Category) -> Tally {
+        let mut tally = Tally::default();
+        let Some(row) = self.truths.iter().position(|other| *other == truth) else {
+            return tally;
+        };
+        for (verdict, count) in self.verdicts.iter().zip(&self.taxel_frames[row]) {
+            if verdict == Verdict::Uncertain.name() {
+                tally.uncertain += count;
+            } else if verdict == truth.name() {
+                tally.correct += count;
+            } else {
+                tally.misclassified += count;
+            }
+        }
+        tally
     }
 
     /// The tallies of all frames together.

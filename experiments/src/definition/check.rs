@@ -6,7 +6,7 @@ use underbrush_recording::{Category, InputError};
 use underbrush_sim::scene::Scene;
 
 use super::file::{ClassifierEntry, ExperimentFile};
-use super::source::Source;
+use crate::source::Source;
 
 /// Checks the rules that the types of the keys do not express.
 pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {

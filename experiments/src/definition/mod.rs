@@ -11,10 +11,11 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::Scene;
 
+use crate::source::{self, Field, Source};
+
 mod check;
 mod file;
 mod numbers;
-mod source;
 
 pub use file::{
     AblationName, ChosenOn, ClassifierEntry, EngineeredScene, ExperimentFile, OrderingName, Published,
@@ -24,7 +25,6 @@ pub use file::{
 
 pub use check::is_hmm;
 use check::{category, check, check_labels};
-use source::{Field, Source};
 
 /// An experiment with its checked file and its scenes.
 #[derive(Clone, Debug)]
@@ -92,15 +92,7 @@ impl Experiment {
     /// # Errors
     /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
     pub fn load(path: &Path) -> Result<Self, InputError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            InputError::new(
-                path,
-                "file",
-                error.to_string(),
-                "a readable experiment file",
-                "check the path; `underbrush schema experiment` describes the file",
-            )
-        })?;
+        let text = source::read(path, "experiment")?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(path, &text, |name, _| Scene::load(folder.join(name)))
     }
@@ -111,20 +103,8 @@ impl Experiment {
         text: &str,
         scene: impl Fn(&str, &Field) -> Result<Scene, InputError>,
     ) -> Result<Self, InputError> {
-        let file: ExperimentFile = toml::from_str(text).map_err(|error| {
-            let start = error.span().unwrap_or_default().start;
-            let line = text.bytes().take(start).filter(|byte| *byte == b'\n').count() + 1;
-            let at = text.lines().nth(line - 1).unwrap_or_default();
-            let key = at.split_once('=').map_or(at, |(key, _)| key).trim();
-            let field = if key.is_empty() {
-                "experiment".into()
-            } else {
-                format!("experiment, {key}")
-            };
-            let allowed = "the keys that `underbrush schema experiment` lists";
-            InputError::new(path, field, error.message(), allowed, "correct the line").at_line(line)
-        })?;
         let source = Source { path, text };
+        let file: ExperimentFile = source.parse("experiment")?;
         check(&file, &source)?;
         let mut scenes = BTreeMap::new();
         for (name, field) in scene_names(&file) {

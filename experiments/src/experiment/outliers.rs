@@ -168,6 +168,7 @@ mod tests {
                 verdicts: vec!["reed".into(), "trunk".into()],
                 frames: Vec::new(),
                 taxel_frames,
+                contacts: Vec::new(),
                 seconds: Vec::new(),
             },
         };

@@ -55,3 +55,39 @@ fn only_true_contact_counts() {
     // 10 to 24 and 40.
     assert_eq!((frames["forearm"], frames["flipper"]), (16, 0));
 }
+
+/// Pins the forces of all contacts and of those with one category: the largest peak, and the mean over the frames of all
+/// contacts. Without contacts both are 0.
+#[test]
+fn forces_are_summed_up_by_category() {
+    let object = |category| ObjectRecord {
+        kind: String::new(),
+        category,
+        position_world: DVec3::ZERO,
+        parameters: BTreeMap::new(),
+    };
+    let recording = Recording {
+        objects: vec![object(Category::LEAF), object(Category::TRUNK)],
+        ..recording(vec![
+            // Means of 1 N over 10 frames, 2 N over 30 and 8 N over 10.
+            contact(Some(0), 0, [0, 9], 2.0),
+            contact(Some(1), 0, [0, 29], 4.0),
+            contact(None, 1, [40, 49], 16.0),
+        ])
+    };
+    let forces = |contacts, peak_n, mean_n| ContactForces {
+        contacts,
+        peak_n,
+        mean_n,
+    };
+    assert_eq!(recording.contact_forces(None), forces(3, 16.0, 150.0 / 50.0));
+    assert_eq!(
+        recording.contact_forces(Some(Category::LEAF)),
+        forces(2, 4.0, 70.0 / 40.0)
+    );
+    assert_eq!(recording.contact_forces(Some(Category::TRUNK)), forces(1, 16.0, 8.0));
+    assert_eq!(
+        recording.contact_forces(Some(Category::OUTLIER)),
+        ContactForces::default()
+    );
+}

@@ -44,6 +44,7 @@ fn reach(truths: Vec<Category>) -> Classified {
             truths,
             verdicts,
             frames,
+            contacts: Vec::new(),
             seconds: vec![0.0; 2],
         },
     }

@@ -110,4 +110,12 @@ impl Preset {
             ..self
         }
     }
+
+    /// The same with `scale` times the force that a contact should not exceed.
+    pub fn with_force_limit(self, scale: f64) -> Preset {
+        Preset {
+            force_limit_n: self.force_limit_n * scale,
+            ..self
+        }
+    }
 }

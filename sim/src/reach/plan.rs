@@ -95,7 +95,11 @@ impl ReachPlan {
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
         let kind = controller.unwrap_or(scene.file.controller);
-        let preset = kind.preset().at_hand_speed(scene.file.robot.hand_speed_scale);
+        let robot = scene.file.robot;
+        let preset = kind
+            .preset()
+            .at_hand_speed(robot.hand_speed_scale)
+            .with_force_limit(robot.force_limit_scale);
         Ok(ReachPlan {
             scene,
             arm,
@@ -106,7 +110,7 @@ impl ReachPlan {
     }
 
     /// The same plan with a user's own controller, which `make` makes for the plan's arm at the start of every reach.
-    /// Scale factors on the hand's speed do not apply to it.
+    /// Scale factors on the hand's speed and on the allowed force do not apply to it.
     pub fn with_controller(mut self, make: impl Fn(&Arm) -> Box<dyn Controller> + Send + Sync + 'static) -> ReachPlan {
         self.controller = PlannedController::Own(Arc::new(make));
         self

@@ -4,6 +4,7 @@ use underbrush_recording::Outcome;
 
 use super::ReachPlan;
 use crate::arm::Arm;
+use crate::controller::{ControllerKind, Preset};
 use crate::scene::Scene;
 
 /// A reach to one goal with nothing in the way.
@@ -56,11 +57,27 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
 }
 
 #[test]
+fn the_allowed_force_is_scaled() {
+    // Pins that `force_limit_scale` scales the controller's f_max and nothing else of it, with each published controller.
+    for kind in [ControllerKind::Cody2013, ControllerKind::IjrrFoliage] {
+        let published = kind.preset();
+        let text = "summary = \"x\"\n[robot]\nforce_limit_scale = 1.25\n";
+        let plan = ReachPlan::new(Scene::parse("x.toml", text.into()).unwrap(), Some(kind), 0).unwrap();
+        let expected = Preset {
+            force_limit_n: 1.25 * published.force_limit_n,
+            ..published
+        };
+        assert_eq!(plan.controller.preset(), Some(&expected));
+    }
+}
+
+#[test]
 fn scales_have_limits() {
     // Pins that a scale outside 0.1 to 10, or one that is not a number, is refused with its key and line.
     for (key, value) in [
         ("stiffness_scale", "0.0"),
         ("hand_speed_scale", "11.0"),
+        ("force_limit_scale", "0.05"),
         ("stiffness_scale", "nan"),
     ] {
         let text = format!("summary = \"x\"\n[robot]\n{key} = {value}\n");

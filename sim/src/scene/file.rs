@@ -51,7 +51,7 @@ fn default_controller() -> ControllerKind {
     ControllerKind::Cody2013
 }
 
-/// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand.
+/// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand, higher or lower allowed forces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RobotSection {
@@ -63,6 +63,9 @@ pub struct RobotSection {
     /// stay as they are.
     #[schemars(range(min = limits::HAND_SPEED_SCALE.min, max = limits::HAND_SPEED_SCALE.max))]
     pub hand_speed_scale: f64,
+    /// Scales the force that the controller allows a taxel, f_max. How fast it may rise or fall stays the same.
+    #[schemars(range(min = limits::FORCE_LIMIT_SCALE.min, max = limits::FORCE_LIMIT_SCALE.max))]
+    pub force_limit_scale: f64,
 }
 
 impl Default for RobotSection {
@@ -71,6 +74,7 @@ impl Default for RobotSection {
         RobotSection {
             stiffness_scale: 1.0,
             hand_speed_scale: 1.0,
+            force_limit_scale: 1.0,
         }
     }
 }

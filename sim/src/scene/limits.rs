@@ -17,6 +17,9 @@ pub const STIFFNESS_SCALE: Limits = Limits::new(0.1, 10.0, "");
 /// Scale of the hand's speed: from so slow that a goal takes minutes to so fast that no real arm could follow.
 pub const HAND_SPEED_SCALE: Limits = Limits::new(0.1, 10.0, "");
 
+/// Scale of the allowed force: from a tenth, where the sensor's noise matters, to ten times, where the skin saturates.
+pub const FORCE_LIMIT_SCALE: Limits = Limits::new(0.1, 10.0, "");
+
 /// Goals of one reach: more than a thousand would take hours and must be a typing error.
 pub const GOALS: Limits = Limits::new(1.0, 1000.0, "goals");
 

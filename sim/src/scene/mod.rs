@@ -126,6 +126,11 @@ impl Scene {
                 robot.hand_speed_scale,
                 limits::HAND_SPEED_SCALE,
             ),
+            (
+                "robot.force_limit_scale",
+                robot.force_limit_scale,
+                limits::FORCE_LIMIT_SCALE,
+            ),
             ("goals.count", f64::from(goals.count), limits::GOALS),
             ("goals.retries", f64::from(goals.retries), limits::RETRIES),
             (

@@ -75,6 +75,45 @@ fn verdicts_are_tallied_by_truth() {
     assert_eq!(stream.seconds.len(), 6);
 }
 
+/// Pins when each contact is judged rightly for the first time, on the same reach. A sample adds 3.125 nats to the margin, so
+/// that a margin of 5 takes two. A break begins a new contact, and contacts without an object are left out.
+#[test]
+fn the_first_right_verdict_of_each_contact_is_found() {
+    let rule = Rule::UncertainBelow { margin: 5.0 };
+    let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
+    let contact = |truth, samples, first_right| StreamContact {
+        truth,
+        samples,
+        first_right,
+    };
+    let expected = [
+        contact(Category::LEAF, 6, Some(2)),
+        contact(Category::TRUNK, 6, None),
+        contact(Category::TRUNK, 4, Some(2)),
+        contact(Category::TRUNK, 1, None),
+    ];
+    assert_eq!(stream.contacts, expected);
+}
+
+/// Pins the tally of one category: it is its row of the matrix, and the rows of all categories add up to the total.
+#[test]
+fn a_category_has_a_tally_of_its_own() {
+    let rule = Rule::UncertainBelow { margin: 5.0 };
+    let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
+    let (leaf, trunk) = (stream.tally_of(Category::LEAF), stream.tally_of(Category::TRUNK));
+    // In their first samples taxel 2, taxel 7 and both contacts of taxel 9 are uncertain.
+    let tally = |correct, misclassified, uncertain| Tally {
+        correct,
+        misclassified,
+        uncertain,
+        unknown: 0,
+    };
+    assert_eq!(leaf, tally(5, 0, 1));
+    assert_eq!(trunk, tally(3, 5, 3));
+    assert_eq!(stream.tally_of(Category::OUTLIER), Tally::default());
+    assert_eq!(leaf.judged() + trunk.judged(), stream.total().judged());
+}
+
 /// Pins StreamTruth::Environment: in a trunk-only environment, trunk is the truth even for the taxel without an object.
 #[test]
 fn an_environment_is_everyones_truth() {

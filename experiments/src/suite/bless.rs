@@ -1,0 +1,118 @@
+//! Bounds from what a run found.
+
+use super::metric::{Sides, Statistic};
+use super::result::{BoundResult, SuiteResult};
+use super::statistics::{margin, margin_with_one_more};
+use super::{Bound, SceneBound, Suite};
+use crate::error::ExperimentError;
+
+/// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as it is.
+///
+/// A bound keeps its sides; one without any gets those of its metric. The false-alarm probability of the suite is shared
+/// equally among the sides of all means and shares.
+///
+/// # Errors
+/// When a metric was measured in fewer than two reaches, so that it cannot be bounded.
+pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, ExperimentError> {
+    let all = || {
+        let scenes = suite.scenes.iter().zip(&result.scenes);
+        scenes.flat_map(|(scene, found)| scene.bounds.iter().zip(&found.bounds).map(move |pair| (scene, pair)))
+    };
+    let sides: usize = all()
+        .filter(|(_, (own, _))| own.metric.statistic != Statistic::Largest)
+        .map(|(_, (own, _))| usize::from(bounded_below(own)) + usize::from(bounded_above(own)))
+        .sum();
+    let probability = suite.bless.false_alarm / sides.max(1) as f64;
+    let mut changes = Vec::new();
+    for (scene, (own, found)) in all() {
+        let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
+            ExperimentError::Request(format!(
+                "{}: {} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, change the \
+                 scene, or remove the bound",
+                scene.plan.scene.path.display(),
+                found.name,
+                found.values.len(),
+                scene.reaches
+            ))
+        })?;
+        changes.push((own.span.clone(), written(&bound)));
+    }
+    changes.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    let mut text = suite.text.clone();
+    for (span, bound) in changes {
+        text.replace_range(span, &bound);
+    }
+    Ok(text)
+}
+
+fn is_new(own: &SceneBound) -> bool {
+    own.bound.at_least.is_none() && own.bound.at_most.is_none()
+}
+
+fn bounded_below(own: &SceneBound) -> bool {
+    own.bound.at_least.is_some() || (is_new(own) && own.metric.sides != Sides::AtMost)
+}
+
+fn bounded_above(own: &SceneBound) -> bool {
+    own.bound.at_most.is_some() || (is_new(own) && own.metric.sides != Sides::AtLeast)
+}
+
+fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability: f64) -> Option<Bound> {
+    let found = result.found?;
+    let values: Vec<f64> = result.values.iter().map(|own| own.value).collect();
+    let margin = match own.metric.statistic {
+        Statistic::Mean if own.metric.counts => margin_with_one_more(&values, found + 1.0, probability)?,
+        // The other end of the range. A share that is the same in all reaches has no spread of its own either.
+        Statistic::Share if own.metric.counts || values.iter().all(|value| *value == values[0]) => {
+            margin_with_one_more(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?
+        }
+        Statistic::Mean | Statistic::Share => margin(&values, probability)?,
+        Statistic::Largest => (suite.bless.largest_factor - 1.0) * found.abs(),
+    };
+    let end = if own.metric.statistic == Statistic::Share {
+        1.0
+    } else {
+        f64::INFINITY
+    };
+    // A limit is not a matter of what was found. Whoever wrote another one into the file had a reason.
+    let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
+    let high = limit.unwrap_or((found + margin).min(end));
+    Some(Bound {
+        // No metric is negative.
+        at_least: bounded_below(own).then(|| rounded(found - margin, f64::floor).max(0.0)),
+        at_most: bounded_above(own).then(|| rounded(high, f64::ceil).min(end)),
+        blessed: Some(rounded(found, f64::round)),
+    })
+}
+
+/// A number with four significant digits; `round` says to which side.
+fn rounded(number: f64, round: fn(f64) -> f64) -> f64 {
+    if number == 0.0 || !number.is_finite() {
+        return number;
+    }
+    let digits = 3 - number.abs().log10().floor() as i32;
+    // Decimal text and back, so that no binary rest of the scale stays behind.
+    let scaled = round(number * 10_f64.powi(digits));
+    format!("{scaled}e{}", -digits).parse().unwrap_or(number)
+}
+
+fn written(bound: &Bound) -> String {
+    let keys = [
+        ("at_least", bound.at_least),
+        ("at_most", bound.at_most),
+        ("blessed", bound.blessed),
+    ];
+    let given = keys
+        .into_iter()
+        .filter_map(|(key, value)| Some(format!("{key} = {}", number(value?))));
+    format!("{{ {} }}", given.collect::<Vec<_>>().join(", "))
+}
+
+/// A number as TOML: very small ones, such as residuals, with an exponent.
+fn number(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-4 {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}

@@ -1,0 +1,140 @@
+//! Rules for a suite file that the types of its keys do not express.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use underbrush_recording::{Category, InputError};
+use underbrush_sim::scene::Scene;
+
+use super::SceneBound;
+use super::bound::{Bound, Bounds, Entry};
+use super::file::SuiteFile;
+use super::metric::{METRICS, Metric};
+use crate::source::Source;
+
+/// Largest number of reaches of a scene: more than a regression test can take, and so a typing error.
+const MAX_REACHES: u64 = 100_000;
+
+/// Checks the numbers of a file.
+pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
+    if file.scenes.is_empty() {
+        return Err(source.field("scenes", "").fault("no scenes", "at least one [[scenes]]"));
+    }
+    for scene in &file.scenes {
+        if !(2..=MAX_REACHES).contains(&scene.reaches) {
+            let found = scene.reaches.to_string();
+            let allowed = format!("2 to {MAX_REACHES} reaches: one alone does not show how much they vary");
+            return Err(source.field("scenes.reaches", &found).fault(found, allowed));
+        }
+    }
+    let bless = file.bless;
+    if !(bless.false_alarm >= 1e-9 && bless.false_alarm <= 0.5) {
+        let found = bless.false_alarm.to_string();
+        let allowed = "a probability from 1e-9 to 0.5";
+        return Err(source.field("bless.false_alarm", "").fault(found, allowed));
+    }
+    if !(bless.largest_factor >= 1.0 && bless.largest_factor <= 1000.0) {
+        let found = bless.largest_factor.to_string();
+        return Err(source
+            .field("bless.largest_factor", "")
+            .fault(found, "a factor from 1 to 1000"));
+    }
+    Ok(())
+}
+
+/// The bounds of a scene, in the order of the file.
+pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) -> Result<Vec<SceneBound>, InputError> {
+    let mut found = Vec::new();
+    for (name, entry) in &bounds.0 {
+        let start = start_of(entry.get_ref(), entry.span());
+        let field = source.field_at(&format!("bounds.{name}"), start);
+        let Some(metric) = Metric::find(name) else {
+            let names = METRICS.map(|metric| metric.name).join(", ");
+            return Err(field.fault(name, format!("one of {names}")));
+        };
+        if metric.needs_model && !has_model {
+            let allowed = "a bound on verdicts only in a suite with a [model] file";
+            return Err(field.fault("a suite without a model", allowed));
+        }
+        match entry.get_ref() {
+            Entry::Bound(bound) if !metric.by_category => {
+                found.push(checked(metric, None, *bound, entry.span(), source)?);
+            }
+            Entry::ByCategory(categories) if metric.by_category => {
+                for (name, bound) in categories {
+                    let category = category(scene, name).ok_or_else(|| {
+                        let field = source.field_at(&format!("bounds.{}", metric.name), bound.span().start);
+                        let names: Vec<&str> = categories_of(scene).into_keys().collect();
+                        field.fault(name, format!("a category of the scene's objects: {}", names.join(", ")))
+                    })?;
+                    found.push(checked(metric, Some(category), *bound.get_ref(), bound.span(), source)?);
+                }
+            }
+            Entry::Bound(_) => {
+                let allowed = format!(
+                    "a bound for each category, such as {}.leaf = {{ at_most = 1.0 }}",
+                    metric.name
+                );
+                return Err(field.fault("a bound without a category", allowed));
+            }
+            Entry::ByCategory(_) => {
+                let allowed = format!("one bound, such as {} = {{ at_most = 1.0 }}", metric.name);
+                return Err(field.fault("bounds for categories", allowed));
+            }
+        }
+    }
+    found.sort_by_key(|bound| bound.span.start);
+    Ok(found)
+}
+
+/// Where an entry begins. The place of a table of categories is that of its first category.
+fn start_of(entry: &Entry, span: Range<usize>) -> usize {
+    match entry {
+        Entry::Bound(_) => span.start,
+        Entry::ByCategory(categories) => {
+            let starts = categories.values().map(|bound| bound.span().start);
+            starts.min().unwrap_or(span.start)
+        }
+    }
+}
+
+/// A bound whose numbers make sense.
+fn checked(
+    metric: &'static Metric,
+    category: Option<Category>,
+    bound: Bound,
+    span: Range<usize>,
+    source: &Source,
+) -> Result<SceneBound, InputError> {
+    let own = SceneBound {
+        metric,
+        category,
+        bound,
+        span,
+    };
+    let numbers = [bound.at_least, bound.at_most, bound.blessed];
+    let field = source.field_at(&format!("bounds.{}", own.name()), own.span.start);
+    if let Some(number) = numbers.into_iter().flatten().find(|number| !number.is_finite()) {
+        return Err(field.fault(number.to_string(), "finite numbers"));
+    }
+    if let (Some(low), Some(high)) = (bound.at_least, bound.at_most)
+        && low > high
+    {
+        return Err(field.fault(
+            format!("at_least = {low} and at_most = {high}"),
+            "at_least no larger than at_most",
+        ));
+    }
+    Ok(own)
+}
+
+/// The categories of a scene's objects, by name.
+fn categories_of(scene: &Scene) -> BTreeMap<&'static str, Category> {
+    let groups = scene.file.objects.groups();
+    let categories = groups.iter().map(|(_, _, group)| group.category());
+    categories.map(|category| (category.name(), category)).collect()
+}
+
+fn category(scene: &Scene, name: &str) -> Option<Category> {
+    categories_of(scene).get(name).copied()
+}

@@ -1,0 +1,272 @@
+//! The metrics that a suite can bound. Each has one value per reach, or none if it cannot be measured in that reach.
+
+use serde::Serialize;
+use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::evaluate::{Stream, Tally};
+use underbrush_recording::{Category, Recording};
+use underbrush_sim::audit;
+
+/// How the values of all reaches become one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Statistic {
+    /// Their mean.
+    Mean,
+    /// Their mean; each is a share from 0 to 1.
+    Share,
+    /// The largest.
+    Largest,
+}
+
+/// On which sides `--bless` bounds a metric for which the file has no bound yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sides {
+    /// Any change matters.
+    Both,
+    /// More is better.
+    AtLeast,
+    /// Less is better.
+    AtMost,
+}
+
+/// What a metric is computed from.
+pub struct Measured<'a> {
+    /// The reach.
+    pub recording: &'a Recording,
+    /// Number of goals that the scene gives.
+    pub goals: u32,
+    /// The verdicts, if the suite has a model.
+    pub stream: Option<&'a Stream>,
+}
+
+/// A metric.
+#[derive(Debug)]
+pub struct Metric {
+    /// Its key in suite files; the unit is in the name, and shares have none.
+    pub name: &'static str,
+    /// One sentence on its value in one reach.
+    pub summary: &'static str,
+    /// Whether it is measured for one category of objects.
+    pub by_category: bool,
+    /// Whether it needs the verdicts of a model.
+    pub needs_model: bool,
+    /// How the values of all reaches become one number.
+    pub statistic: Statistic,
+    /// Whether its values are counted, so that few reaches may agree by chance.
+    pub counts: bool,
+    /// On which sides it is bounded by default.
+    pub sides: Sides,
+    /// The upper bound, if it does not depend on what was found.
+    pub limit: Option<f64>,
+    of_reach: fn(&Measured, Option<Category>) -> Option<f64>,
+}
+
+const PLAIN: Metric = Metric {
+    name: "",
+    summary: "",
+    by_category: false,
+    needs_model: false,
+    statistic: Statistic::Mean,
+    counts: false,
+    sides: Sides::Both,
+    limit: None,
+    of_reach: |_, _| None,
+};
+const FORCE: Metric = Metric {
+    by_category: true,
+    ..PLAIN
+};
+const VERDICT: Metric = Metric {
+    by_category: true,
+    needs_model: true,
+    statistic: Statistic::Share,
+    sides: Sides::AtMost,
+    ..PLAIN
+};
+
+/// All metrics, in the order of the documentation.
+pub const METRICS: [Metric; 14] = [
+    Metric {
+        name: "audit",
+        summary: "Largest error of the physics, each relative to the simulator's own bound for it",
+        statistic: Statistic::Largest,
+        sides: Sides::AtMost,
+        limit: Some(1.0),
+        of_reach: |reach, _| Some(audit_share(reach.recording)),
+        ..PLAIN
+    },
+    Metric {
+        name: "goals_reached",
+        summary: "Share of the scene's goals that were reached",
+        statistic: Statistic::Share,
+        counts: true,
+        sides: Sides::AtLeast,
+        of_reach: |reach, _| Some(reach.recording.goal_outcomes().reached as f64 / f64::from(reach.goals.max(1))),
+        ..PLAIN
+    },
+    Metric {
+        name: "touched",
+        summary: "1 if the arm touches such an object at all, else 0",
+        statistic: Statistic::Share,
+        counts: true,
+        sides: Sides::AtLeast,
+        of_reach: |reach, category| Some(f64::from(reach.recording.contact_forces(category).contacts.min(1) as u8)),
+        ..FORCE
+    },
+    Metric {
+        name: "mean_force_n",
+        summary: "Mean force between a link and such an object while they touch",
+        of_reach: |reach, category| force(reach, category, |forces| forces.mean_n),
+        ..FORCE
+    },
+    Metric {
+        name: "peak_force_n",
+        summary: "Largest force between a link and such an object",
+        of_reach: |reach, category| force(reach, category, |forces| forces.peak_n),
+        ..FORCE
+    },
+    Metric {
+        name: "largest_force_n",
+        summary: "The same, and the largest of all reaches counts instead of their mean",
+        statistic: Statistic::Largest,
+        sides: Sides::AtMost,
+        of_reach: |reach, category| force(reach, category, |forces| forces.peak_n),
+        ..FORCE
+    },
+    Metric {
+        name: "taxel_force_n",
+        summary: "Largest reading of a taxel on which such an object presses",
+        of_reach: taxel_force_n,
+        ..FORCE
+    },
+    Metric {
+        name: "right",
+        summary: "Share of the taxels in contact with such an object, over all frames, whose verdict is right; \
+                  `right.outlier` is the share of outlier contact that is found",
+        sides: Sides::AtLeast,
+        of_reach: |reach, category| share(reach, category, |tally| tally.correct),
+        ..VERDICT
+    },
+    Metric {
+        name: "wrong",
+        summary: "Share of those taxels whose verdict is another category, or outlier for what is not one",
+        of_reach: |reach, category| share(reach, category, |tally| tally.misclassified),
+        ..VERDICT
+    },
+    Metric {
+        name: "uncertain",
+        summary: "Share of those taxels that have no verdict yet",
+        of_reach: |reach, category| share(reach, category, |tally| tally.uncertain),
+        ..VERDICT
+    },
+    Metric {
+        name: "called_outlier",
+        summary: "Share of those taxels that are called an outlier",
+        of_reach: called_outlier,
+        ..VERDICT
+    },
+    Metric {
+        name: "samples_to_right",
+        summary: "Median over the taxel contacts with such objects that are ever judged rightly: samples from the first touch \
+                  to the first right verdict",
+        statistic: Statistic::Mean,
+        counts: true,
+        of_reach: samples_to_right,
+        ..VERDICT
+    },
+    Metric {
+        name: "never_right",
+        summary: "Share of the taxel contacts with such objects that end without a right verdict",
+        of_reach: never_right,
+        ..VERDICT
+    },
+    Metric {
+        name: "taxels_per_frame",
+        summary: "Mean number of taxels that the classifier updates in a frame with contact",
+        by_category: false,
+        statistic: Statistic::Mean,
+        of_reach: taxels_per_frame,
+        ..VERDICT
+    },
+];
+
+impl Metric {
+    /// The metric with this name.
+    pub fn find(name: &str) -> Option<&'static Metric> {
+        static LIST: [Metric; METRICS.len()] = METRICS;
+        LIST.iter().find(|metric| metric.name == name)
+    }
+
+    /// Its value in one reach. `None` if it cannot be measured there, as without contact of that category.
+    pub fn of_reach(&self, reach: &Measured, category: Option<Category>) -> Option<f64> {
+        (self.of_reach)(reach, category)
+    }
+}
+
+fn audit_share(recording: &Recording) -> f64 {
+    let shares = audit::bounds(&recording.layout).map(|bound| (bound.field.get)(&recording.audit) / bound.max);
+    shares.fold(0.0, f64::max)
+}
+
+fn force(
+    reach: &Measured,
+    category: Option<Category>,
+    value: fn(&underbrush_recording::ContactForces) -> f64,
+) -> Option<f64> {
+    let forces = reach.recording.contact_forces(category);
+    (forces.contacts > 0).then(|| value(&forces))
+}
+
+fn taxel_force_n(reach: &Measured, category: Option<Category>) -> Option<f64> {
+    let category = category?;
+    let objects = &reach.recording.objects;
+    let readings = reach.recording.frames.iter().flat_map(|frame| &frame.taxels);
+    let presses = |object: u16| objects.get(usize::from(object)).map(|own| own.category) == Some(category);
+    let pressed = readings.filter(|reading| reading.object.is_some_and(presses));
+    pressed.map(|reading| reading.sensed_force_n).reduce(f64::max)
+}
+
+fn share(reach: &Measured, category: Option<Category>, part: fn(&Tally) -> usize) -> Option<f64> {
+    let tally = reach.stream?.tally_of(category?);
+    (tally.judged() > 0).then(|| part(&tally) as f64 / tally.judged() as f64)
+}
+
+fn called_outlier(reach: &Measured, category: Option<Category>) -> Option<f64> {
+    let (stream, category) = (reach.stream?, category?);
+    let row = stream.truths.iter().position(|truth| *truth == category)?;
+    let column = stream
+        .verdicts
+        .iter()
+        .position(|name| name == Verdict::Outlier.name())?;
+    let judged: usize = stream.taxel_frames[row].iter().sum();
+    (judged > 0).then(|| stream.taxel_frames[row][column] as f64 / judged as f64)
+}
+
+/// The number of samples to the first right verdict of each contact with this category; `None` for those without one.
+fn first_right(reach: &Measured, category: Option<Category>) -> Option<Vec<Option<usize>>> {
+    let (stream, category) = (reach.stream?, category?);
+    let contacts = stream.contacts.iter().filter(|contact| contact.truth == category);
+    Some(contacts.map(|contact| contact.first_right).collect())
+}
+
+fn samples_to_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
+    let mut samples: Vec<usize> = first_right(reach, category)?.into_iter().flatten().collect();
+    samples.sort_unstable();
+    let upper = *samples.get(samples.len() / 2)?;
+    let lower = samples[(samples.len() - 1) / 2];
+    Some((lower + upper) as f64 / 2.0)
+}
+
+fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
+    let contacts = first_right(reach, category)?;
+    let never = contacts.iter().filter(|samples| samples.is_none()).count();
+    (!contacts.is_empty()).then(|| never as f64 / contacts.len() as f64)
+}
+
+fn taxels_per_frame(reach: &Measured, _: Option<Category>) -> Option<f64> {
+    let frames = reach.stream?.frames.iter().map(|frame| frame.in_contact);
+    let (taxels, frames) = frames
+        .filter(|taxels| *taxels > 0)
+        .fold((0, 0), |(sum, count), taxels| (sum + taxels, count + 1));
+    (frames > 0).then(|| taxels as f64 / f64::from(frames))
+}

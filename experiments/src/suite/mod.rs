@@ -1,0 +1,192 @@
+//! Regression suites: scenes, a controller and a model, with bounds on what a run of them gives.
+//!
+//! A suite file ([`file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which bounds.
+//! [`Suite::run`] runs it and holds every metric against its bounds; [`bless::text`] writes bounds from what was found, with a
+//! margin that `statistics` derives.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use underbrush_classifier::Model;
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_recording::{Category, InputError};
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+use crate::error::ExperimentError;
+use crate::source::{self, Source};
+
+pub mod bless;
+mod bound;
+mod check;
+pub mod file;
+pub mod metric;
+pub mod result;
+mod run;
+mod statistics;
+#[cfg(test)]
+mod tests;
+
+pub use bound::Bound;
+
+use file::{BlessSection, SceneEntry, SuiteFile};
+use metric::Metric;
+
+/// A suite with its checked file, its scenes and its model.
+#[derive(Debug)]
+pub struct Suite {
+    /// Name: the file's stem.
+    pub name: String,
+    /// What it watches over.
+    pub summary: String,
+    /// Seed of all reaches.
+    pub seed: u64,
+    /// How bounds are blessed.
+    pub bless: BlessSection,
+    /// The scenes.
+    pub scenes: Vec<SuiteScene>,
+    /// The model, if the suite names one.
+    model: Option<Judging>,
+    /// The text of the file.
+    text: String,
+}
+
+/// A scene of a suite.
+#[derive(Debug)]
+pub struct SuiteScene {
+    /// The scene with arm, controller and seed.
+    pub plan: ReachPlan,
+    /// Number of reaches.
+    pub reaches: u64,
+    /// The bounds, in the order of the file.
+    pub bounds: Vec<SceneBound>,
+}
+
+/// A bound on one metric.
+#[derive(Debug)]
+pub struct SceneBound {
+    /// The metric.
+    pub metric: &'static Metric,
+    /// The category, for metrics that have one.
+    pub category: Option<Category>,
+    /// The bound.
+    pub bound: Bound,
+    /// Its bytes in the file.
+    span: Range<usize>,
+}
+
+/// A model and how it judges.
+#[derive(Debug)]
+struct Judging {
+    model: Model,
+    options: OnlineOptions,
+}
+
+/// The JSON Schema of suite files.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SuiteFile)
+}
+
+impl SceneBound {
+    /// The key in the file, such as `peak_force_n.leaf`.
+    pub fn name(&self) -> String {
+        match self.category {
+            Some(category) => format!("{}.{category:?}", self.metric.name),
+            None => self.metric.name.to_owned(),
+        }
+    }
+}
+
+impl Suite {
+    /// Reads and checks a suite file, its scenes and its model.
+    ///
+    /// # Errors
+    /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
+    pub fn load(path: &Path) -> Result<Self, ExperimentError> {
+        let text = source::read(path, "suite")?;
+        let source = Source { path, text: &text };
+        let file: SuiteFile = source.parse("suite")?;
+        check::numbers(&file, &source)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let model = file.model.as_ref().map(|own| {
+            let model = Model::load(folder.join(&own.file))?;
+            let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
+            decision.rule = own.rule.unwrap_or(decision.rule);
+            let options = OnlineOptions {
+                patch: own.patch.clone(),
+                threshold_n: own.threshold_n,
+                decision,
+            };
+            Ok::<_, ExperimentError>(Judging { model, options })
+        });
+        let model = model.transpose()?;
+        let (mut scenes, mut names) = (Vec::new(), BTreeSet::new());
+        for entry in &file.scenes {
+            let scene = scene(&file, entry, folder, &source, model.as_ref())?;
+            if !names.insert(scene.plan.scene.name.clone()) {
+                let allowed = "scene files with different names: the name decides what is drawn";
+                return Err(source
+                    .field("scenes.scene", &entry.scene)
+                    .fault(&entry.scene, allowed)
+                    .into());
+            }
+            scenes.push(scene);
+        }
+        Ok(Suite {
+            name: path
+                .file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
+            summary: file.summary,
+            seed: file.seed,
+            bless: file.bless,
+            scenes,
+            model,
+            text,
+        })
+    }
+
+    /// The same suite on the reaches of another seed.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        for scene in &mut self.scenes {
+            scene.plan.seed = seed;
+        }
+        self
+    }
+}
+
+/// Reads a scene and its bounds.
+fn scene(
+    file: &SuiteFile,
+    entry: &SceneEntry,
+    folder: &Path,
+    source: &Source,
+    model: Option<&Judging>,
+) -> Result<SuiteScene, InputError> {
+    let path: PathBuf = folder.join(&entry.scene);
+    let plan = ReachPlan::new(Scene::load(path)?, file.controller, file.seed)?;
+    if let Some(judging) = model {
+        let (classifier, layout) = (judging.model.classifier.as_ref(), &plan.arm.skin.layout);
+        OnlineClassifier::new(classifier, layout, &judging.options).map_err(|error| {
+            let file = file.model.as_ref().map_or("", |own| own.file.as_str());
+            let allowed = format!(
+                "a model, patch, threshold and rule that fit the skin of {}",
+                entry.scene
+            );
+            source.field("model.file", file).fault(error.to_string(), allowed)
+        })?;
+    }
+    let bounds = check::bounds(&entry.bounds, &plan.scene, model.is_some(), source)?;
+    if bounds.is_empty() {
+        let allowed = "at least one bound under [scenes.bounds]; `{}` in place of a bound lets --bless choose it";
+        return Err(source.field("scenes.scene", &entry.scene).fault("no bounds", allowed));
+    }
+    Ok(SuiteScene {
+        plan,
+        reaches: entry.reaches,
+        bounds,
+    })
+}

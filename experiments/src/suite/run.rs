@@ -1,0 +1,159 @@
+//! Runs the reaches of a suite and holds what they give against its bounds.
+
+use std::sync::Mutex;
+
+use underbrush_classifier::evaluate::{StreamTruth, classify_stream};
+use underbrush_classifier::online::OnlineError;
+use underbrush_recording::{GoalOutcomes, Recording};
+use underbrush_sim::campaign::{self, Job};
+use underbrush_sim::reach::ReachPlan;
+
+use super::metric::{Measured, Statistic};
+use super::result::{BoundResult, BoundVerdict, ReachValue, SceneResult, SuiteResult};
+use super::{SceneBound, Suite, SuiteScene};
+use crate::accuracy::Spread;
+use crate::dataset::{PROGRAM_VERSION, say_doubts};
+use crate::error::ExperimentError;
+use crate::progress::Progress;
+
+/// What is kept of a reach: the values of all bounded metrics, in the order of the bounds.
+struct OneReach {
+    goals: GoalOutcomes,
+    simulated_s: f64,
+    values: Vec<Option<f64>>,
+}
+
+impl Suite {
+    /// Runs all reaches, in parallel, and holds every metric against its bounds. The result does not depend on the number of
+    /// threads.
+    ///
+    /// # Errors
+    /// When a reach cannot be run or judged. A broken bound is a result, not an error.
+    pub fn run(&self, progress: &dyn Progress) -> Result<SuiteResult, ExperimentError> {
+        let plans: Vec<ReachPlan> = self.scenes.iter().map(|scene| scene.plan.clone()).collect();
+        say_doubts(plans.iter().map(|plan| &plan.arm), progress);
+        let jobs: Vec<Job> = (self.scenes.iter().enumerate())
+            .flat_map(|(plan, scene)| (0..scene.reaches).map(move |reach_index| Job { plan, reach_index }))
+            .collect();
+        let done: Mutex<Vec<(Job, OneReach)>> = Mutex::default();
+        let count = progress.count("reaches", jobs.len() as u64, 0);
+        campaign::run(&plans, &jobs, |position, recording| {
+            let job = jobs[position];
+            let own = self.measure(&self.scenes[job.plan], &recording)?;
+            count.reach(own.goals);
+            if let Ok(mut done) = done.lock() {
+                done.push((job, own));
+            }
+            Ok::<(), OnlineError>(())
+        })?;
+        drop(count);
+        let mut done = done.into_inner().unwrap_or_default();
+        done.sort_by_key(|(job, _)| (job.plan, job.reach_index));
+        let of_scene = |(index, scene): (usize, &SuiteScene)| {
+            let own: Vec<&(Job, OneReach)> = done.iter().filter(|(job, _)| job.plan == index).collect();
+            result_of(scene, &own)
+        };
+        let scenes: Vec<SceneResult> = self.scenes.iter().enumerate().map(of_scene).collect();
+        let mut result = SuiteResult {
+            suite: self.name.clone(),
+            summary: self.summary.clone(),
+            program_version: PROGRAM_VERSION.into(),
+            seed: self.seed,
+            passed: true,
+            scenes,
+        };
+        result.passed = result.broken().count() == 0;
+        Ok(result)
+    }
+
+    /// The same values held against the bounds of this suite, after its bounds have changed.
+    #[must_use]
+    pub fn hold(&self, mut result: SuiteResult) -> SuiteResult {
+        for (scene, found) in self.scenes.iter().zip(&mut result.scenes) {
+            for (own, found) in scene.bounds.iter().zip(&mut found.bounds) {
+                *found = held(own, std::mem::take(&mut found.values));
+            }
+        }
+        result.passed = result.broken().count() == 0;
+        result
+    }
+
+    fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
+        let judge = |judging: &super::Judging| {
+            let classifier = judging.model.classifier.as_ref();
+            classify_stream(classifier, recording, &judging.options, StreamTruth::Object)
+        };
+        let stream = self.model.as_ref().map(judge).transpose()?;
+        let measured = Measured {
+            recording,
+            goals: scene.plan.scene.file.goals.count,
+            stream: stream.as_ref(),
+        };
+        let values = scene.bounds.iter();
+        Ok(OneReach {
+            goals: recording.goal_outcomes(),
+            simulated_s: recording.frames.len() as f64 / recording.rate_hz,
+            values: values.map(|own| own.metric.of_reach(&measured, own.category)).collect(),
+        })
+    }
+}
+
+fn result_of(scene: &SuiteScene, reaches: &[&(Job, OneReach)]) -> SceneResult {
+    let bound = |(place, own): (usize, &SceneBound)| {
+        let values = reaches.iter().filter_map(|(job, reach)| {
+            Some(ReachValue {
+                reach_index: job.reach_index,
+                value: reach.values[place]?,
+            })
+        });
+        held(own, values.collect())
+    };
+    SceneResult {
+        scene: scene.plan.scene.name.clone(),
+        file: scene.plan.scene.path.display().to_string(),
+        controller: scene.plan.controller_name(),
+        reaches: scene.reaches,
+        goals: reaches.iter().map(|(_, reach)| reach.goals).sum(),
+        simulated_s: reaches.iter().map(|(_, reach)| reach.simulated_s).sum(),
+        bounds: scene.bounds.iter().enumerate().map(bound).collect(),
+    }
+}
+
+/// Holds the values of a metric against its bound.
+pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
+    let numbers: Vec<f64> = values.iter().map(|own| own.value).collect();
+    let spread = (!numbers.is_empty()).then(|| Spread::of(&numbers));
+    let is_mean = own.metric.statistic != Statistic::Largest;
+    let found = spread
+        .as_ref()
+        .map(|spread| if is_mean { spread.mean } else { spread.max });
+    let deviation = spread.and_then(|spread| spread.standard_deviation);
+    let bound = own.bound;
+    let verdict = match found {
+        None => BoundVerdict::NotMeasured,
+        Some(_) if bound.at_least.is_none() && bound.at_most.is_none() => BoundVerdict::NoBound,
+        Some(found) if bound.at_least.is_some_and(|low| found < low) => BoundVerdict::TooSmall,
+        Some(found) if bound.at_most.is_some_and(|high| found > high) => BoundVerdict::TooLarge,
+        Some(_) => BoundVerdict::Holds,
+    };
+    let by_value = |a: &&ReachValue, b: &&ReachValue| a.value.total_cmp(&b.value);
+    let look_at = match verdict {
+        BoundVerdict::TooSmall => values.iter().min_by(by_value),
+        BoundVerdict::TooLarge => values.iter().max_by(by_value),
+        _ => None,
+    };
+    BoundResult {
+        name: own.name(),
+        statistic: own.metric.statistic,
+        found,
+        standard_error: deviation
+            .filter(|_| is_mean)
+            .map(|deviation| deviation / (numbers.len() as f64).sqrt()),
+        at_least: bound.at_least,
+        at_most: bound.at_most,
+        blessed: bound.blessed,
+        verdict,
+        look_at: look_at.copied(),
+        values,
+    }
+}

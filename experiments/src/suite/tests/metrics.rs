@@ -1,0 +1,160 @@
+use underbrush_classifier::evaluate::{Stream, StreamContact, StreamFrame};
+use underbrush_recording::{
+    Audit, Category, Contact, Frame, GoalRecord, ObjectRecord, Outcome, Pose, Recording, SkinLayout, TaxelReading,
+};
+
+use crate::suite::metric::{METRICS, Measured, Metric};
+
+/// A reach with a leaf that is pressed at 2 N and a trunk at 8 N; a taxel reads 1.5 N on the leaf.
+fn reach() -> Recording {
+    let object = |category| ObjectRecord {
+        kind: String::new(),
+        category,
+        position_world: Pose::IDENTITY.position,
+        parameters: Default::default(),
+    };
+    let contact = |object, peak_force_n| Contact {
+        link: "forearm".into(),
+        patch: Some(0),
+        object,
+        first_frame: 0,
+        last_frame: 0,
+        peak_force_n,
+        mean_force_n: peak_force_n / 2.0,
+    };
+    let reading = |taxel, object, sensed_force_n| TaxelReading {
+        patch: 0,
+        taxel,
+        true_normal_force_n: 0.0,
+        true_shear_force_n: [0.0; 2],
+        sensed_force_n,
+        object,
+    };
+    let goal = |outcome| GoalRecord {
+        position_world: Pose::IDENTITY.position,
+        start_time_s: 0.0,
+        end_time_s: 1.0,
+        outcome,
+        safety_stop: None,
+    };
+    Recording {
+        scene: "plants".into(),
+        controller: "cody-2013".into(),
+        seed: 0,
+        reach_index: 0,
+        rate_hz: 100.0,
+        joint_names: Vec::new(),
+        layout: SkinLayout::default(),
+        objects: vec![object(Category::LEAF), object(Category::TRUNK)],
+        bodies: Vec::new(),
+        goals: vec![goal(Outcome::Reached), goal(Outcome::Stuck)],
+        contacts: vec![contact(0, 2.0), contact(1, 8.0)],
+        frames: vec![Frame {
+            taxels: vec![
+                reading(0, Some(0), 1.5),
+                reading(1, Some(0), 0.5),
+                reading(2, Some(1), 4.0),
+                reading(3, None, 9.0),
+            ],
+            time_s: 0.0,
+            joint_angle_rad: Vec::new(),
+            joint_velocity_rad_per_s: Vec::new(),
+            equilibrium_angle_rad: Vec::new(),
+            joint_torque_nm: Vec::new(),
+            end_effector_pose_world: Pose::IDENTITY,
+            goal_position_world: Pose::IDENTITY.position,
+            goal_index: 0,
+            patch_pose_world: Vec::new(),
+            contact_force_world: Vec::new(),
+        }],
+        audit: Audit {
+            energy_residual: 0.005,
+            largest_contact_residual: 5e-6,
+            ..Audit::default()
+        },
+    }
+}
+
+/// Verdicts on that reach: of 10 taxel frames on the leaf 6 are right, 1 is called a trunk, 1 an outlier, and 2 are uncertain.
+fn stream() -> Stream {
+    let contact = |truth, first_right| StreamContact {
+        truth,
+        samples: 20,
+        first_right,
+    };
+    let frame = |in_contact| StreamFrame {
+        time_s: 0.0,
+        in_contact,
+        tally: Default::default(),
+        by_verdict: Vec::new(),
+        touched: Vec::new(),
+        mean_samples_used: 0.0,
+        mean_samples_since_contact: 0.0,
+    };
+    Stream {
+        truths: vec![Category::LEAF, Category::TRUNK],
+        verdicts: ["leaf", "trunk", "uncertain", "outlier"].map(String::from).to_vec(),
+        frames: vec![frame(0), frame(4), frame(8)],
+        taxel_frames: vec![vec![6, 1, 2, 1], vec![0; 4], vec![5; 4]],
+        contacts: vec![
+            contact(Category::LEAF, Some(3)),
+            contact(Category::LEAF, None),
+            contact(Category::LEAF, Some(10)),
+            contact(Category::TRUNK, None),
+        ],
+        seconds: vec![0.0; 3],
+    }
+}
+
+/// Pins every metric on a reach whose values can be computed by hand, and that none has a value where it cannot be measured.
+#[test]
+fn metrics_are_what_they_say() {
+    let (recording, stream) = (reach(), stream());
+    let measured = Measured {
+        recording: &recording,
+        goals: 4,
+        stream: Some(&stream),
+    };
+    let expected = [
+        // The contact residual is half of its bound of 1e-5, the energy residual a quarter of its own of 0.02.
+        ("audit", Some(0.5), Some(0.5)),
+        // One of four goals: the last two were not tried.
+        ("goals_reached", Some(0.25), Some(0.25)),
+        ("touched", Some(1.0), Some(0.0)),
+        ("mean_force_n", Some(1.0), None),
+        ("peak_force_n", Some(2.0), None),
+        ("largest_force_n", Some(2.0), None),
+        ("taxel_force_n", Some(1.5), None),
+        ("right", Some(0.6), None),
+        ("wrong", Some(0.2), None),
+        ("uncertain", Some(0.2), None),
+        ("called_outlier", Some(0.1), None),
+        ("samples_to_right", Some(6.5), None),
+        ("never_right", Some(1.0 / 3.0), None),
+        ("taxels_per_frame", Some(6.0), Some(6.0)),
+    ];
+    assert_eq!(expected.map(|(name, ..)| name), METRICS.map(|metric| metric.name));
+    for (name, of_leaf, of_outlier) in expected {
+        let metric = Metric::find(name).unwrap();
+        let found = |category| metric.of_reach(&measured, Some(category));
+        let close = |found: Option<f64>, expected: Option<f64>| match (found, expected) {
+            (Some(found), Some(expected)) => (found - expected).abs() < 1e-12,
+            (found, expected) => found == expected,
+        };
+        assert!(
+            close(found(Category::LEAF), of_leaf),
+            "{name}: {:?}",
+            found(Category::LEAF)
+        );
+        let other = found(Category::OUTLIER);
+        assert!(close(other, of_outlier), "{name} of an outlier: {other:?}");
+    }
+    let without_model = Measured {
+        stream: None,
+        ..measured
+    };
+    for metric in &METRICS {
+        let value = metric.of_reach(&without_model, Some(Category::LEAF));
+        assert_eq!(value.is_none(), metric.needs_model, "{}", metric.name);
+    }
+}

@@ -1,0 +1,208 @@
+mod metrics;
+
+use std::path::PathBuf;
+
+use super::result::{BoundVerdict, ReachValue, SceneResult, SuiteResult};
+use super::*;
+
+/// A suite with comments, bounds in several forms, and one that is not known yet.
+const SUITE: &str = r#"# What we keep an eye on.
+summary = "Leaves and a trunk"
+seed = 7
+
+[bless]
+false_alarm = 0.04 # one in 25
+
+[[scenes]]
+scene = "plants.toml"   # both kinds
+reaches = 4
+[scenes.bounds]
+peak_force_n.trunk = {}             # not known yet
+goals_reached = { at_least = 0.25 } # the arm still arrives
+audit = { at_most = 1.0 }
+[scenes.bounds.mean_force_n]
+leaf = { at_least = 0.5, at_most = 0.7, blessed = 0.6 } # both sides
+trunk = { at_most = 9 }
+"#;
+
+const PLANTS: &str = "summary = \"Plants\"\n[[objects.foam_block]]\ncount = 1\n[[objects.leaf]]\ncount = 1\n\
+                      [[objects.trunk]]\ncount = 1\n";
+
+/// A suite file and its scene in a folder.
+fn written(text: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("suite.toml");
+    std::fs::write(folder.path().join("plants.toml"), PLANTS).unwrap();
+    std::fs::write(&file, text).unwrap();
+    (folder, file)
+}
+
+/// The result of a suite with one scene, from the values of each bound.
+fn result(suite: &Suite, values: &[&[f64]]) -> SuiteResult {
+    let scene = &suite.scenes[0];
+    let of_bound = |(own, values): (&SceneBound, &&[f64])| {
+        let values = values.iter().zip(0..).map(|(value, reach_index)| ReachValue {
+            reach_index,
+            value: *value,
+        });
+        run::held(own, values.collect())
+    };
+    let bounds = scene.bounds.iter().zip(values).map(of_bound).collect();
+    let mut result = SuiteResult {
+        suite: suite.name.clone(),
+        summary: suite.summary.clone(),
+        program_version: String::new(),
+        seed: suite.seed,
+        passed: false,
+        scenes: vec![SceneResult {
+            scene: "plants".into(),
+            file: "plants.toml".into(),
+            controller: "cody-2013".into(),
+            reaches: scene.reaches,
+            goals: Default::default(),
+            simulated_s: 0.0,
+            bounds,
+        }],
+    };
+    result.passed = result.broken().count() == 0;
+    result
+}
+
+/// Pins that bounds are read in the order of the file, whichever way TOML writes their tables.
+#[test]
+fn bounds_keep_the_order_of_the_file() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let names: Vec<String> = suite.scenes[0].bounds.iter().map(SceneBound::name).collect();
+    let expected = [
+        "peak_force_n.trunk",
+        "goals_reached",
+        "audit",
+        "mean_force_n.leaf",
+        "mean_force_n.trunk",
+    ];
+    assert_eq!(names, expected);
+    let leaf = suite.scenes[0].bounds[3].bound;
+    assert_eq!(
+        (leaf.at_least, leaf.at_most, leaf.blessed),
+        (Some(0.5), Some(0.7), Some(0.6))
+    );
+    assert_eq!(
+        (suite.name.as_str(), suite.seed, suite.scenes[0].reaches),
+        ("suite", 7, 4)
+    );
+}
+
+/// Pins every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value if the
+/// mean is too small, the largest if it is too large.
+#[test]
+fn values_are_held_against_bounds() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let found = result(&suite, &[&[5.0, 6.0], &[0.0, 0.25], &[0.5, 1.25], &[0.5, 1.0], &[]]);
+    let found = &found.scenes[0].bounds;
+    let verdicts: Vec<BoundVerdict> = found.iter().map(|own| own.verdict).collect();
+    use BoundVerdict::{NoBound, NotMeasured, TooLarge, TooSmall};
+    assert_eq!(verdicts, [NoBound, TooSmall, TooLarge, TooLarge, NotMeasured]);
+    // The mean of two values; of the audit the largest.
+    assert_eq!(found[1].found, Some(0.125));
+    assert_eq!(found[1].standard_error, Some(0.125));
+    assert_eq!((found[2].found, found[2].standard_error), (Some(1.25), None));
+    let worst = |place: usize| found[place].look_at.map(|own| own.reach_index);
+    assert_eq!(
+        [worst(1), worst(2), worst(3), worst(4)],
+        [Some(0), Some(1), Some(1), None]
+    );
+    let holding = result(
+        &suite,
+        &[&[5.0, 6.0], &[1.0, 1.0], &[0.5, 0.75], &[0.5, 0.75], &[8.0, 9.0]],
+    );
+    let verdicts = holding.scenes[0].bounds.iter().map(|own| own.verdict);
+    assert_eq!(verdicts.filter(|own| *own == BoundVerdict::Holds).count(), 4);
+}
+
+/// Pins that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the default
+/// sides to one without any, and writes bounds that hold, with the margin that the file asks for.
+#[test]
+fn blessing_changes_the_bounds_alone() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let values: [&[f64]; 5] = [
+        &[5.0, 6.0, 5.0, 6.0],
+        &[0.5, 1.0, 0.5, 1.0],
+        &[0.25, 0.125, 0.25, 0.125],
+        &[1.0, 3.0, 1.0, 3.0],
+        &[2.0, 2.0, 2.0, 2.0],
+    ];
+    let found = result(&suite, &values);
+    let text = bless::text(&suite, &found).unwrap();
+    // Five sides of means and shares; 0.04 / 6, as the new bound on the trunk's peak force has two.
+    let margin = statistics::margin(values[3], 0.04 / 6.0).unwrap();
+    let before: Vec<&str> = SUITE.lines().collect();
+    let after: Vec<&str> = text.lines().collect();
+    assert_eq!(before.len(), after.len());
+    for (before, after) in before.iter().zip(&after) {
+        let comment = |line: &str| line.split_once('#').map(|(_, comment)| comment.to_owned());
+        assert_eq!(comment(before), comment(after), "{after}");
+        if !before.contains('{') {
+            assert_eq!(before, after);
+        }
+    }
+    assert!(text.contains("audit = { at_most = 1, blessed = 0.25 }"), "{text}");
+    assert!(text.contains("trunk = { at_most = 2.02, blessed = 2 }"), "{text}");
+    std::fs::write(&file, &text).unwrap();
+    let blessed = Suite::load(&file).unwrap();
+    let bounds: Vec<Bound> = blessed.scenes[0].bounds.iter().map(|own| own.bound).collect();
+    assert!(bounds[0].at_least.is_some() && bounds[0].at_most.is_some());
+    assert!(bounds[1].at_least.is_some() && bounds[1].at_most.is_none());
+    let leaf = bounds[3];
+    // Rounded to four digits, away from what was found.
+    let high = leaf.at_most.unwrap();
+    assert!(
+        (0.0..1e-3 * high).contains(&(high - (2.0 + margin))),
+        "{leaf:?}, margin {margin}"
+    );
+    let again = blessed.hold(found);
+    assert!(again.passed, "{again:?}");
+    // The same run gives the same text again.
+    assert_eq!(bless::text(&blessed, &again).unwrap(), text);
+}
+
+/// Pins that a bound from values that differ too much is known to allow everything, and that others are not.
+#[test]
+fn bounds_that_allow_everything_are_noticed() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let found = result(
+        &suite,
+        &[
+            &[1.0, 9.0],
+            &[0.0, 1.0, 0.0, 1.0],
+            &[0.25, 0.125],
+            &[1.0, 1.0],
+            &[2.0, 3.0],
+        ],
+    );
+    std::fs::write(&file, bless::text(&suite, &found).unwrap()).unwrap();
+    let blessed = Suite::load(&file).unwrap().hold(found);
+    let bounds = blessed.scenes[0].bounds.iter();
+    let everything: Vec<&str> = bounds
+        .filter(|bound| bound.allows_everything())
+        .map(|bound| bound.name.as_str())
+        .collect();
+    // The trunk's peak force is at least 0 and the goals are, too; only the first has an upper bound.
+    assert_eq!(everything, ["goals_reached"]);
+}
+
+/// Pins that a metric that was measured in one reach, or none, is not blessed.
+#[test]
+fn one_value_is_not_blessed() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let found = result(&suite, &[&[5.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 2.0]]);
+    let error = bless::text(&suite, &found).unwrap_err().to_string();
+    assert!(
+        error.contains("peak_force_n.trunk was measured in 1 of 4 reaches"),
+        "{error}"
+    );
+}

@@ -1,0 +1,113 @@
+//! Readable text of the results of suites.
+
+use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
+
+use crate::output;
+
+/// A table for each scene, and what is broken, with the reach to look at.
+pub fn of(results: &[SuiteResult]) -> String {
+    results.iter().map(of_suite).collect::<Vec<_>>().join("\n")
+}
+
+fn of_suite(result: &SuiteResult) -> String {
+    let mut text = format!("{}: {}\n", result.suite, result.summary);
+    for scene in &result.scenes {
+        text += &format!(
+            "\n{} ({} reaches of seed {}, {:.0} s simulated, {}): {}\n",
+            scene.scene, scene.reaches, result.seed, scene.simulated_s, scene.controller, scene.goals
+        );
+        let rows: Vec<Vec<String>> = scene.bounds.iter().map(row).collect();
+        text += &output::table(
+            &[
+                "metric", "found", "± SE", "reaches", "at least", "at most", "blessed", "",
+            ],
+            &rows,
+        );
+    }
+    let bounds: usize = result.scenes.iter().map(|scene| scene.bounds.len()).sum();
+    let (unbounded, broken): (Vec<_>, Vec<_>) = result
+        .broken()
+        .partition(|(_, bound)| bound.verdict == BoundVerdict::NoBound);
+    for (scene, bound) in broken {
+        text += &format!("\n{}", why(result, scene, bound));
+    }
+    if !unbounded.is_empty() {
+        text += &format!("\n{} metrics have no bound yet; --bless writes them\n", unbounded.len());
+    }
+    let broken = result.broken().count();
+    let held = bounds - broken;
+    text + &format!("\n{}: {held} of {bounds} bounds hold\n", result.suite)
+}
+
+fn row(bound: &BoundResult) -> Vec<String> {
+    let shown = |value: Option<f64>| value.map_or("-".into(), number);
+    let verdict = match bound.verdict {
+        BoundVerdict::Holds => "holds",
+        BoundVerdict::TooSmall => "TOO SMALL",
+        BoundVerdict::TooLarge => "TOO LARGE",
+        BoundVerdict::NotMeasured => "NOT MEASURED",
+        BoundVerdict::NoBound => "NO BOUND",
+    };
+    vec![
+        bound.name.clone(),
+        shown(bound.found),
+        shown(bound.standard_error),
+        bound.values.len().to_string(),
+        shown(bound.at_least),
+        shown(bound.at_most),
+        shown(bound.blessed),
+        verdict.into(),
+    ]
+}
+
+/// Why a bound is broken, and how to look at the reach that contributes most.
+pub fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String {
+    let found = bound.found.map_or("-".into(), number);
+    let limit = |value: Option<f64>| value.map_or("-".into(), number);
+    let what = match bound.verdict {
+        BoundVerdict::TooSmall => format!("is {found}, less than at_least = {}", limit(bound.at_least)),
+        BoundVerdict::TooLarge => format!("is {found}, more than at_most = {}", limit(bound.at_most)),
+        BoundVerdict::NotMeasured => "could not be measured in any reach".into(),
+        BoundVerdict::NoBound => format!("is {found} and has no bound yet; write one with --bless"),
+        BoundVerdict::Holds => "holds".into(),
+    };
+    let mut text = format!("{}: {} {what}\n", scene.scene, bound.name);
+    if let Some(worst) = bound.look_at {
+        text += &format!(
+            "  look at reach {}, where it is {}:\n  underbrush reach {} --seed {} --index {} --controller {} --picture reach.svg\n",
+            worst.reach_index,
+            number(worst.value),
+            shell_word(&scene.file),
+            result.seed,
+            worst.reach_index,
+            scene.controller
+        );
+    }
+    text
+}
+
+/// A path as one word of a shell command.
+fn shell_word(path: &str) -> String {
+    let plain = |character: char| character.is_alphanumeric() || "/._-+".contains(character);
+    match path.chars().all(plain) {
+        true => path.to_owned(),
+        false => format!("'{}'", path.replace('\'', "'\\''")),
+    }
+}
+
+/// A number with four significant digits.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let digits = (3.0 - magnitude).max(0.0) as usize;
+    let text = format!("{value:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}

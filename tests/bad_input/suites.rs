@@ -1,0 +1,199 @@
+//! Invalid suite files.
+
+use std::path::Path;
+
+use super::{Fault, assert_empty};
+use crate::support::fixture::fixture;
+use crate::support::{scenes, underbrush};
+
+const SUITE: &str = r#"summary = "Trunks"
+[[scenes]]
+scene = "trunks.toml"
+reaches = 2
+[scenes.bounds]
+goals_reached = { at_least = 0.5 }
+"#;
+
+/// Demands that a suite is refused with the line and these words, and that no result is left behind. Nothing is run before.
+#[track_caller]
+fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let file = folder.path().join("suite.toml");
+    scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
+    std::fs::copy(fixture().model(), folder.path().join("model.json")).unwrap();
+    std::fs::write(&file, text).unwrap();
+    let fault = Fault {
+        file: &file,
+        line,
+        parts,
+    };
+    fault.check(&underbrush!["check", &file, "--out", outputs.path()]);
+    fault.check(&underbrush!["check", &file, "--bless"]);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), text, "the file was changed");
+    assert_empty(outputs.path());
+}
+
+/// The suite with one text in place of another.
+#[track_caller]
+fn refuses_change(from: &str, to: &str, line: usize, parts: &[&str]) {
+    assert_eq!(SUITE.matches(from).count(), 1, "{from}");
+    refuses(&SUITE.replace(from, to), Some(line), parts);
+}
+
+/// Pins that unknown keys, metrics and categories are refused with those that exist, at their line.
+#[test]
+fn unknown_names() {
+    refuses_change(
+        "summary",
+        "sumary",
+        1,
+        &["unknown field `sumary`", "underbrush schema suite"],
+    );
+    refuses_change(
+        "goals_reached =",
+        "goals_found =",
+        6,
+        &[
+            "bounds.goals_found",
+            "one of audit, goals_reached, touched",
+            "taxels_per_frame",
+        ],
+    );
+    refuses_change(
+        "goals_reached = {",
+        "peak_force_n.leaf = {",
+        6,
+        &[
+            "bounds.peak_force_n: found leaf",
+            "a category of the scene's objects: trunk",
+        ],
+    );
+    refuses_change("at_least", "at_leest", 6, &["goals_reached", "expected a bound"]);
+}
+
+/// Pins that a metric of a category needs one, and that others take none.
+#[test]
+fn categories_where_they_do_not_belong() {
+    refuses_change(
+        "goals_reached = {",
+        "peak_force_n = {",
+        6,
+        &["a bound without a category", "peak_force_n.leaf = { at_most"],
+    );
+    refuses_change(
+        "goals_reached = {",
+        "goals_reached.trunk = {",
+        6,
+        &["bounds for categories", "one bound"],
+    );
+}
+
+/// Pins that numbers outside their range are refused.
+#[test]
+fn numbers_out_of_range() {
+    refuses_change(
+        "reaches = 2",
+        "reaches = 1",
+        4,
+        &["scenes.reaches: found 1", "2 to 100000"],
+    );
+    refuses_change(
+        "at_least = 0.5",
+        "at_least = nan",
+        6,
+        &["goals_reached", "NaN", "finite numbers"],
+    );
+    refuses_change(
+        "at_least = 0.5",
+        "at_least = 0.5, at_most = 0.25",
+        6,
+        &["at_least = 0.5 and at_most = 0.25", "no larger than at_most"],
+    );
+    for (key, value) in [
+        ("false_alarm", "0"),
+        ("false_alarm", "0.6"),
+        ("false_alarm", "nan"),
+        ("largest_factor", "0.5"),
+        ("largest_factor", "inf"),
+    ] {
+        let text = SUITE.replace("[[scenes]]", &format!("[bless]\n{key} = {value}\n[[scenes]]"));
+        refuses(&text, Some(3), &[&format!("bless.{key}"), "allowed"]);
+    }
+}
+
+/// Pins that verdicts need a model, that the model must exist and that its patch must be one of the skin's.
+#[test]
+fn models_that_do_not_fit() {
+    refuses_change(
+        "goals_reached = {",
+        "right.trunk = {",
+        6,
+        &["bounds.right", "a suite without a model", "[model]"],
+    );
+    let with_model = |section: &str| SUITE.replace("[[scenes]]", &format!("[model]\n{section}\n[[scenes]]"));
+    refuses(
+        &with_model("file = \"model.json\"\npatch = \"elbow\""),
+        Some(3),
+        &["model.file", "elbow", "forearm"],
+    );
+    refuses(
+        &with_model("file = \"model.json\"\nthreshold_n = -1"),
+        Some(3),
+        &["model.file", "threshold_n"],
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("suite.toml");
+    scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
+    std::fs::write(&file, with_model("file = \"missing.json\"")).unwrap();
+    let missing = folder.path().join("missing.json");
+    let fault = Fault {
+        file: &missing,
+        line: None,
+        parts: &["a readable model file", "check the path"],
+    };
+    fault.check(&underbrush!["check", &file]);
+}
+
+/// Pins that a suite without scenes or bounds, or with a scene twice, is refused.
+#[test]
+fn nothing_to_check() {
+    refuses(
+        "summary = \"x\"\nscenes = []\n",
+        Some(2),
+        &["no scenes", "at least one [[scenes]]"],
+    );
+    refuses(
+        "summary = \"x\"\n[[scenes]]\nscene = \"trunks.toml\"\nreaches = 2\n",
+        Some(3),
+        &["no bounds", "[scenes.bounds]"],
+    );
+    let twice = format!("{SUITE}{}", SUITE.split_once('\n').unwrap().1);
+    refuses(&twice, Some(3), &["scene files with different names"]);
+}
+
+/// Pins that a suite or a scene that cannot be read is named, and that the remaining suites are not run.
+#[test]
+fn missing_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, missing] = ["suite.toml", "none.toml"].map(|name| folder.path().join(name));
+    std::fs::write(&file, SUITE).unwrap();
+    let fault = |file: &Path, parts: &[&str], answer| {
+        Fault {
+            file,
+            line: None,
+            parts,
+        }
+        .check(&answer);
+    };
+    let scene = folder.path().join("trunks.toml");
+    fault(&scene, &["a readable scene file"], underbrush!["check", &file]);
+    scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
+    fault(
+        &missing,
+        &["a readable suite file", "underbrush schema suite"],
+        underbrush!["check", &file, &missing],
+    );
+    underbrush!["check"].refused(&["SUITE"]);
+    underbrush!["check", &file, "--bless", "--seed", "3"].refused(&["--bless", "--seed"]);
+}
