@@ -206,7 +206,22 @@ fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DV
             return plane;
         }
     }
-    pair.plane(origin, found)
+    let plane = pair.plane(origin, found);
+    let mut presses = |plane: &Plane| {
+        let overlap_m = Columns::new(pair, plane, faces).and_then(|columns| columns.overlap_m(DVec2::ZERO));
+        overlap_m.is_some_and(|overlap| overlap > 0.0)
+    };
+    if deepest >= 0.0 || presses(&plane) {
+        return plane;
+    }
+    // The points of a round face are corners of a square in it, so none of them need be where a tilted face is deepest.
+    let deepest_points = [0, 1].into_iter().filter_map(|side| {
+        let towards_other = if side == 0 { -found } else { found };
+        let shape = pair.shapes[side].as_support_map()?;
+        Some(shape.support_point(&parry_pose(&pair.poses_world[side]), towards_other))
+    });
+    let mut planes = deepest_points.map(|point| pair.plane(point, found));
+    planes.find(presses).unwrap_or(plane)
 }
 
 /// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half of the thinner one, and

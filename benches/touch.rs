@@ -114,7 +114,7 @@ fn model() -> TouchModel {
 
 fn update(criterion: &mut Criterion) {
     let model = Arc::new(model());
-    let mut group = criterion.benchmark_group("verdicts/update");
+    let mut group = criterion.benchmark_group("touch/update");
     for regions in [0, REGIONS] {
         let frames: Vec<Frame> = (0..50).map(|index| frame(index, 0, regions)).collect();
         let mut classifier = TouchClassifier::new(Arc::clone(&model), &layout()).expect("the skin has a grid");
