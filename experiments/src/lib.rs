@@ -26,6 +26,7 @@ mod sealed;
 pub mod session;
 pub mod thresholds;
 pub mod training;
+pub mod verdict_controller;
 
 pub use error::ExperimentError;
 pub use progress::{Counter, Progress, Silent};

@@ -24,3 +24,4 @@ mod torn;
 mod train;
 mod trials;
 mod validate;
+mod verdicts;
