@@ -31,11 +31,15 @@ impl Situation {
         let angle_rad = arm.start_posture_rad();
         let poses = arm.forward_kinematics(&angle_rad);
         let link = arm.link_index("forearm").expect("Cody has a forearm");
-        let forearm = &arm.skin.layout.patches[arm.skin.layout.patch_index("forearm").expect("with skin")];
+        let patch = arm.skin.layout.patch_index("forearm").expect("with skin");
+        let forearm = &arm.skin.layout.patches[patch];
         let contacts = (0..10)
             .map(|number| {
-                let taxel = &forearm.taxels[8 * 24 + number];
+                let index = 8 * 24 + number;
+                let taxel = &forearm.taxels[index];
                 TaxelContact {
+                    patch,
+                    taxel: index,
                     position_jacobian: arm.position_jacobian(
                         &poses,
                         link,
@@ -43,6 +47,7 @@ impl Situation {
                     ),
                     inward_normal_world: -poses[link].transform_vector(taxel.normal_link),
                     force_n: 1.2 + 0.3 * number as f64,
+                    allowed_force_n: None,
                 }
             })
             .collect();

@@ -19,6 +19,7 @@ use underbrush_sim::scene::Scene;
 
 use crate::error::ExperimentError;
 use crate::progress::Progress;
+use crate::verdict_controller::{VerdictControl, VerdictParameters, WITH_VERDICTS};
 
 /// The program's name in data sets and results.
 pub const PROGRAM: &str = "underbrush";
@@ -37,6 +38,8 @@ pub struct Campaign {
     pub seed: u64,
     /// The controller; each scene's own if not given.
     pub controller: Option<ControllerKind>,
+    /// Verdicts for the controller, if it is to have any.
+    pub verdicts: Option<VerdictControl>,
     /// The part of the reaches to run; all if not given.
     pub shard: Option<Shard>,
 }
@@ -48,13 +51,16 @@ struct ControllerParameters<'a> {
     preset: Option<&'a Preset>,
     #[serde(flatten)]
     rules: &'a ReachRules,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdicts: Option<VerdictParameters<'a>>,
 }
 
 impl<'a> ControllerParameters<'a> {
-    fn of(plan: &'a ReachPlan) -> Self {
+    fn of(plan: &'a ReachPlan, verdicts: Option<&'a VerdictControl>) -> Self {
         ControllerParameters {
             preset: plan.controller.preset(),
             rules: &plan.rules,
+            verdicts: verdicts.map(VerdictControl::parameters),
         }
     }
 }
@@ -79,8 +85,9 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
 }
 
 impl Campaign {
-    /// The campaign that made a data set, reconstructed from the set alone.
-    pub fn of(dataset: &Dataset) -> Result<Self, ExperimentError> {
+    /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, their touch model is
+    /// needed too: a set holds only the hash of its file.
+    pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, ExperimentError> {
         let provenance = dataset.provenance();
         let fault = |field: &str, found: String, allowed: &str| -> ExperimentError {
             let path = dataset.dir().join("meta/provenance.json");
@@ -91,11 +98,15 @@ impl Campaign {
             let allowed = "a program whose data sets hold scenes: underbrush";
             return Err(fault("program", provenance.program.clone(), allowed));
         }
-        let controller = ControllerKind::from_name(&provenance.controller).map_err(|_| {
+        let name = provenance.controller.as_str();
+        let name = name.strip_suffix(WITH_VERDICTS).unwrap_or(name);
+        let controller = ControllerKind::from_name(name).map_err(|_| {
             let allowed = format!("one of {}", ControllerKind::names().join(", "));
             fault("controller", provenance.controller.clone(), &allowed)
         })?;
+        check_model(dataset, verdicts.as_ref())?;
         let mut campaign = Campaign {
+            verdicts,
             scenes: Vec::new(),
             arms: BTreeMap::new(),
             seed: provenance.seed,
@@ -192,11 +203,17 @@ impl Campaign {
 
     fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
         let controller = self.controller;
-        let plan = |(scene, _): &(Scene, u64)| match self.arms.get(&scene.name) {
-            Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed),
-            None => ReachPlan::new(scene.clone(), controller, self.seed),
+        let plan = |(scene, _): &(Scene, u64)| {
+            let plan = match self.arms.get(&scene.name) {
+                Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed)?,
+                None => ReachPlan::new(scene.clone(), controller, self.seed)?,
+            };
+            match &self.verdicts {
+                Some(verdicts) => verdicts.applied_to(plan),
+                None => Ok(plan),
+            }
         };
-        Ok(self.scenes.iter().map(plan).collect::<Result<_, _>>()?)
+        self.scenes.iter().map(plan).collect()
     }
 
     /// Reach by reach, scene after scene.
@@ -269,7 +286,7 @@ impl Campaign {
             let file = &scene.file;
             let own = json!({ "physics": file.physics, "sensor": file.sensor });
             options.insert(scene.name.clone(), own);
-            controller_parameters.insert(scene.name.clone(), json!(ControllerParameters::of(plan)));
+            controller_parameters.insert(scene.name.clone(), json!(ControllerParameters::of(plan, self.verdicts.as_ref())));
             let files = plan.arm.files.iter();
             let arm = ArmText {
                 name: plan.arm.name.clone(),
@@ -300,6 +317,26 @@ impl Campaign {
             shard: self.shard,
         }
     }
+}
+
+/// Refuses a touch model that did not give the verdicts of a data set, or a lack of the one that did.
+fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), ExperimentError> {
+    let mut parameters = dataset.provenance().controller_parameters.values();
+    let stored = parameters.find_map(|scene| scene.get("verdicts")?.get("touch_model_blake3")?.as_str());
+    let given = verdicts.map(VerdictControl::model_blake3);
+    if stored == given {
+        return Ok(());
+    }
+    let path = dataset.dir().join("meta/provenance.json");
+    let found = given.map_or("no touch model".into(), |hash| format!("a touch model with BLAKE3 hash {hash}"));
+    let (allowed, remedy) = match stored {
+        Some(hash) => (
+            format!("the touch model that the controller used, with BLAKE3 hash {hash}"),
+            "give its file with --verdicts",
+        ),
+        None => ("none: the controller had no verdicts".into(), "leave out --verdicts"),
+    };
+    Err(InputError::new(path, "controller_parameters", found, allowed, remedy).into())
 }
 
 /// The categories of the scenes' objects that are not built in, each once, by code.

@@ -29,6 +29,7 @@ pub mod suite;
 pub mod thresholds;
 pub mod training;
 pub mod verdict_transfer;
+pub mod verdict_controller;
 
 pub use error::ExperimentError;
 pub use progress::{Counter, Progress, Silent};

@@ -109,6 +109,7 @@ pub fn campaign(
         arms,
         seed,
         controller: experiment.controller(),
+        verdicts: None,
         shard: None,
     };
     Ok((campaign, Labelled { scenes: labels }))

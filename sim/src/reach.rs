@@ -6,9 +6,9 @@ use underbrush_recording::{Frame, GoalRecord, Outcome, Recording, SafetyStop};
 use crate::simulation::{LinkForce, Simulation};
 use back_off::Way;
 pub use error::ReachError;
-use log::ReachLog;
+use log::{ReachLog, present_frame};
 use monitor::Monitor;
-pub use plan::{MakeController, PlannedController, ReachPlan};
+pub use plan::{MakeController, PlannedController, ReachPlan, WrapController};
 pub use rules::ReachRules;
 use steering::Steering;
 
@@ -111,9 +111,13 @@ impl<'a> Reach<'a> {
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
             let ended = monitor.observe(report.end_effector_pose_world.position, force_n);
+            let mut frame = present_frame(&self.simulation, self.steering.equilibrium_rad(), goal);
+            self.steering.observe(&frame);
             self.steering.control(&self.plan.arm, report, target_world)?;
             let equilibrium_rad = self.steering.equilibrium_rad();
-            let frame = self.log.record(&self.simulation, equilibrium_rad, goal);
+            // The angles that the arm is given now.
+            frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);
+            let frame = self.log.record(&self.simulation, frame);
             observer(&self.simulation, frame);
             let log = &mut self.log;
             self.simulation

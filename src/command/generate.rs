@@ -9,6 +9,7 @@ use serde::Serialize;
 use underbrush_experiments::audit::{self, Worst};
 use underbrush_experiments::dataset::{Campaign, PROGRAM_VERSION, Written};
 use underbrush_experiments::ends::Ends;
+use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_report::text;
 use underbrush_sim::controller::ControllerKind;
@@ -34,12 +35,16 @@ pub struct Options {
     /// Folder to write the data set to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard
+    /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard. If its controller
+    /// had verdicts, give the touch model, too
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard"])]
     from: Option<PathBuf>,
     /// Controller to use instead of each scene's
     #[arg(long, value_name = "NAME", value_parser = input::controller())]
     controller: Option<ControllerKind>,
+    /// Tell the controller what the skin touches, by this touch model, so that it presses less on trunks than on leaves
+    #[arg(long, value_name = "MODEL")]
+    verdicts: Option<PathBuf>,
     /// Continue an interrupted data set
     #[arg(long)]
     resume: bool,
@@ -126,6 +131,7 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
         arms: BTreeMap::new(),
         seed: options.seed,
         controller: options.controller,
+        verdicts: verdicts(options)?,
         shard: options.shard,
     };
     let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
@@ -139,8 +145,12 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
     }
 }
 
+fn verdicts(options: &Options) -> Result<Option<VerdictControl>, Failure> {
+    Ok(options.verdicts.as_deref().map(VerdictControl::load).transpose()?)
+}
+
 /// The campaign that made a data set.
-fn stored(path: &Path) -> Result<Campaign, Failure> {
+fn stored(path: &Path, verdicts: Option<VerdictControl>) -> Result<Campaign, Failure> {
     let dataset = Dataset::open(path)?;
     let made_by = &dataset.provenance().program_version;
     if made_by != PROGRAM_VERSION {
@@ -149,14 +159,14 @@ fn stored(path: &Path) -> Result<Campaign, Failure> {
             path.display()
         ));
     }
-    Ok(Campaign::of(&dataset)?)
+    Ok(Campaign::of(&dataset, verdicts)?)
 }
 
 /// Runs the campaign.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let start = Instant::now();
     let campaign = match &options.from {
-        Some(path) => stored(path)?,
+        Some(path) => stored(path, verdicts(&options)?)?,
         None => described(&options)?,
     };
     interrupt::hint(format!(

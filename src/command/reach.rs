@@ -7,6 +7,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions};
+use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
@@ -35,6 +36,9 @@ pub struct Options {
     /// Controller to use instead of the scene's
     #[arg(long, value_parser = input::controller(), value_name = "NAME")]
     controller: Option<ControllerKind>,
+    /// Tell the controller what the skin touches, by this touch model, so that it presses less on trunks than on leaves
+    #[arg(long, value_name = "MODEL")]
+    verdicts: Option<PathBuf>,
     /// Write the recording to this file (Parquet)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -83,7 +87,10 @@ struct Goal {
 
 /// Runs the reach.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
+    let mut plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
+    if let Some(model) = &options.verdicts {
+        plan = VerdictControl::load(model)?.applied_to(plan)?;
+    }
     let options_of_trials = TrialOptions {
         patch: options.patch.clone(),
         ..TrialOptions::default()

@@ -25,3 +25,4 @@ mod torn;
 mod train;
 mod trials;
 mod validate;
+mod verdicts;

@@ -34,6 +34,7 @@ fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
         arms: BTreeMap::new(),
         seed: 0,
         controller: None,
+        verdicts: None,
         shard: None,
     };
     let Written::New(set) = campaign.write(folder, false, &Silent).unwrap() else {

@@ -8,3 +8,4 @@ mod settings;
 mod sources;
 mod table_one_paper;
 mod trials;
+mod verdict_controller;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nalgebra::Matrix3xX;
-use underbrush_recording::Pose;
+use underbrush_recording::{Frame, Pose};
 
 pub mod blind;
 mod kind;
@@ -37,12 +37,18 @@ pub struct ControllerInput<'a> {
 /// One taxel that senses a force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaxelContact {
+    /// Index of the patch in the skin's layout.
+    pub patch: usize,
+    /// Index of the taxel in its patch.
+    pub taxel: usize,
     /// Jacobian of the velocity of the taxel's centre, m/rad, 3 × n, world frame; zero for joints distal of its link.
     pub position_jacobian: Matrix3xX<f64>,
     /// The taxel's inward unit normal, world frame: the direction of the force on the arm.
     pub inward_normal_world: DVec3,
     /// Sensed force along it, N.
     pub force_n: f64,
+    /// Force that this contact should not exceed, N, where it differs from the controller's own limit for all contacts.
+    pub allowed_force_n: Option<f64>,
 }
 
 /// A controller's answer.
@@ -72,6 +78,10 @@ pub trait Controller: Send {
 
     /// How often it wants to be called, Hz. It is called at most once per frame.
     fn rate_hz(&self) -> f64;
+
+    /// Takes in a frame. Called once in every frame, also in those in which no control is due, and before control. The equilibrium
+    /// angles are those in force until this frame. A frame holds ground truth too, which a robot would not know.
+    fn observe(&mut self, _frame: &Frame) {}
 
     /// Computes new equilibrium angles. Every slice of the input has one entry per joint.
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput;

@@ -10,7 +10,8 @@
 //!
 //! w_p ‖Δx − J_h Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
 //!
-//! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The
+//! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The limit is
+//! that of the contact, if it has one, or else that of the parameter set. The
 //! publication also has weights for a wanted orientation and a wanted posture. The goals here are positions and the
 //! parameter sets give the posture's weight no value, so both are left out.
 
@@ -114,8 +115,9 @@ impl ModelPredictive {
             &vector(self.wanted_displacement(input)),
         );
         cost.add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
+        let limit_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(preset.force_limit_n);
         let over: Vec<usize> = (0..contacts.len())
-            .filter(|index| contacts[*index].force_n > preset.force_limit_n)
+            .filter(|index| contacts[*index].force_n > limit_n(contacts[*index]))
             .collect();
         if !over.is_empty() {
             let reduction = DVector::from_element(over.len(), -preset.over_limit_force_reduction_n);
@@ -129,10 +131,10 @@ impl ModelPredictive {
         let mut bounds = Bounds::new(joints);
         for (contact, row) in contacts.iter().zip(forces.row_iter()) {
             // A force below the limit may rise up to the limit, but no faster than the parameters allow.
-            let max_change = if contact.force_n > preset.force_limit_n {
+            let max_change = if contact.force_n > limit_n(contact) {
                 preset.over_limit_force_change_n
             } else {
-                preset.force_rise_n.min(preset.force_limit_n - contact.force_n)
+                preset.force_rise_n.min(limit_n(contact) - contact.force_n)
             };
             // The publication bounds the fall of forces over the limit; here the same bound holds for all.
             bounds.keep(row.into_owned(), -preset.force_fall_n, max_change);

@@ -18,7 +18,7 @@ pub struct Preset {
     pub rate_hz: f64,
     /// Stiffness k that the controller assumes at every contact, N/m.
     pub contact_stiffness_n_per_m: f64,
-    /// Force that a contact should not exceed, f_max, N.
+    /// Force that a contact should not exceed, f_max, N, unless the contact has a limit of its own.
     pub force_limit_n: f64,
     /// Taxels with less force than this are not counted as contacts, N.
     pub ignored_force_n: f64,

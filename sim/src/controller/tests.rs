@@ -9,6 +9,7 @@ use super::{Controller, ControllerInput, ControllerOutput, TaxelContact};
 use crate::arm::Arm;
 
 mod closed_loop;
+mod contact_limits;
 mod quadratic_program;
 mod single_step;
 
@@ -47,18 +48,21 @@ impl<'a> Situation<'a> {
     }
 
     /// Presses on one taxel.
-    fn press(&mut self, patch: usize, taxel: usize, force_n: f64) {
+    fn press(&mut self, patch: usize, index: usize, force_n: f64) {
         let link = self.arm.skin.surfaces[patch].link;
-        let taxel = self.arm.skin.layout.patches[patch].taxels[taxel];
+        let taxel = self.arm.skin.layout.patches[patch].taxels[index];
         let pose = self.links[link];
         let position_jacobian =
             self.arm
                 .position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
         let inward_normal_world = -(pose.orientation * taxel.normal_link);
         self.contacts.push(TaxelContact {
+            patch,
+            taxel: index,
             position_jacobian,
             inward_normal_world,
             force_n,
+            allowed_force_n: None,
         });
     }
 

@@ -32,11 +32,16 @@ pub struct ReachPlan {
 /// A function that makes a controller for an arm.
 pub type MakeController = Arc<dyn Fn(&Arm) -> Box<dyn Controller> + Send + Sync>;
 
+/// A function that puts a controller into another one, which may see frames and change what the inner one is given.
+pub type WrapController = Arc<dyn Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync>;
+
 /// The controller of a plan.
 #[derive(Clone)]
 pub enum PlannedController {
     /// One that ships, with its parameters.
     Shipped(ControllerKind, Preset),
+    /// One that ships, with its parameters, within a user's own.
+    Wrapped(ControllerKind, Preset, WrapController),
     /// A user's own. It is made afresh for every reach, because reaches run in parallel and a controller may keep state.
     Own(MakeController),
 }
@@ -45,6 +50,7 @@ impl fmt::Debug for PlannedController {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             PlannedController::Shipped(kind, preset) => f.debug_tuple("Shipped").field(kind).field(preset).finish(),
+            PlannedController::Wrapped(kind, preset, _) => f.debug_tuple("Wrapped").field(kind).field(preset).finish(),
             PlannedController::Own(_) => f.write_str("Own"),
         }
     }
@@ -54,7 +60,7 @@ impl PlannedController {
     /// The parameters of a controller that ships.
     pub fn preset(&self) -> Option<&Preset> {
         match self {
-            PlannedController::Shipped(_, preset) => Some(preset),
+            PlannedController::Shipped(_, preset) | PlannedController::Wrapped(_, preset, _) => Some(preset),
             PlannedController::Own(_) => None,
         }
     }
@@ -63,7 +69,19 @@ impl PlannedController {
     pub fn make(&self, arm: &Arm) -> Box<dyn Controller> {
         match self {
             PlannedController::Shipped(kind, preset) => kind.controller(preset.clone(), arm),
+            PlannedController::Wrapped(kind, preset, wrap) => wrap(kind.controller(preset.clone(), arm)),
             PlannedController::Own(make) => make(arm),
+        }
+    }
+
+    /// This controller within another one, which `wrap` makes at the start of every reach.
+    fn wrapped(self, wrap: WrapController) -> PlannedController {
+        match self {
+            PlannedController::Shipped(kind, preset) => PlannedController::Wrapped(kind, preset, wrap),
+            PlannedController::Wrapped(kind, preset, inner) => {
+                PlannedController::Wrapped(kind, preset, Arc::new(move |controller| wrap(inner(controller))))
+            }
+            PlannedController::Own(make) => PlannedController::Own(Arc::new(move |arm| wrap(make(arm)))),
         }
     }
 }
@@ -113,6 +131,15 @@ impl ReachPlan {
     /// Scale factors on the hand's speed and on the allowed force do not apply to it.
     pub fn with_controller(mut self, make: impl Fn(&Arm) -> Box<dyn Controller> + Send + Sync + 'static) -> ReachPlan {
         self.controller = PlannedController::Own(Arc::new(make));
+        self
+    }
+
+    /// The same plan with its controller within another one, which `wrap` makes at the start of every reach.
+    pub fn with_controller_within(
+        mut self,
+        wrap: impl Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync + 'static,
+    ) -> ReachPlan {
+        self.controller = self.controller.wrapped(Arc::new(wrap));
         self
     }
 

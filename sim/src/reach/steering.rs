@@ -1,7 +1,7 @@
 //! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
-use underbrush_recording::FRAME_PERIOD_S;
+use underbrush_recording::{FRAME_PERIOD_S, Frame};
 
 use super::error::ReachError;
 use crate::arm::Arm;
@@ -46,6 +46,11 @@ impl Steering {
         self.counts
     }
 
+    /// Lets the controller see a frame.
+    pub(super) fn observe(&mut self, frame: &Frame) {
+        self.controller.observe(frame);
+    }
+
     /// Lets the controller move the equilibrium angles, in the frames in which it is due.
     ///
     /// # Errors
@@ -67,13 +72,17 @@ impl Steering {
         let contacts: Vec<TaxelContact> = sensed
             .map(|reading| {
                 let patch = usize::from(reading.patch);
-                let taxel = &arm.skin.layout.patches[patch].taxels[usize::from(reading.taxel)];
+                let index = usize::from(reading.taxel);
+                let taxel = &arm.skin.layout.patches[patch].taxels[index];
                 let link = arm.skin.surfaces[patch].link;
                 let position_world = link_poses[link].transform_point(taxel.position_link);
                 TaxelContact {
+                    patch,
+                    taxel: index,
                     position_jacobian: arm.position_jacobian(&link_poses, link, position_world),
                     inward_normal_world: -link_poses[link].transform_vector(taxel.normal_link),
                     force_n: reading.sensed_force_n,
+                    allowed_force_n: None,
                 }
             })
             .collect();

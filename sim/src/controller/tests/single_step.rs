@@ -8,7 +8,7 @@ use super::super::{Blind, ControlStatus, Controller, ControllerKind, ModelPredic
 use super::{Situation, middle, vector};
 use crate::arm::Arm;
 
-fn presets() -> [Preset; 2] {
+pub(super) fn presets() -> [Preset; 2] {
     [Preset::cody_2013(), Preset::ijrr_foliage()]
 }
 
@@ -92,7 +92,7 @@ fn violation(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) 
 }
 
 /// The arm somewhere, pressed in up to eight places, with a goal up to half a metre away.
-fn random_situation<'a>(arm: &'a Arm, random: &mut ChaCha8Rng) -> Situation<'a> {
+pub(super) fn random_situation<'a>(arm: &'a Arm, random: &mut ChaCha8Rng) -> Situation<'a> {
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let angle: Vec<f64> = arm
         .joints

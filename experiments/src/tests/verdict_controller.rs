@@ -1,0 +1,177 @@
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use serde_json::{Value, json};
+use underbrush_classifier::touch::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
+use underbrush_recording::{Frame, Recording};
+use underbrush_sim::arm::Arm;
+use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+use crate::verdict_controller::{AllowedForces, Allowance, VerdictControl};
+
+/// A network that gives these scores, whatever it sees.
+fn constant(inputs: usize, scores: [f64; 2]) -> Value {
+    let row = |last: f64| -> Vec<f64> { std::iter::repeat_n(0.0, 24).chain([last]).collect() };
+    json!({
+        "sharpness": 1.0,
+        "network": {
+            "mean": vec![0.0; inputs],
+            "scale": vec![0.0; inputs],
+            "hidden": vec![vec![0.0; inputs + 1]; 24],
+            "output": scores.map(row),
+        },
+    })
+}
+
+/// A model that gives every taxel in contact the same verdict.
+fn always(touch: Touch) -> VerdictControl {
+    let touched = [if touch == Touch::Nothing { 9.0 } else { -9.0 }, 0.0];
+    let category = match touch {
+        Touch::Category(0) => [9.0, 0.0],
+        Touch::Category(_) => [0.0, 9.0],
+        _ => [0.0, 0.0],
+    };
+    // No contact is farther than this, or every one.
+    let distance = if touch == Touch::Unknown { 0.0 } else { 1e9 };
+    let normal = json!({
+        "mean": [0.0; DESCRIPTION_COUNT],
+        "factor": vec![[1.0; DESCRIPTION_COUNT]; DESCRIPTION_COUNT],
+    });
+    let model = json!({
+        "format": TOUCH_FORMAT,
+        "options": { "threshold_n": 0.03 },
+        "categories": ["leaf", "trunk"],
+        "decision": { "nothing_above": 0.5, "unknown_share": 0.01, "cost_of_uncertain": 0.1 },
+        "touched": constant(TAXEL_FEATURE_COUNT, touched),
+        "category": constant(REGION_FEATURE_COUNT, category),
+        "usual": { "normals": [normal, normal], "distances": [distance; 31] },
+    });
+    VerdictControl::from_json(Path::new("touch.json"), &model.to_string()).unwrap()
+}
+
+/// A reach with trunks beside the forearm, and a goal behind them.
+fn plan() -> ReachPlan {
+    let text = "summary = \"Trunks beside the forearm\"\n\
+                goals = { count = 1, retries = 0, patience_s = 1.0, x_m = { uniform = [0.60, 0.72] } }\n\
+                [[objects.trunk]]\n\
+                count = 4\n\
+                place = { x_m = { uniform = [0.25, 0.50] }, y_m = { uniform = [-0.50, -0.15] } }\n";
+    ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap()
+}
+
+/// What the inner controller is given: contacts, and the frames before the first of them.
+type Given = Arc<Mutex<Vec<TaxelContact>>>;
+
+/// Notes the contacts that it is given, and passes them on.
+struct Noting(Box<dyn Controller>, Given);
+
+impl Controller for Noting {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn rate_hz(&self) -> f64 {
+        self.0.rate_hz()
+    }
+
+    fn observe(&mut self, frame: &Frame) {
+        self.0.observe(frame);
+    }
+
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        self.1.lock().unwrap().extend_from_slice(input.contacts);
+        self.0.control(input)
+    }
+}
+
+/// Runs a reach, with verdicts if wanted; returns the recording and the contacts that the inner controller was given.
+fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
+    let given = Given::default();
+    let notes = given.clone();
+    let plan = plan().with_controller_within(move |inner| Box::new(Noting(inner, notes.clone())));
+    let plan = verdicts.map_or(plan.clone(), |verdicts| verdicts.applied_to(plan).unwrap());
+    let recording = plan.run(0, &mut |_, _| {}).unwrap();
+    let contacts = given.lock().unwrap().clone();
+    (recording, contacts)
+}
+
+/// Pins which limit goes with which verdict: that of its category if it has one, that of unknown things, or the usual one; and
+/// that a spurious reading is no contact.
+#[test]
+fn each_verdict_has_its_limit() {
+    let allowed = AllowedForces {
+        categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(),
+        unknown_n: 1.25,
+    };
+    let categories = ["grass", "leaf", "trunk"].map(str::to_owned);
+    for (touch, expected) in [
+        (Touch::Nothing, Allowance::Ignored),
+        (Touch::Category(0), Allowance::Usual),
+        (Touch::Category(1), Allowance::AtMost(7.0)),
+        (Touch::Category(2), Allowance::AtMost(2.0)),
+        (Touch::Uncertain, Allowance::Usual),
+        (Touch::Unknown, Allowance::AtMost(1.25)),
+    ] {
+        assert_eq!(allowed.of(touch, &categories), expected, "{touch:?}");
+    }
+}
+
+/// Pins, for models that always say the same, what reaches the controller inside in a whole reach: contacts on the model's patch
+/// above its threshold have the verdict's limit, or are missing if they are nothing; all others are as they were; and a verdict
+/// of uncertain changes no bit of the reach.
+#[test]
+fn contacts_get_the_limits_of_their_verdicts() {
+    let (plain, usual) = run(None);
+    assert!(usual.iter().all(|contact| contact.allowed_force_n.is_none()));
+    let judged = |contact: &&TaxelContact| contact.patch == 0 && contact.force_n > 0.03;
+    assert!(usual.iter().filter(judged).count() > 100 && usual.iter().any(|contact| contact.patch == 1));
+
+    let (mut uncertain, same) = run(Some(&always(Touch::Uncertain)));
+    assert_eq!(uncertain.controller, "cody-2013+verdicts");
+    uncertain.controller.clone_from(&plain.controller);
+    assert!(uncertain == plain && same == usual);
+
+    for (touch, expected) in [
+        (Touch::Category(0), 6.0),
+        (Touch::Category(1), 1.5),
+        (Touch::Unknown, 1.5),
+    ] {
+        let (_, contacts) = run(Some(&always(touch)));
+        assert!(contacts.iter().filter(judged).count() > 100);
+        for contact in &contacts {
+            let limit = judged(&contact).then_some(expected);
+            assert_eq!(contact.allowed_force_n, limit, "{touch:?}, {contact:?}");
+        }
+    }
+    let (_, contacts) = run(Some(&always(Touch::Nothing)));
+    assert!(!contacts.is_empty() && !contacts.iter().any(|contact| judged(&contact)));
+}
+
+/// Pins that the same reach with verdicts is the same bit for bit, and starts afresh each time; and that a limit on trunks makes
+/// another reach than none.
+#[test]
+fn reaches_with_verdicts_repeat() {
+    let verdicts = always(Touch::Category(1));
+    let plan = verdicts.applied_to(plan()).unwrap();
+    let first = plan.run(0, &mut |_, _| {}).unwrap();
+    assert!(plan.run(0, &mut |_, _| {}).unwrap() == first);
+    let mut plain = run(None).0;
+    plain.controller.clone_from(&first.controller);
+    assert!(first != plain);
+}
+
+/// Pins that verdicts are refused for a controller that ignores contacts, and for a skin without the model's patch.
+#[test]
+fn verdicts_need_contacts_and_their_patch() {
+    let verdicts = always(Touch::Uncertain);
+    let scene = plan().scene;
+    let blind = ReachPlan::new(scene.clone(), Some(ControllerKind::Blind), 1).unwrap();
+    assert!(verdicts.applied_to(blind).unwrap_err().to_string().contains("blind"));
+    let mut bare = Arm::cody().unwrap();
+    bare.skin.layout.patches.clear();
+    bare.skin.surfaces.clear();
+    let bare = ReachPlan::with_arm(scene, bare, None, 1).unwrap();
+    assert!(verdicts.applied_to(bare).is_err());
+}

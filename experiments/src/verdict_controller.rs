@@ -1,0 +1,224 @@
+//! A controller that presses less on trunks and unknown things than on leaves, because a touch model tells it what its skin
+//! touches.
+//!
+//! The controller inside is one that knows a force limit for all contacts. This one follows the frames, judges every taxel in
+//! contact, and gives each contact the limit that goes with its verdict.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Serialize;
+use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_recording::{Frame, InputError};
+use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
+use underbrush_sim::reach::{PlannedController, ReachPlan};
+
+use crate::error::ExperimentError;
+use crate::kept::ANALYSIS_VERSION;
+
+/// What is added to the name of a controller with verdicts.
+pub const WITH_VERDICTS: &str = "+verdicts";
+
+/// How hard the arm may press on what, N. For everything else the controller's own limit holds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AllowedForces {
+    /// By the name of a known category.
+    pub categories_n: BTreeMap<String, f64>,
+    /// On what is unlike all known categories.
+    pub unknown_n: f64,
+}
+
+impl Default for AllowedForces {
+    /// On leaves 6 N, twice the 3 N of `cody-2013`: a leaf bends away before a taxel feels as much, so that this limit hardly ever
+    /// holds the arm back. On trunks and unknown things 1.5 N, half as much as 3 N. It has to be above the 1 N from which on the
+    /// controller takes a reading for a contact, because a contact over its limit may not rise at all.
+    fn default() -> Self {
+        AllowedForces {
+            categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(),
+            unknown_n: 1.5,
+        }
+    }
+}
+
+/// What a verdict means for a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Allowance {
+    /// It is no contact.
+    Ignored,
+    /// The controller's own limit holds.
+    Usual,
+    /// It has this limit, N.
+    AtMost(f64),
+}
+
+impl AllowedForces {
+    /// What a verdict means for a contact; `categories` are those of the model.
+    pub fn of(&self, touch: Touch, categories: &[String]) -> Allowance {
+        match touch {
+            Touch::Nothing => Allowance::Ignored,
+            Touch::Uncertain => Allowance::Usual,
+            Touch::Unknown => Allowance::AtMost(self.unknown_n),
+            Touch::Category(index) => {
+                let own = categories.get(index).and_then(|name| self.categories_n.get(name));
+                own.map_or(Allowance::Usual, |force_n| Allowance::AtMost(*force_n))
+            }
+        }
+    }
+}
+
+impl Allowance {
+    /// The contact with its limit; `None` if it is to be ignored.
+    pub fn apply(self, contact: &TaxelContact) -> Option<TaxelContact> {
+        let allowed_force_n = match self {
+            Allowance::Ignored => return None,
+            Allowance::Usual => contact.allowed_force_n,
+            Allowance::AtMost(force_n) => Some(force_n),
+        };
+        Some(TaxelContact {
+            allowed_force_n,
+            ..contact.clone()
+        })
+    }
+}
+
+/// A touch model and what its verdicts allow: what makes a controller one with verdicts.
+#[derive(Clone, Debug)]
+pub struct VerdictControl {
+    model: Arc<TouchModel>,
+    model_blake3: String,
+    allowed: AllowedForces,
+}
+
+/// What data sets store of it.
+#[derive(Serialize)]
+pub struct VerdictParameters<'a> {
+    /// BLAKE3 hash of the model's file, hexadecimal.
+    pub touch_model_blake3: &'a str,
+    /// Version of the sources that compute the verdicts.
+    pub sources: &'static str,
+    /// How hard the arm may press on what.
+    pub allowed_force_n: &'a AllowedForces,
+}
+
+impl VerdictControl {
+    /// Reads the file of a touch model. The forces are those of [`AllowedForces::default`].
+    ///
+    /// # Errors
+    /// [`InputError`] if it cannot be read, or is no such model.
+    pub fn load(path: &Path) -> Result<Self, InputError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let allowed = "the readable file of a touch model";
+            InputError::new(path, "file", error.to_string(), allowed, "check the path")
+        })?;
+        VerdictControl::from_json(path, &text)
+    }
+
+    /// As [`VerdictControl::load`], from the file's text; the path is for errors only.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_json(path: &Path, text: &str) -> Result<Self, InputError> {
+        Ok(VerdictControl {
+            model: Arc::new(TouchModel::from_json(path, text)?),
+            model_blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
+            allowed: AllowedForces::default(),
+        })
+    }
+
+    /// The same with other forces.
+    pub fn with_allowed(self, allowed: AllowedForces) -> Self {
+        VerdictControl { allowed, ..self }
+    }
+
+    /// BLAKE3 hash of the model's file, hexadecimal.
+    pub fn model_blake3(&self) -> &str {
+        &self.model_blake3
+    }
+
+    /// What data sets store of it.
+    pub fn parameters(&self) -> VerdictParameters<'_> {
+        VerdictParameters {
+            touch_model_blake3: &self.model_blake3,
+            sources: ANALYSIS_VERSION,
+            allowed_force_n: &self.allowed,
+        }
+    }
+
+    /// The plan with verdicts for its controller.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
+    pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, ExperimentError> {
+        if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
+            let text = "the controller blind ignores all contacts, so verdicts change nothing; choose another controller";
+            return Err(ExperimentError::Request(text.into()));
+        }
+        let layout = &plan.arm.skin.layout;
+        let classifier = TouchClassifier::new(self.model.clone(), layout)?;
+        let patch = layout.chosen_patch(self.model.options().patch.as_deref());
+        let allowed = Arc::new(self.allowed.clone());
+        Ok(plan.with_controller_within(move |inner| {
+            Box::new(VerdictController {
+                name: format!("{}{WITH_VERDICTS}", inner.name()),
+                inner,
+                classifier: classifier.clone(),
+                patch,
+                allowed: allowed.clone(),
+                is_judged: false,
+            })
+        }))
+    }
+}
+
+/// A controller whose contacts have limits by verdict. Taxels of other patches than the model's keep the usual one.
+struct VerdictController {
+    name: String,
+    inner: Box<dyn Controller>,
+    classifier: TouchClassifier,
+    /// Index of the model's patch.
+    patch: Option<usize>,
+    allowed: Arc<AllowedForces>,
+    /// Whether the last frame could be judged. One that holds numbers that are not finite cannot.
+    is_judged: bool,
+}
+
+impl VerdictController {
+    fn allowance(&self, contact: &TaxelContact) -> Allowance {
+        if !self.is_judged || self.patch != Some(contact.patch) {
+            return Allowance::Usual;
+        }
+        let mut taxels = self.classifier.taxels().iter();
+        // A taxel under the model's threshold has no verdict.
+        let Some(verdict) = taxels.find(|verdict| verdict.taxel == contact.taxel) else {
+            return Allowance::Usual;
+        };
+        self.allowed.of(verdict.touch, self.classifier.model().categories())
+    }
+}
+
+impl Controller for VerdictController {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn rate_hz(&self) -> f64 {
+        self.inner.rate_hz()
+    }
+
+    fn observe(&mut self, frame: &Frame) {
+        self.is_judged = self.classifier.update(frame).is_ok();
+        self.inner.observe(frame);
+    }
+
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        let contacts = input.contacts.iter();
+        let contacts: Vec<TaxelContact> = contacts
+            .filter_map(|contact| self.allowance(contact).apply(contact))
+            .collect();
+        self.inner.control(&ControllerInput {
+            contacts: &contacts,
+            ..input.clone()
+        })
+    }
+}

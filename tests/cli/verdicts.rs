@@ -1,0 +1,73 @@
+//! `--verdicts`: a controller that is told what the skin touches.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use underbrush_classifier::touch::{TouchExamples, TouchOptions};
+use underbrush_recording::disk::{Dataset, read_recording};
+
+use crate::support::fixture::fixture;
+use crate::support::{assert_same_trees, scenes, underbrush};
+
+/// A touch model of the fixture's reaches.
+fn touch_model(folder: &Path) -> PathBuf {
+    let set = Dataset::open(fixture().dataset()).unwrap();
+    let mut examples = TouchExamples::new(TouchOptions::default());
+    for episode in 0..set.episodes().len() {
+        examples.add(&set.read_reach(episode).unwrap()).unwrap();
+    }
+    let path = folder.join("touch.json");
+    fs::write(&path, examples.fit().unwrap().to_json().unwrap()).unwrap();
+    path
+}
+
+/// Pins that a reach with verdicts is that of its campaign, names its controller, and is another one than without; that a set
+/// names the model's hash; and that it is made again with the same model only.
+#[test]
+fn a_set_with_verdicts_is_made_again_with_its_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = touch_model(folder.path());
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let [set, again, file, plain] = ["set", "again", "reach.parquet", "plain.parquet"].map(|name| folder.path().join(name));
+    #[rustfmt::skip]
+    underbrush!["generate", scene, "--reaches", "2", "--seed", "1", "--verdicts", model, "--out", set].success();
+    #[rustfmt::skip]
+    underbrush!["reach", scene, "--seed", "1", "--index", "1", "--verdicts", model, "--out", file].success();
+    underbrush!["reach", scene, "--seed", "1", "--index", "1", "--out", plain].success();
+    let (recording, plain) = (read_recording(file).unwrap(), read_recording(plain).unwrap());
+    assert!(Dataset::open(&set).unwrap().read_reach(1).unwrap() == recording);
+    assert_eq!(recording.controller, "cody-2013+verdicts");
+    assert!(recording.frames != plain.frames);
+
+    let hash = blake3_of(&set);
+    let refused = |arguments: &[&Path], parts: &[&str]| {
+        let mut call: Vec<std::ffi::OsString> = vec!["generate".into(), "--out".into(), again.clone().into()];
+        call.extend(arguments.iter().map(|argument| argument.as_os_str().to_owned()));
+        crate::support::call(call, "").refused(parts);
+    };
+    let from = Path::new("--from");
+    refused(&[from, &set], &["no touch model", &hash, "--verdicts"]);
+    let other = folder.path().join("other.json");
+    fs::write(&other, fs::read_to_string(&model).unwrap() + "\n").unwrap();
+    let told = Path::new("--verdicts");
+    refused(&[from, &set, told, &other], &["provenance.json", &hash]);
+    refused(&[from, &fixture().dataset(), told, &model], &["had no verdicts"]);
+    underbrush!["generate", "--from", set, "--verdicts", model, "--out", again].success();
+    assert_same_trees(&set, &again);
+}
+
+/// The hash of the touch model in a set's provenance.
+fn blake3_of(set: &Path) -> String {
+    let parameters = &Dataset::open(set).unwrap().provenance().controller_parameters["trunk"]["verdicts"];
+    assert_eq!(parameters["allowed_force_n"]["categories_n"]["leaf"], 6.0);
+    parameters["touch_model_blake3"].as_str().unwrap().to_owned()
+}
+
+/// Pins that a model of the other kind, a missing file, and a controller that ignores contacts are refused.
+#[test]
+fn verdicts_without_a_touch_model_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    underbrush!["reach", scene, "--verdicts", fixture().model()].refused(&["model.json"]);
+    underbrush!["reach", scene, "--verdicts", folder.path().join("none.json")].refused(&["none.json", "touch model"]);
+}
