@@ -93,6 +93,8 @@ enum Command {
     Validate(command::validate::Options),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(command::inspect::Options),
+    /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
+    Replay(command::replay::Options),
     /// Print the JSON Schema of scene, arm, skin or experiment files, for use in an editor
     Schema(command::schema::Options),
 }
@@ -132,6 +134,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Score(options) => command::score::run(options, shared.json),
         Command::Validate(options) => command::validate::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
+        Command::Replay(options) => command::replay::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
     }
 }
