@@ -78,6 +78,26 @@ function longest(points: number[][], others: Vector[]): Vector {
   return axis;
 }
 
+/** Moves squares of this size on the same side just so far that none covers another. */
+function moveApart(squares: { back: boolean; x: number; y: number }[], size: number): void {
+  for (let round = 0; round < 200; round++) {
+    let moved = false;
+    squares.forEach((a, index) => {
+      for (const b of squares.slice(index + 1)) {
+        const [dx, dy] = [b.x - a.x, b.y - a.y];
+        const [overX, overY] = [size - Math.abs(dx), size - Math.abs(dy)];
+        if (a.back !== b.back || overX <= 1e-9 || overY <= 1e-9) continue;
+        moved = true;
+        const along = overX < overY ? "x" : "y";
+        const step = (0.51 * Math.min(overX, overY) + 1e-9) * ((along === "x" ? dx : dy) < 0 ? -1 : 1);
+        a[along] -= step;
+        b[along] += step;
+      }
+    });
+    if (!moved) return;
+  }
+}
+
 function twoSides(reach: Reach, patch: number): Plan {
   const { first_taxel: first, taxels } = reach.header.patches[patch]!;
   const places = Array.from({ length: taxels }, (_, index) => position(reach, first + index));
@@ -99,6 +119,7 @@ function twoSides(reach: Reach, patch: number): Plan {
   // As large as most can be without touching their neighbours.
   const gaps = flat.map((own) => Math.min(...flat.filter((other) => other !== own && other.back === own.back).map((other) => Math.max(Math.abs(own.x - other.x), Math.abs(own.y - other.y)))));
   const size = 0.95 * (gaps.sort((a, b) => a - b)[Math.floor(gaps.length / 2)] ?? 0.01);
+  moveApart(flat, size);
   const width = Math.max(...flat.map(({ x }) => Math.abs(x))) * 2 + 1.6 * size;
   const top = Math.min(...flat.map(({ y }) => y)) - 0.8 * size;
   const cells = flat.map(({ index, back, x, y }) => {

@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 
-import { file, launch, makeData, open, program, ready, removeData, seek, serve, settle } from "./support.mjs";
+import { file, finishAll, launch, makeData, open, program, ready, seek, serve, settle } from "./support.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
@@ -16,11 +16,7 @@ before(async () => {
   browser = await launch();
   server = await serve(file("mixed.parquet"), file("blind.parquet"), "--model", file("model.json"));
 });
-after(async () => {
-  server.close();
-  await browser.close();
-  removeData();
-});
+after(() => finishAll(browser));
 
 /** What axe-core finds, but for what is minor. */
 async function serious(page) {

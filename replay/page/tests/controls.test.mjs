@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { felt, file, fullestFrame, launch, makeData, open, readRecording, ready, removeData, seek, serve, settle } from "./support.mjs";
+import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, seek, serve, settle } from "./support.mjs";
 
 let browser;
 let server;
@@ -12,11 +12,7 @@ before(async () => {
   browser = await launch();
   server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
 });
-after(async () => {
-  server.close();
-  await browser.close();
-  removeData();
-});
+after(() => finishAll(browser));
 
 async function start(hash = "") {
   const page = await open(browser, `${server.address}${hash}`);

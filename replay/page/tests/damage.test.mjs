@@ -5,17 +5,14 @@ import { readFileSync, writeFileSync, cpSync, readdirSync, rmSync } from "node:f
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { file, launch, makeData, open, program, ready, removeData, serve } from "./support.mjs";
+import { file, finishAll, launch, makeData, open, program, ready, serve } from "./support.mjs";
 
 let browser;
 before(async () => {
   makeData();
   browser = await launch();
 });
-after(async () => {
-  await browser.close();
-  removeData();
-});
+after(() => finishAll(browser));
 
 /** The message of a single file after this change of its text. */
 async function messageOf(name, change) {

@@ -3,17 +3,14 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { SCENES, felt, file, fullestFrame, launch, makeData, open, readRecording, ready, removeData, seek, serve, settle } from "./support.mjs";
+import { SCENES, felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, seek, serve, settle } from "./support.mjs";
 
 let browser;
 before(async () => {
   makeData();
   browser = await launch();
 });
-after(async () => {
-  await browser.close();
-  removeData();
-});
+after(() => finishAll(browser));
 
 /** Opens the recording of a scene. */
 async function openScene(name, ...options) {

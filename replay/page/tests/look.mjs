@@ -3,7 +3,7 @@
 
 import { join } from "node:path";
 
-import { SCENES, felt, file, fullestFrame, launch, makeData, open, readRecording, ready, removeData, serve, settle } from "./support.mjs";
+import { SCENES, felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, serve, settle } from "./support.mjs";
 
 const folder = process.argv[2] ?? ".";
 makeData();
@@ -25,5 +25,4 @@ for (const scene of SCENES) {
   }
   server.close();
 }
-await browser.close();
-removeData();
+await finishAll(browser);

@@ -1,7 +1,7 @@
 // Measures, without deciding: how long a reach takes to open and to draw, and how long a list takes.
 // node tests/measure.mjs INPUT [INPUT …]
 
-import { launch, open, ready, serve } from "./support.mjs";
+import { finishAll, launch, open, ready, serve } from "./support.mjs";
 
 const inputs = process.argv.slice(2);
 const begin = performance.now();
@@ -35,5 +35,4 @@ for (const [width, height] of [[390, 844], [1100, 900], [1920, 1080]]) {
   console.log(`${width} px: list of ${reaches} after ${listed.toFixed(0)} ms, reach after ${shown.toFixed(0)} ms, ${((1000 * frames) / time).toFixed(0)} frames a second, ${(drawn / 100).toFixed(2)} s of the reach in ${(time / 1000).toFixed(2)} s`);
   await page.context().close();
 }
-await browser.close();
-server.close();
+await finishAll(browser);

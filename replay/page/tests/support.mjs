@@ -46,13 +46,20 @@ export function makeData() {
   writeFileSync(file("done"), "");
 }
 
-export function removeData() {
+/** Servers that run. A failed test must not leave one behind, or the test process would wait for it. */
+const servers = new Set();
+
+/** Ends what the tests of a file have started, and removes their data. */
+export async function finishAll(browser) {
+  for (const child of servers) child.kill();
+  await browser?.close();
   if (process.env.REPLAY_DATA === undefined) rmSync(folder, { recursive: true, force: true });
 }
 
 /** Starts the server on these inputs; gives its address and a way to end it. */
 export async function serve(...options) {
   const child = spawn(PROGRAM, ["replay", ...options.map(String), "--no-open", "--json"], { stdio: ["ignore", "pipe", "inherit"] });
+  servers.add(child);
   const [line] = await new Promise((found, failed) => {
     createInterface({ input: child.stdout }).once("line", (line) => found([line]));
     child.once("exit", (status) => failed(new Error(`the program ended with ${status}`)));
@@ -61,13 +68,14 @@ export async function serve(...options) {
 }
 
 export function launch(...more) {
-  return chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...more] });
+  return chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...(process.env.CHROMIUM_FLAGS ?? "").split(" ").filter(Boolean), ...more] });
 }
 
 /** Opens a page and waits until a reach is shown. `page.problems` lists errors and requests to other hosts. */
 export async function open(browser, address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1100, height: 900 }, reducedMotion: "reduce", ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(LONG_MS);
   page.problems = [];
   page.on("pageerror", (error) => page.problems.push(`page error: ${error.message}`));
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isDriverRemark(message.text()) && page.problems.push(`console: ${message.text()}`));
@@ -85,9 +93,12 @@ function isDriverRemark(text) {
   return /GPU stall due to ReadPixels|Automatic fallback to software WebGL/.test(text);
 }
 
+/** A busy machine on which a processor draws needs long. */
+const LONG_MS = 240_000;
+
 /** Waits until a reach is drawn. */
 export async function ready(page, number = 0) {
-  await page.waitForSelector(`body[data-ready="${number}"][data-frame]`, { timeout: 60_000 });
+  await page.waitForSelector(`body[data-ready="${number}"][data-frame]`, { timeout: LONG_MS });
   await settle(page);
 }
 

@@ -36,6 +36,13 @@ const SLOW_MS = 24;
 /** A hand that is followed stays at this distance, m. */
 const HAND_DISTANCE_M = 0.75;
 
+/** Whether a processor draws, without the help of graphics hardware. Smooth edges would then cost four times the time. */
+function drawsInSoftware(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return context === null;
+}
+
 export class View3D {
   readonly box: HTMLElement;
   readonly #renderer: WebGLRenderer;
@@ -59,7 +66,9 @@ export class View3D {
   constructor(name: string, readonly redraw: () => void, picked: (hit: Hit) => void) {
     const label = `${name}. Drag to turn, scroll to zoom. With the keyboard: arrow keys turn, plus and minus zoom.`;
     const canvas = element("canvas", { tabindex: 0, role: "img", "aria-label": label, class: "view" });
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+    const software = drawsInSoftware();
+    if (software) this.#ratio = Math.min(this.#ratio, 1);
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !software, alpha: true, powerPreference: "high-performance" });
     this.box = element("div", { class: "view-box" }, canvas, this.#labels);
     this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, canvas);
