@@ -12,6 +12,7 @@ use underbrush_classifier::trial::TrialError;
 use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
+use underbrush_replay::ReplayError;
 use underbrush_sim::campaign::CampaignError;
 use underbrush_sim::reach::ReachError;
 
@@ -185,6 +186,16 @@ impl From<ExperimentError> for Failure {
             | ExperimentError::Io { .. }
             | ExperimentError::Json { .. }
             | ExperimentError::Unmatched { .. } => Failure::run(error.to_string()),
+            other => Failure::usage(other.to_string()),
+        }
+    }
+}
+
+impl From<ReplayError> for Failure {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::Disk(error) => error.into(),
+            ReplayError::Serve { .. } => Failure::run(error.to_string()),
             other => Failure::usage(other.to_string()),
         }
     }

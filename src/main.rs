@@ -95,6 +95,8 @@ enum Command {
     Check(command::check::Options),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(command::inspect::Options),
+    /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
+    Replay(command::replay::Options),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::Options),
 }
@@ -135,6 +137,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Validate(options) => command::validate::run(options, shared.json),
         Command::Check(options) => command::check::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
+        Command::Replay(options) => command::replay::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
     }
 }

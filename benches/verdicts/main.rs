@@ -132,8 +132,9 @@ impl Controller for Truth {
         let allow = |contact: &TaxelContact| {
             let touch = match self.touched.get(&(contact.patch, contact.taxel)) {
                 None => Touch::Nothing,
-                Some(category) => (names.iter().position(|name| name == category.name()))
-                    .map_or(Touch::Unknown, Touch::Category),
+                Some(category) => {
+                    (names.iter().position(|name| name == category.name())).map_or(Touch::Unknown, Touch::Category)
+                }
             };
             self.allowed.of(touch, &names).apply(contact)
         };

@@ -286,7 +286,10 @@ impl Campaign {
             let file = &scene.file;
             let own = json!({ "physics": file.physics, "sensor": file.sensor });
             options.insert(scene.name.clone(), own);
-            controller_parameters.insert(scene.name.clone(), json!(ControllerParameters::of(plan, self.verdicts.as_ref())));
+            controller_parameters.insert(
+                scene.name.clone(),
+                json!(ControllerParameters::of(plan, self.verdicts.as_ref())),
+            );
             let files = plan.arm.files.iter();
             let arm = ArmText {
                 name: plan.arm.name.clone(),
@@ -328,7 +331,9 @@ fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(
         return Ok(());
     }
     let path = dataset.dir().join("meta/provenance.json");
-    let found = given.map_or("no touch model".into(), |hash| format!("a touch model with BLAKE3 hash {hash}"));
+    let found = given.map_or("no touch model".into(), |hash| {
+        format!("a touch model with BLAKE3 hash {hash}")
+    });
     let (allowed, remedy) = match stored {
         Some(hash) => (
             format!("the touch model that the controller used, with BLAKE3 hash {hash}"),

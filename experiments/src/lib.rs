@@ -28,8 +28,8 @@ mod source;
 pub mod suite;
 pub mod thresholds;
 pub mod training;
-pub mod verdict_transfer;
 pub mod verdict_controller;
+pub mod verdict_transfer;
 
 pub use error::ExperimentError;
 pub use progress::{Counter, Progress, Silent};

@@ -151,7 +151,8 @@ impl VerdictControl {
     /// [`ExperimentError`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
     pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, ExperimentError> {
         if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
-            let text = "the controller blind ignores all contacts, so verdicts change nothing; choose another controller";
+            let text =
+                "the controller blind ignores all contacts, so verdicts change nothing; choose another controller";
             return Err(ExperimentError::Request(text.into()));
         }
         let layout = &plan.arm.skin.layout;

@@ -96,6 +96,11 @@ fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String>
 }
 
 impl DecisionArguments {
+    /// Whether any of these options was given.
+    pub fn is_given(&self) -> bool {
+        self.decision.is_some() || self.margin.is_some() || !self.prior.is_empty()
+    }
+
     /// The decision for these scores.
     ///
     /// # Errors

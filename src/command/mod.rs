@@ -9,6 +9,7 @@ pub mod generate;
 pub mod inspect;
 pub mod reach;
 
+pub mod replay;
 pub mod reproduce;
 pub mod schema;
 pub mod score;

@@ -28,7 +28,8 @@ fn a_set_with_verdicts_is_made_again_with_its_model() {
     let folder = tempfile::tempdir().unwrap();
     let model = touch_model(folder.path());
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
-    let [set, again, file, plain] = ["set", "again", "reach.parquet", "plain.parquet"].map(|name| folder.path().join(name));
+    let [set, again, file, plain] =
+        ["set", "again", "reach.parquet", "plain.parquet"].map(|name| folder.path().join(name));
     #[rustfmt::skip]
     underbrush!["generate", scene, "--reaches", "2", "--seed", "1", "--verdicts", model, "--out", set].success();
     #[rustfmt::skip]

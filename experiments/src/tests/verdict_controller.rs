@@ -9,7 +9,7 @@ use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, Co
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::verdict_controller::{AllowedForces, Allowance, VerdictControl};
+use crate::verdict_controller::{Allowance, AllowedForces, VerdictControl};
 
 /// A network that gives these scores, whatever it sees.
 fn constant(inputs: usize, scores: [f64; 2]) -> Value {

@@ -20,6 +20,7 @@ mod episode;
 mod episode_table;
 mod finish;
 mod info;
+mod peak_forces;
 mod plan;
 mod reader;
 mod row_groups;

@@ -8,6 +8,7 @@ use super::checksums::Checksums;
 use super::episode::Episode;
 use super::episode_table::read_episodes;
 use super::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
+use super::peak_forces::add_peak_forces;
 use super::row_groups::Footers;
 use super::taxel_table::read_taxels;
 use super::truth_bodies::read_bodies;
@@ -204,6 +205,23 @@ impl Dataset {
             checked.insert(name.to_owned());
         }
         Ok(self.dir.join(name))
+    }
+
+    /// The largest contact force of each reach, N, in their order; 0 for a reach without contacts. Reads the whole of
+    /// `truth/contacts`, which is small, in one pass.
+    ///
+    /// # Errors
+    /// [`DiskError::Input`] for damaged files.
+    pub fn peak_contact_forces_n(&self) -> Result<Vec<f64>, DiskError> {
+        let mut peaks_n = vec![0.0; self.episodes.len()];
+        let places = self
+            .episodes
+            .iter()
+            .map(|episode| (episode.chunk_index, episode.file_index));
+        for (chunk, file) in places.collect::<BTreeSet<_>>() {
+            add_peak_forces(&self.file(&names::table(&TRUTH_CONTACTS, chunk, file))?, &mut peaks_n)?;
+        }
+        Ok(peaks_n)
     }
 
     /// Reads a reach by its index from 0. It equals the one that was staged.

@@ -6,6 +6,7 @@ mod dictionary;
 mod finish;
 mod flips;
 mod generated;
+mod peak_forces;
 mod recording;
 mod row_groups;
 mod trials;

@@ -1,0 +1,112 @@
+// The lists of the page: the reaches, and the contact trials of the reach that is shown, mistakes first.
+
+import { element, newtons, seconds } from "./dom.ts";
+import type { Reach } from "./reach.ts";
+import type { Summary } from "./source.ts";
+import { Table, tabs } from "./table.ts";
+import type { Trial, Trials } from "./trials.ts";
+
+function goals(reach: Summary): string {
+  const { reached, stuck, timed_out, aborted } = reach.goal_outcomes;
+  return `${reached} of ${reached + stuck + timed_out + aborted}`;
+}
+
+function audit(reach: Summary): string {
+  return reach.audit_warnings.length === 0 ? "within bounds" : `${reach.audit_warnings.length} exceeded`;
+}
+
+export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
+  return new Table<Summary>(
+    "Reaches",
+    ["reach", "reaches"],
+    [
+      { title: "#", text: (reach) => String(reach.number), value: (reach) => reach.number },
+      { title: "scene", text: (reach) => reach.scene, hint: (reach) => reach.source },
+      { title: "seed", text: (reach) => reach.seed, value: (reach) => Number(reach.seed) },
+      { title: "reach", text: (reach) => String(reach.reach_index), value: (reach) => reach.reach_index },
+      { title: "controller", text: (reach) => reach.controller },
+      { title: "outcome", text: (reach) => reach.outcome.replace("_", " ") },
+      { title: "goals reached", text: goals, value: (reach) => reach.goal_outcomes.reached },
+      { title: "length / s", text: (reach) => reach.duration_s.toFixed(1), value: (reach) => reach.duration_s },
+      { title: "peak force / N", text: (reach) => reach.peak_force_n.toFixed(2), value: (reach) => reach.peak_force_n },
+      { title: "contacts", text: (reach) => String(reach.contacts), value: (reach) => reach.contacts },
+      { title: "audit", text: audit, value: (reach) => reach.audit_warnings.length, hint: (reach) => reach.audit_warnings.join("\n") },
+    ],
+    [
+      { label: "Scene", all: "all", of: (reach) => reach.scene },
+      { label: "Outcome", all: "all", of: (reach) => reach.outcome.replace("_", " ") },
+      { label: "Controller", all: "all", of: (reach) => reach.controller },
+      { label: "Audit", all: "all", of: audit },
+    ],
+    choose,
+  );
+}
+
+/** A trial with its reach, for the table. */
+export interface TrialRow {
+  trial: Trial;
+  reach: Reach;
+}
+
+export function trialTable(name: string, noun: [string, string], choose: (trial: Trial) => void): Table<TrialRow> {
+  return new Table<TrialRow>(
+    name,
+    noun,
+    [
+      { title: "start / s", text: ({ trial, reach }) => reach.time[trial.first]!.toFixed(2), value: ({ trial }) => trial.first },
+      { title: "taxel", text: ({ trial, reach }) => reach.taxelName(trial.taxel) },
+      { title: "truth", text: ({ trial }) => trial.truth },
+      { title: "verdict", text: ({ trial }) => trial.verdict ?? "not judged" },
+      { title: "judged", text: ({ trial }) => trial.judgement },
+      { title: "length / s", text: ({ trial, reach }) => ((trial.last - trial.first + 1) / reach.header.rate_hz).toFixed(2), value: ({ trial }) => trial.last - trial.first },
+      { title: "peak / N", text: ({ trial }) => trial.peak.toFixed(2), value: ({ trial }) => trial.peak },
+      { title: "object", text: ({ trial, reach }) => reach.objectName(trial.object) },
+    ],
+    [
+      { label: "Truth", all: "all", of: ({ trial }) => trial.truth },
+      { label: "Verdict", all: "all", of: ({ trial }) => trial.verdict ?? "not judged" },
+      { label: "Judged", all: "all", of: ({ trial }) => trial.judgement },
+    ],
+    ({ trial }) => choose(trial),
+  );
+}
+
+export class Lists {
+  readonly #reaches: Table<Summary>;
+  readonly #mistakes: Table<TrialRow>;
+  readonly #trials: Table<TrialRow>;
+  readonly #noMistakes = element("p", {});
+  readonly open: (id: string) => void;
+
+  constructor(box: HTMLElement, all: Summary[], choose: (reach: Summary) => void, follow: (trial: Trial) => void) {
+    this.#reaches = reachTable(choose);
+    this.#reaches.fill(all);
+    this.#mistakes = trialTable("Mistakes", ["wrong or uncertain trial", "wrong or uncertain trials"], follow);
+    this.#trials = trialTable("Contact trials", ["contact trial", "contact trials"], follow);
+    this.open = tabs(box, [
+      { id: "reaches", title: "Reaches", content: this.#reaches.box, opened: () => this.#reaches.refresh() },
+      { id: "mistakes", title: "Mistakes", content: element("div", {}, this.#noMistakes, this.#mistakes.box), opened: () => this.#mistakes.refresh() },
+      { id: "trials", title: "Contact trials", content: this.#trials.box, opened: () => this.#trials.refresh() },
+    ]);
+  }
+
+  load(number: number, reach: Reach, trials: Trials): void {
+    this.#reaches.mark((row) => row.number === number);
+    this.#trials.fill(trials.all.map((trial) => ({ trial, reach })));
+    this.#mistakes.fill(trials.mistakes.map((trial) => ({ trial, reach })));
+    const judged = reach.header.verdicts !== null;
+    this.#mistakes.box.hidden = !judged;
+    this.#noMistakes.hidden = judged;
+    this.#noMistakes.textContent = "There are no verdicts. Start “underbrush replay” with --model to see what a model says.";
+  }
+
+  /** Marks the trial of the selection. */
+  mark(chosen: Trial | null): void {
+    for (const table of [this.#mistakes, this.#trials]) table.mark(({ trial }) => trial === chosen);
+  }
+}
+
+export function describe(trial: Trial, reach: Reach): string {
+  const verdict = trial.verdict === null ? "" : `, verdict ${trial.verdict}`;
+  return `${reach.taxelName(trial.taxel)} from ${seconds(reach.time[trial.first]!)} to ${seconds(reach.time[trial.last]!)}: truth ${trial.truth}${verdict}, peak ${newtons(trial.peak)}`;
+}

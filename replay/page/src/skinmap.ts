@@ -1,0 +1,176 @@
+// The unrolled skin: one patch of taxels as a flat map.
+
+import { drawMark, look, type Palette } from "./colours.ts";
+import { element, prepare } from "./dom.ts";
+import { type Cell, layOut } from "./unroll.ts";
+import type { Reach } from "./reach.ts";
+
+/** How a taxel looks at the moment. */
+export interface TaxelLook {
+  /** CSS colour; null for a taxel that feels nothing. */
+  colour: string | null;
+  /** The category whose mark is drawn, if any. */
+  mark: string | null;
+  /** A force that no object causes. */
+  stray: boolean;
+  /** Above the limit of the controller. */
+  over: boolean;
+  /** A verdict that does not agree with the truth. */
+  wrong: boolean;
+}
+
+const MARGIN = { left: 22, right: 6, top: 18, bottom: 6 };
+const LARGEST_WIDTH = 560;
+
+export class SkinMap {
+  readonly box: HTMLElement;
+  readonly #canvas: HTMLCanvasElement;
+  readonly #cells: Cell[];
+  readonly #width: number;
+  readonly #height: number;
+  #scale = 1;
+  #cursor: number | null = null;
+
+  constructor(
+    readonly reach: Reach,
+    readonly patch: number,
+    readonly pointed: (taxel: number | null) => void,
+    readonly chosen: (taxel: number) => void,
+  ) {
+    const { name, grid, taxels } = reach.header.patches[patch]!;
+    const plan = layOut(reach, patch);
+    [this.#cells, this.#width, this.#height] = [plan.cells, plan.width, plan.height];
+    const size = grid === null ? `${taxels} taxels, seen on both sides` : `${grid.rows} rows along × ${grid.columns} columns around`;
+    this.#canvas = element("canvas", {
+      tabindex: 0,
+      role: "application",
+      "aria-label": `Map of the skin of the ${name}, ${size}. Arrow keys move from taxel to taxel, Enter selects one.`,
+      class: "skin-map",
+      "data-patch": name,
+    });
+    this.box = element("figure", { class: "skin-figure" }, element("figcaption", {}, element("b", {}, name), ` ${size}`), this.#canvas);
+    this.#listen();
+  }
+
+  #listen(): void {
+    const canvas = this.#canvas;
+    canvas.addEventListener("pointermove", (event) => this.pointed(this.#under(event)));
+    canvas.addEventListener("pointerleave", () => this.pointed(null));
+    canvas.addEventListener("click", (event) => {
+      const taxel = this.#under(event);
+      if (taxel !== null) this.#choose(taxel);
+    });
+    canvas.addEventListener("blur", () => this.pointed(null));
+    canvas.addEventListener("focus", () => this.#cursor !== null && this.pointed(this.#cursor));
+    canvas.addEventListener("keydown", (event) => {
+      const steps: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+      const step = steps[event.key];
+      if (step === undefined && event.key !== "Enter") return;
+      event.preventDefault();
+      event.stopPropagation();
+      const at = this.#cursor ?? this.#cells[0]!.taxel;
+      if (step === undefined) this.#choose(at);
+      else {
+        this.#cursor = this.#neighbour(at, step);
+        this.pointed(this.#cursor);
+      }
+    });
+  }
+
+  #choose(taxel: number): void {
+    this.#cursor = taxel;
+    this.chosen(taxel);
+  }
+
+  /** The taxel next to another in a direction, or the same at the edge. */
+  #neighbour(taxel: number, [dx, dy]: [number, number]): number {
+    const from = this.#cells.find((cell) => cell.taxel === taxel)!;
+    let [best, cost] = [taxel, Number.POSITIVE_INFINITY];
+    for (const cell of this.#cells) {
+      const [x, y] = [cell.x - from.x, cell.y - from.y];
+      const [along, across] = [x * dx + y * dy, Math.abs(x * dy) + Math.abs(y * dx)];
+      if (along > 1e-9 && along + 3 * across < cost) [best, cost] = [cell.taxel, along + 3 * across];
+    }
+    return best;
+  }
+
+  /** Middle of a taxel on the canvas, CSS pixels. */
+  centre(cell: Cell): [number, number] {
+    return [MARGIN.left + cell.x * this.#scale, MARGIN.top + cell.y * this.#scale];
+  }
+
+  #under(event: MouseEvent): number | null {
+    const [x, y] = [event.offsetX, event.offsetY];
+    const hit = this.#cells.find((cell) => {
+      const [cx, cy] = this.centre(cell);
+      const half = (cell.size * this.#scale) / 2;
+      return Math.abs(x - cx) <= half && Math.abs(y - cy) <= half;
+    });
+    return hit?.taxel ?? null;
+  }
+
+  /** Draws all taxels; `chosen` and `hovered` have a frame. */
+  draw(palette: Palette, lookOf: (taxel: number) => TaxelLook, chosen: number | null, hovered: number | null): void {
+    const width = Math.min(this.box.clientWidth, LARGEST_WIDTH);
+    if (width === 0) return;
+    this.#scale = (width - MARGIN.left - MARGIN.right) / this.#width;
+    const height = this.#height * this.#scale + MARGIN.top + MARGIN.bottom;
+    const context = prepare(this.#canvas, width, height);
+    const ink = palette.variable("ink");
+    const edge = palette.variable("line");
+    context.font = "11px system-ui, sans-serif";
+    context.fillStyle = palette.variable("quiet");
+    context.fillText("▲ hand end", MARGIN.left, 12);
+    context.save();
+    context.translate(12, height - MARGIN.bottom);
+    context.rotate(-Math.PI / 2);
+    context.fillText(this.reach.header.patches[this.patch]!.grid === null ? "towards the wrist" : "towards the elbow", 0, 0);
+    context.restore();
+    const empty = palette.variable("cell");
+    for (const cell of this.#cells) {
+      const [x, y] = this.centre(cell);
+      const side = cell.size * this.#scale - 1;
+      const shown = lookOf(cell.taxel);
+      context.fillStyle = shown.colour ?? empty;
+      context.fillRect(x - side / 2, y - side / 2, side, side);
+      if (shown.colour === null) {
+        context.strokeStyle = edge;
+        context.lineWidth = 0.6;
+        context.strokeRect(x - side / 2, y - side / 2, side, side);
+        continue;
+      }
+      const mark = shown.mark ?? (shown.stray ? "spurious" : null);
+      if (mark !== null) {
+        context.fillStyle = context.strokeStyle = shown.mark === null ? ink : palette.variable("panel");
+        drawMark(context, look(mark).mark, x, y, side * 0.32);
+      }
+      if (shown.over || shown.wrong) {
+        context.strokeStyle = palette.variable("over");
+        context.lineWidth = 2;
+        context.setLineDash(shown.wrong && !shown.over ? [2, 2] : []);
+        context.strokeRect(x - side / 2 + 1, y - side / 2 + 1, side - 2, side - 2);
+        context.setLineDash([]);
+      }
+    }
+    for (const [taxel, colour, wide] of [[hovered, palette.variable("quiet"), 1.5], [chosen, ink, 2.5]] as const) {
+      const cell = this.#cells.find((cell) => cell.taxel === taxel);
+      if (cell === undefined) continue;
+      const [x, y] = this.centre(cell);
+      const side = cell.size * this.#scale + 1;
+      context.strokeStyle = colour;
+      context.lineWidth = wide;
+      context.strokeRect(x - side / 2, y - side / 2, side, side);
+    }
+  }
+
+  /** Side of a taxel on the canvas, CSS pixels. */
+  side(taxel: number): number {
+    return (this.#cells.find((cell) => cell.taxel === taxel)?.size ?? 0) * this.#scale;
+  }
+
+  /** Middle of a taxel on the canvas, for tests. */
+  placeOf(taxel: number): [number, number] | null {
+    const cell = this.#cells.find((cell) => cell.taxel === taxel);
+    return cell === undefined ? null : this.centre(cell);
+  }
+}

@@ -1,0 +1,146 @@
+// Strips over time: what truly touched the skin, and below it what the model said, as shares of the taxels in contact.
+
+import { LEFT, TimeAxis } from "./axis.ts";
+import { drawMark, look, type Palette } from "./colours.ts";
+import { element, prepare, say, seconds } from "./dom.ts";
+import type { Reach } from "./reach.ts";
+import type { Trials } from "./trials.ts";
+
+const HEIGHT = 22;
+const GAP = 4;
+
+/** Counts of taxels by name in one column of pixels. */
+type Counts = Map<string, number>;
+
+interface Strip {
+  label: string;
+  count: (frame: number, add: (name: string) => void) => void;
+}
+
+export class Strips {
+  readonly #canvas = element("canvas", { role: "img", class: "strips" });
+  readonly #key = element("p", { class: "key" });
+  readonly #head = element("div", { class: "playhead" });
+  #axis = new TimeAxis(1, 1);
+
+  constructor(readonly box: HTMLElement, seek: (time: number) => void) {
+    box.classList.add("timed");
+    box.append(element("h3", {}, "What touches the skin"), element("div", { class: "timed" }, this.#canvas, this.#head), this.#key);
+    const drag = (event: PointerEvent) => event.buttons === 1 && seek(this.#axis.time(event.offsetX));
+    this.#canvas.addEventListener("pointerdown", drag);
+    this.#canvas.addEventListener("pointermove", drag);
+  }
+
+  /** Moves the line at the current time. */
+  show(time: number): void {
+    this.#head.style.transform = `translateX(${this.#axis.x(time)}px)`;
+  }
+
+  #strips(reach: Reach, trials: Trials, taxel: number | null): Strip[] {
+    const { verdicts, threshold_n: threshold } = reach.header;
+    const judged = verdicts === null ? null : verdicts.patch;
+    const truth: Strip = {
+      label: "truth",
+      count: (frame, add) => {
+        for (let row = reach.readingStart[frame]!; row < reach.readingStart[frame + 1]!; row++) {
+          const own = judged === null || reach.patchOf[reach.readingTaxel[row]!] === judged;
+          if (own && reach.sensed[row]! > threshold) add(reach.category(reach.readingObject[row]!));
+        }
+      },
+    };
+    const strips = [truth];
+    if (verdicts !== null) {
+      strips.push({
+        label: "verdict",
+        count: (frame, add) => {
+          for (let row = trials.verdictStart![frame]!; row < trials.verdictStart![frame + 1]!; row++) add(verdicts.verdicts[trials.verdictCode[row]!]!);
+        },
+      });
+    }
+    if (taxel !== null) {
+      strips.push({
+        label: "its truth",
+        count: (frame, add) => {
+          const row = reach.reading(taxel, frame);
+          if (row >= 0 && reach.sensed[row]! > threshold) add(reach.category(reach.readingObject[row]!));
+        },
+      });
+      if (judged !== null && reach.patchOf[taxel] === judged) {
+        strips.push({
+          label: "its verdict",
+          count: (frame, add) => {
+            const found = trials.verdict(taxel, frame);
+            if (found !== null) add(found.name);
+          },
+        });
+      }
+    }
+    return strips;
+  }
+
+  draw(reach: Reach, trials: Trials, palette: Palette, taxel: number | null): void {
+    this.#axis = new TimeAxis(this.box.clientWidth, reach.duration);
+    const strips = this.#strips(reach, trials, taxel);
+    const context = prepare(this.#canvas, this.#axis.width, strips.length * (HEIGHT + GAP));
+    context.font = "12px system-ui, sans-serif";
+    const seen = new Map<string, number>();
+    strips.forEach((strip, index) => {
+      const top = index * (HEIGHT + GAP);
+      context.fillStyle = palette.variable("cell");
+      context.fillRect(LEFT, top, this.#axis.span, HEIGHT);
+      context.fillStyle = palette.variable("quiet");
+      context.textAlign = "right";
+      context.textBaseline = "middle";
+      context.fillText(strip.label, LEFT - 8, top + HEIGHT / 2);
+      this.#fill(context, reach, strip, top, palette, seen);
+    });
+    const judged = reach.header.verdicts;
+    const where = judged === null ? "all patches" : `patch ${reach.header.patches[judged.patch]!.name}`;
+    const names = [...seen.keys()].map((name) => (name === "spurious" ? "spurious (hatched): a reading that no object causes" : name));
+    say(this.#key, names.length === 0 ? `Nothing touches ${where} in this reach.` : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
+    const frames = [...seen].map(([name, columns]) => `${name} ${seconds((columns / this.#axis.span / strips.length) * reach.duration)}`);
+    this.#canvas.setAttribute("aria-label", `Truth${judged === null ? "" : " and verdict"} over time on ${where}: ${frames.join(", ")}`);
+  }
+
+  #fill(context: CanvasRenderingContext2D, reach: Reach, strip: Strip, top: number, palette: Palette, seen: Map<string, number>): void {
+    const runs = new Map<string, { start: number; end: number }>();
+    let before = 0;
+    for (let x = 0; x < this.#axis.span; x++) {
+      const end = Math.max(before + 1, Math.min(reach.frameAt(this.#axis.time(LEFT + x + 1)) + 1, reach.frames));
+      const counts: Counts = new Map();
+      let total = 0;
+      for (let frame = before; frame < end; frame++) {
+        strip.count(frame, (name) => {
+          counts.set(name, (counts.get(name) ?? 0) + 1);
+          total++;
+        });
+      }
+      before = Math.min(end, reach.frames - 1);
+      let bottom = top + HEIGHT;
+      for (const name of [...counts.keys()].sort(byName)) {
+        const height = (HEIGHT * counts.get(name)!) / total;
+        context.fillStyle = name === "spurious" && (x + Math.round(bottom)) % 4 < 2 ? palette.variable("cell") : palette.category(name);
+        context.fillRect(LEFT + x, bottom - height, 1, height);
+        bottom -= height;
+        seen.set(name, (seen.get(name) ?? 0) + 1);
+        const run = runs.get(name);
+        if (run !== undefined && run.end === x - 1 && height > HEIGHT * 0.6) run.end = x;
+        else if (height > HEIGHT * 0.6) runs.set(name, { start: x, end: x });
+        const done = runs.get(name);
+        // A mark every 60 pixels where a category prevails, for readers who cannot tell the colours apart.
+        if (done !== undefined && done.end - done.start === 30) {
+          context.fillStyle = context.strokeStyle = palette.variable("panel");
+          drawMark(context, look(name).mark, LEFT + x - 15, top + HEIGHT / 2, 5);
+        }
+        if (done !== undefined && done.end - done.start >= 60) runs.delete(name);
+      }
+    }
+  }
+}
+
+const ORDER = ["leaf", "trunk", "block", "outlier", "uncertain", "spurious"];
+
+function byName(a: string, b: string): number {
+  const place = (name: string) => (ORDER.includes(name) ? ORDER.indexOf(name) : 3.5);
+  return place(a) - place(b) || a.localeCompare(b);
+}

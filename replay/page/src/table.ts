@@ -1,0 +1,158 @@
+// A table that can be sorted by its columns and filtered, with rows that can be chosen by mouse and keyboard.
+
+import { element, find, plural, say } from "./dom.ts";
+
+export interface Column<T> {
+  title: string;
+  /** What is shown. */
+  text: (row: T) => string;
+  /** What is sorted by, if not the text. */
+  value?: (row: T) => number;
+  /** A hint on hover. */
+  hint?: (row: T) => string;
+}
+
+export interface Filter<T> {
+  label: string;
+  all: string;
+  of: (row: T) => string;
+}
+
+/** Rows that are drawn at most; the rest is counted, and filters lead to it. */
+const MOST_ROWS = 1500;
+
+export class Table<T> {
+  readonly box: HTMLElement;
+  readonly #count = element("p", { class: "key", role: "status" });
+  readonly #body = element("tbody", {});
+  readonly #heads: HTMLTableCellElement[];
+  readonly #filters: { filter: Filter<T>; select: HTMLSelectElement }[];
+  #rows: T[] = [];
+  #stale = true;
+  #order: { column: number; down: boolean } | null = null;
+  #current: (row: T) => boolean = () => false;
+
+  constructor(
+    readonly name: string,
+    readonly noun: [string, string],
+    readonly columns: Column<T>[],
+    filters: Filter<T>[],
+    readonly choose: (row: T) => void,
+  ) {
+    this.#heads = columns.map((column, index) => {
+      const sort = element("button", { type: "button" }, column.title);
+      sort.addEventListener("click", () => this.#sort(index));
+      return element("th", { scope: "col", "aria-sort": "none" }, sort);
+    });
+    this.#filters = filters.map((filter) => {
+      const select = element("select", {});
+      select.addEventListener("change", () => this.#draw());
+      return { filter, select };
+    });
+    const fields = this.#filters.map(({ filter, select }) => element("label", { class: "field" }, `${filter.label} `, select));
+    const table = element("table", {}, element("caption", { class: "sr" }, name), element("thead", {}, element("tr", {}, ...this.#heads)), this.#body);
+    this.box = element("div", { class: "table-box" }, element("div", { class: "filters" }, ...fields), this.#count, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": name }, table));
+  }
+
+  /** Shows other rows. */
+  fill(rows: T[]): void {
+    this.#rows = rows;
+    for (const { filter, select } of this.#filters) {
+      const kept = select.value;
+      const names = [...new Set(rows.map(filter.of))].sort();
+      select.replaceChildren(element("option", { value: "" }, filter.all), ...names.map((name) => element("option", { value: name }, name)));
+      select.value = names.includes(kept) ? kept : "";
+    }
+    this.#stale = true;
+    this.refresh();
+  }
+
+  /** Draws new rows if the table can be seen: most lists are never looked at. */
+  refresh(): void {
+    if (this.#stale && this.box.offsetParent !== null) this.#draw();
+  }
+
+  /** Marks the current row. */
+  mark(current: (row: T) => boolean): void {
+    this.#current = current;
+    if (this.#stale) return;
+    const rows = this.shown;
+    [...this.#body.rows].forEach((line, index) => {
+      const own = rows[index] !== undefined && current(rows[index]!);
+      if (own) line.setAttribute("aria-current", "true");
+      else line.removeAttribute("aria-current");
+    });
+  }
+
+  #sort(column: number): void {
+    this.#order = { column, down: this.#order?.column === column && !this.#order.down };
+    this.#heads.forEach((head, index) => {
+      head.setAttribute("aria-sort", index !== column ? "none" : this.#order!.down ? "descending" : "ascending");
+    });
+    this.#draw();
+  }
+
+  /** The rows that pass the filters, in order. */
+  get shown(): T[] {
+    const rows = this.#rows.filter((row) => this.#filters.every(({ filter, select }) => select.value === "" || filter.of(row) === select.value));
+    if (this.#order === null) return rows;
+    const { column, down } = this.#order;
+    const { value, text } = this.columns[column]!;
+    const compare = value !== undefined ? (a: T, b: T) => value(a) - value(b) : (a: T, b: T) => text(a).localeCompare(text(b));
+    rows.sort((a, b) => (down ? compare(b, a) : compare(a, b)));
+    return rows;
+  }
+
+  #draw(): void {
+    this.#stale = false;
+    const rows = this.shown;
+    const lines = rows.slice(0, MOST_ROWS).map((row) => {
+      const cells = this.columns.map((column, index) => {
+        const hint = column.hint?.(row) ?? "";
+        if (index > 0) return element("td", { title: hint, class: column.value === undefined ? "" : "number" }, column.text(row));
+        const open = element("button", { type: "button", class: "link" }, column.text(row));
+        return element("th", { scope: "row" }, open);
+      });
+      const line = element("tr", {}, ...cells);
+      line.addEventListener("click", () => this.choose(row));
+      return line;
+    });
+    this.#body.replaceChildren(...lines);
+    const [one, many] = this.noun;
+    const cut = rows.length > MOST_ROWS ? `, the first ${MOST_ROWS} are shown` : "";
+    say(this.#count, rows.length === this.#rows.length ? `${plural(rows.length, one, many)}${cut}` : `${rows.length} of ${plural(this.#rows.length, one, many)}${cut}`);
+    this.mark(this.#current);
+  }
+}
+
+/** Tabs with one panel each. */
+export function tabs(box: HTMLElement, panels: { id: string; title: string; content: HTMLElement; opened: () => void }[]): (id: string) => void {
+  const buttons = panels.map(({ id, title }) => element("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}` }, title));
+  const sheets = panels.map(({ id, content }) => element("div", { role: "tabpanel", id: `panel-${id}`, "aria-labelledby": `tab-${id}` }, content));
+  const open = (index: number) => {
+    buttons.forEach((tab, at) => {
+      tab.setAttribute("aria-selected", String(at === index));
+      tab.tabIndex = at === index ? 0 : -1;
+      sheets[at]!.hidden = at !== index;
+    });
+    panels[index]!.opened();
+  };
+  buttons.forEach((tab, index) => {
+    tab.addEventListener("click", () => open(index));
+    tab.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (step === undefined) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const next = (index + step + buttons.length) % buttons.length;
+      open(next);
+      buttons[next]!.focus();
+    });
+  });
+  box.replaceChildren(element("div", { role: "tablist", "aria-label": "Lists" }, ...buttons), ...sheets);
+  open(0);
+  return (id) => {
+    open(panels.findIndex((panel) => panel.id === id));
+    find(`tab-${id}`).scrollIntoView({ block: "nearest" });
+  };
+}

@@ -1,0 +1,92 @@
+// The scrubber, with marks of goals, contacts and mistakes above it.
+
+import { LEFT, RIGHT, TimeAxis } from "./axis.ts";
+import { drawMark, look, type Palette } from "./colours.ts";
+import { element, plural, prepare, say, seconds } from "./dom.ts";
+import type { Reach } from "./reach.ts";
+import type { Trials } from "./trials.ts";
+
+const ROW = 17;
+
+export class Timeline {
+  readonly input: HTMLInputElement;
+  readonly #canvas = element("canvas", { role: "img" });
+
+  constructor(readonly box: HTMLElement, readonly key: HTMLElement, seek: (frame: number) => void) {
+    this.input = element("input", { type: "range", min: 0, max: 0, step: 1, value: 0, "aria-label": "Time in the reach", class: "scrubber" });
+    this.input.addEventListener("input", () => seek(Number(this.input.value)));
+    // The thumb is 14 px wide and its middle must stand at the time.
+    this.input.style.marginLeft = `${LEFT - 7}px`;
+    this.input.style.width = `calc(100% - ${LEFT + RIGHT - 14}px)`;
+    box.append(this.#canvas, this.input);
+  }
+
+  load(reach: Reach): void {
+    this.input.max = String(reach.frames - 1);
+  }
+
+  show(reach: Reach, frame: number): void {
+    this.input.value = String(frame);
+    this.input.setAttribute("aria-valuetext", `${seconds(reach.time[frame]!)}, frame ${frame} of ${reach.frames}`);
+  }
+
+  /** Draws the marks. They do not depend on the frame. */
+  draw(reach: Reach, trials: Trials, palette: Palette): void {
+    const axis = new TimeAxis(this.box.clientWidth, reach.duration);
+    const { goals, contacts, verdicts } = reach.header;
+    const rows = verdicts === null ? 2 : 3;
+    const context = prepare(this.#canvas, axis.width, rows * ROW + 2);
+    const [ink, quiet] = [palette.variable("ink"), palette.variable("quiet")];
+    context.font = "12px system-ui, sans-serif";
+    context.textBaseline = "middle";
+    ["goals", "contacts", "mistakes"].slice(0, rows).forEach((text, row) => {
+      context.fillStyle = quiet;
+      context.textAlign = "right";
+      context.fillText(text, LEFT - 8, (row + 0.5) * ROW);
+      context.fillStyle = palette.variable("line");
+      context.fillRect(LEFT, (row + 0.5) * ROW - 0.5, axis.span, 1);
+    });
+    context.textAlign = "left";
+    goals.forEach((goal, index) => {
+      const [start, end] = [axis.x(goal.start_time_s), axis.x(goal.end_time_s)];
+      const reached = goal.outcome === "reached";
+      context.fillStyle = palette.variable(reached ? "accent-soft" : "over-soft");
+      context.fillRect(start + 1, 2, Math.max(end - start - 2, 1), ROW - 4);
+      context.fillStyle = ink;
+      context.save();
+      context.beginPath();
+      context.rect(start, 0, Math.max(end - start, 0), ROW);
+      context.clip();
+      const long = `${index + 1} ${goal.outcome.replace("_", " ")}`;
+      const room = end - start - 8;
+      const text = [long, String(index + 1)].find((text) => context.measureText(text).width <= room) ?? "";
+      context.fillText(text, start + 5, 0.5 * ROW + 0.5);
+      context.restore();
+    });
+    for (const contact of contacts) {
+      context.fillStyle = palette.category(reach.category(contact.object));
+      context.globalAlpha = 0.75;
+      const [from, to] = [axis.x(reach.time[contact.first_frame]!), axis.x(reach.time[contact.last_frame]!)];
+      // Each category in its own third of the row.
+      const names = reach.categories;
+      const part = (ROW - 5) / Math.max(names.length, 1);
+      context.fillRect(from, ROW + 2 + names.indexOf(reach.category(contact.object)) * part, Math.max(to - from, 1.5), Math.max(part - 1, 1.5));
+    }
+    context.globalAlpha = 1;
+    if (verdicts !== null) {
+      const places = new Set<number>();
+      for (const trial of trials.mistakes) {
+        const x = Math.round(axis.x(reach.time[trial.first]!));
+        if (places.has(Math.round(x / 4))) continue;
+        places.add(Math.round(x / 4));
+        context.fillStyle = context.strokeStyle = palette.variable("over");
+        drawMark(context, look(trial.judgement === "wrong" ? "outlier" : "uncertain").mark, x, 2.5 * ROW, 4);
+      }
+    }
+    const mistakes = verdicts === null ? "" : `, ${plural(trials.mistakes.length, "wrong or uncertain trial")}`;
+    this.#canvas.setAttribute("aria-label", `${plural(goals.length, "goal")}, ${plural(contacts.length, "contact")}${mistakes}`);
+    const order = reach.categories.length > 1 ? `Contacts, from top to bottom: ${reach.categories.join(", ")}.` : "";
+    const crosses = verdicts === null ? "" : " Mistakes: × wrong, ○ uncertain, where the trial begins.";
+    say(this.key, (order + crosses).trim());
+  }
+}

@@ -1,0 +1,129 @@
+// Where the taxels of a patch lie on its flat map.
+
+import type { Reach } from "./reach.ts";
+
+/** A taxel on the map: its middle and its side, in a unit common to the map. */
+export interface Cell {
+  taxel: number;
+  x: number;
+  y: number;
+  size: number;
+}
+
+export interface Plan {
+  cells: Cell[];
+  width: number;
+  height: number;
+}
+
+/** Lays out a patch with the hand end at the top: a grid by rows and columns, other taxels as they lie on both sides. */
+export function layOut(reach: Reach, patch: number): Plan {
+  return reach.header.patches[patch]!.grid === null ? twoSides(reach, patch) : rowsAndColumns(reach, patch);
+}
+
+function position(reach: Reach, taxel: number): number[] {
+  return [0, 1, 2].map((axis) => reach.taxelPosition[3 * taxel + axis]!);
+}
+
+/** The tip of the hand in the frame of the patch's link, in the first frame. */
+function tipInLink(reach: Reach, patch: number): number[] {
+  const at = 7 * patch;
+  const d = [0, 1, 2].map((axis) => reach.tip[axis]! - reach.patchPose[at + axis]!);
+  const [i, j, k, w] = [3, 4, 5, 6].map((axis) => reach.patchPose[at + axis]!) as [number, number, number, number];
+  const [x, y, z] = d as [number, number, number];
+  // The inverse rotation.
+  const [a, b, c] = [2 * (k * y - j * z), 2 * (i * z - k * x), 2 * (j * x - i * y)];
+  return [x + w * a - (j * c - k * b), y + w * b - (k * a - i * c), z + w * c - (i * b - j * a)];
+}
+
+function distance(a: number[], b: number[]): number {
+  return Math.hypot(...a.map((value, axis) => value - b[axis]!));
+}
+
+function rowsAndColumns(reach: Reach, patch: number): Plan {
+  const { grid, first_taxel: first, taxels } = reach.header.patches[patch]!;
+  const { rows, columns } = grid!;
+  const tip = tipInLink(reach, patch);
+  const lastIsNearer = distance(position(reach, first + taxels - 1), tip) < distance(position(reach, first), tip);
+  const cells = Array.from({ length: taxels }, (_, index) => {
+    const row = Math.floor(index / columns);
+    const line = lastIsNearer ? rows - 1 - row : row;
+    return { taxel: first + index, x: (index % columns) + 0.5, y: line + 0.5, size: 1 };
+  });
+  return { cells, width: columns, height: rows };
+}
+
+type Vector = [number, number, number];
+
+function dot(a: number[], b: number[]): number {
+  return a.reduce((sum, value, axis) => sum + value * b[axis]!, 0);
+}
+
+/** The direction in which points lie farthest apart, by power iteration, orthogonal to `others`. */
+function longest(points: number[][], others: Vector[]): Vector {
+  let axis: Vector = [0.53, 0.61, 0.59];
+  for (let round = 0; round < 60; round++) {
+    const next: Vector = [0, 0, 0];
+    for (const point of points) {
+      const along = dot(point, axis);
+      for (let index = 0; index < 3; index++) next[index]! += along * point[index]!;
+    }
+    for (const other of others) {
+      const along = dot(next, other);
+      for (let index = 0; index < 3; index++) next[index]! -= along * other[index]!;
+    }
+    const length = Math.hypot(...next) || 1;
+    axis = next.map((value) => value / length) as Vector;
+  }
+  return axis;
+}
+
+/** Moves squares of this size on the same side just so far that none covers another. */
+function moveApart(squares: { back: boolean; x: number; y: number }[], size: number): void {
+  for (let round = 0; round < 200; round++) {
+    let moved = false;
+    squares.forEach((a, index) => {
+      for (const b of squares.slice(index + 1)) {
+        const [dx, dy] = [b.x - a.x, b.y - a.y];
+        const [overX, overY] = [size - Math.abs(dx), size - Math.abs(dy)];
+        if (a.back !== b.back || overX <= 1e-9 || overY <= 1e-9) continue;
+        moved = true;
+        const along = overX < overY ? "x" : "y";
+        const step = (0.51 * Math.min(overX, overY) + 1e-9) * ((along === "x" ? dx : dy) < 0 ? -1 : 1);
+        a[along] -= step;
+        b[along] += step;
+      }
+    });
+    if (!moved) return;
+  }
+}
+
+function twoSides(reach: Reach, patch: number): Plan {
+  const { first_taxel: first, taxels } = reach.header.patches[patch]!;
+  const places = Array.from({ length: taxels }, (_, index) => position(reach, first + index));
+  const mean = [0, 1, 2].map((axis) => places.reduce((sum, place) => sum + place[axis]!, 0) / taxels);
+  const centred = places.map((place) => place.map((value, axis) => value - mean[axis]!));
+  let along = longest(centred, []);
+  const across = longest(centred, [along]);
+  const tip = tipInLink(reach, patch).map((value, axis) => value - mean[axis]!);
+  // Up on the map is towards the hand.
+  if (dot(tip, along) < 0) along = along.map((value) => -value) as Vector;
+  const facing = [
+    along[1] * across[2] - along[2] * across[1], along[2] * across[0] - along[0] * across[2], along[0] * across[1] - along[1] * across[0],
+  ];
+  const flat = centred.map((place, index) => {
+    const normal = [0, 1, 2].map((axis) => reach.taxelNormal[3 * (first + index) + axis]!);
+    const back = dot(normal, facing) < 0;
+    return { index, back, x: dot(place, across) * (back ? -1 : 1), y: -dot(place, along) };
+  });
+  // As large as most can be without touching their neighbours.
+  const gaps = flat.map((own) => Math.min(...flat.filter((other) => other !== own && other.back === own.back).map((other) => Math.max(Math.abs(own.x - other.x), Math.abs(own.y - other.y)))));
+  const size = 0.95 * (gaps.sort((a, b) => a - b)[Math.floor(gaps.length / 2)] ?? 0.01);
+  moveApart(flat, size);
+  const width = Math.max(...flat.map(({ x }) => Math.abs(x))) * 2 + 1.6 * size;
+  const top = Math.min(...flat.map(({ y }) => y)) - 0.8 * size;
+  const cells = flat.map(({ index, back, x, y }) => {
+    return { taxel: first + index, x: x + width / 2 + (back ? 1.15 * width : 0), y: y - top, size };
+  });
+  return { cells, width: 2.15 * width, height: Math.max(...cells.map(({ y }) => y)) + 0.8 * size };
+}

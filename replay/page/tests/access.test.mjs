@@ -1,0 +1,84 @@
+// For everyone: accessibility, sizes, themes, a browser without WebGL, and no request to any other host.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+
+import { file, finishAll, launch, makeData, open, program, ready, seek, serve, settle } from "./support.mjs";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+let browser;
+let server;
+before(async () => {
+  makeData();
+  browser = await launch();
+  server = await serve(file("mixed.parquet"), file("blind.parquet"), "--model", file("model.json"));
+});
+after(() => finishAll(browser));
+
+/** What axe-core finds, but for what is minor. */
+async function serious(page) {
+  // The page's policy allows no script from outside, so it is added by the driver.
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+  return violations.filter(({ impact }) => ["serious", "critical", "moderate"].includes(impact)).map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).slice(0, 3).join(" | ")}`);
+}
+
+/** Pins that axe-core finds nothing at three sizes in both themes, that nothing is wider than the screen, and that the page
+ * asks no other host. */
+test("axe-core finds nothing at any size or theme", async () => {
+  for (const width of [390, 1100, 1920]) {
+    for (const colorScheme of ["light", "dark"]) {
+      const page = await open(browser, `${server.address}#reach=0&t=3&taxel=forearm.100`, { viewport: { width, height: 900 }, colorScheme, bypassCSP: true });
+      await ready(page);
+      assert.deepEqual(await serious(page), [], `${width} px, ${colorScheme}`);
+      const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      assert.ok(overflow <= 0, `${overflow} px too wide at ${width} px`);
+      assert.deepEqual(page.problems, []);
+      await page.context().close();
+    }
+  }
+});
+
+/** Pins that the list of trials, the help and two reaches side by side are accessible too. */
+test("other states of the page are accessible", async () => {
+  const page = await open(browser, `${server.address}#reach=0&beside=1&t=4`, { bypassCSP: true });
+  await ready(page);
+  await page.waitForSelector("body.compared");
+  await page.getByRole("tab", { name: "Contact trials" }).click();
+  assert.deepEqual(await serious(page), []);
+  await page.keyboard.press("?");
+  assert.ok(await page.getByRole("dialog").isVisible());
+  assert.deepEqual(await serious(page), []);
+  await page.context().close();
+});
+
+/** Pins that a browser without WebGL says so and still has maps, strips and plots. */
+test("without WebGL the maps and plots remain", async () => {
+  const plain = await launch("--disable-3d-apis");
+  const page = await open(plain, server.address);
+  page.problems.length = 0;
+  await ready(page);
+  assert.ok(await page.getByText("cannot draw in 3-D").isVisible());
+  await seek(page, 300);
+  const painted = await page.locator(".skin-map").first().evaluate((canvas) => new Set(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data).size);
+  assert.ok(painted > 10, "the map is empty");
+  assert.match(await page.locator('[data-plot="force"] output').textContent(), /sensed \d/);
+  // Three.js reports the missing context; nothing else may be wrong.
+  assert.deepEqual(page.problems.filter((text) => !/WebGL/i.test(text)), []);
+  await plain.close();
+});
+
+/** Pins that the single file opens from disk and shows the same, without any request. */
+test("the single file opens from disk", async () => {
+  program("replay", file("trunk.parquet"), "--out", file("trunk.html"));
+  const page = await open(browser, `file://${file("trunk.html")}`);
+  await ready(page);
+  await settle(page);
+  assert.match(await page.locator("#title").textContent(), /^trunk, seed 3/);
+  assert.ok(await page.locator("#reach-controls").isHidden(), "a single reach needs no choice");
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});

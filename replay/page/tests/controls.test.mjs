@@ -1,0 +1,257 @@
+// Every control, by mouse and by keyboard, and what it shows in all views at once.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, seek, serve, settle } from "./support.mjs";
+
+let browser;
+let server;
+before(async () => {
+  makeData();
+  browser = await launch();
+  server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
+});
+after(() => finishAll(browser));
+
+async function start(hash = "") {
+  const page = await open(browser, `${server.address}${hash}`);
+  await ready(page, Number(/reach=(\d+)/.exec(hash)?.[1] ?? 0));
+  return page;
+}
+
+const state = (page) => page.evaluate(() => ({ ...window.underbrushReplay.state }));
+
+/** Ends a test: nothing may have gone wrong on the page. */
+async function finish(page) {
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+}
+
+/** Pins the step, first and last buttons and their keys, and that neither end can be passed. */
+test("steps by mouse and keyboard", async () => {
+  const page = await start();
+  const press = async (key) => { await page.keyboard.press(key); await settle(page); return (await state(page)).frame; };
+  const click = async (name) => { await page.getByRole("button", { name, exact: true }).click(); await settle(page); return (await state(page)).frame; };
+  assert.equal(await click("One frame on"), 1);
+  assert.equal(await click("One frame back"), 0);
+  assert.equal(await click("One frame back"), 0);
+  const last = await click("Last frame");
+  assert.ok(last > 1000);
+  assert.equal(await click("One frame on"), last);
+  assert.equal(await click("First frame"), 0);
+  await page.locator("body").click({ position: { x: 2, y: 2 } });
+  assert.equal(await press("ArrowRight"), 1);
+  assert.equal(await press("Shift+ArrowRight"), 11);
+  assert.equal(await press("ArrowLeft"), 10);
+  assert.equal(await press("Shift+ArrowLeft"), 0);
+  assert.equal(await press("End"), last);
+  assert.equal(await press("Home"), 0);
+  await page.locator(".scrubber").focus();
+  assert.equal(await press("ArrowRight"), 1);
+  assert.match(await page.locator(".scrubber").getAttribute("aria-valuetext"), /^0\.01 s, frame 1 of/);
+  await finish(page);
+});
+
+/** Pins that playing moves time at the chosen rate, stops at the end and begins anew from there. */
+test("plays at a rate and stops at the end", async () => {
+  const page = await start();
+  await page.locator("#rate").selectOption("10");
+  await page.locator("body").click({ position: { x: 2, y: 2 } });
+  await page.keyboard.press("Space");
+  await page.waitForFunction(() => window.underbrushReplay.state.frame > 100);
+  assert.equal(await page.locator("#play").textContent(), "Pause");
+  await page.waitForFunction(() => !window.underbrushReplay.state.playing, null, { timeout: 60_000 });
+  const { frame } = await state(page);
+  assert.equal(frame, await page.evaluate(() => window.underbrushReplay.loaded().reach.frames - 1));
+  await page.locator("#play").click();
+  await page.waitForFunction((last) => window.underbrushReplay.state.frame < last, frame);
+  await page.keyboard.press("k");
+  // Slower, by key.
+  for (const rate of [5, 2, 1, 0.5, 0.25, 0.1, 0.1]) {
+    await page.keyboard.press(",");
+    assert.equal((await state(page)).rate, rate);
+  }
+  await page.keyboard.press(".");
+  assert.equal((await state(page)).rate, 0.25);
+  await finish(page);
+});
+
+/** Pins that jumps go to the contacts, peaks, goals and mistakes that the data hold, forwards and back. */
+test("jumps to contacts, peaks, goals and mistakes", async () => {
+  const { recording, rows } = await readRecording("mixed.parquet");
+  const page = await start();
+  await page.locator("body").click({ position: { x: 2, y: 2 } });
+  const press = async (key) => { await page.keyboard.press(key); await settle(page); return (await state(page)).frame; };
+  const firsts = [...new Set(recording.contacts.map((contact) => contact.first_frame))].filter((frame) => frame > 0).sort((a, b) => a - b);
+  assert.deepEqual([await press("c"), await press("c"), await press("C")], [firsts[0], firsts[1], firsts[0]]);
+  await page.getByRole("button", { name: "Next contact" }).click();
+  assert.equal((await state(page)).frame, firsts[1]);
+  await press("Home");
+  const second = recording.goals[1].start_time_s;
+  await press("g");
+  const time = rows[(await state(page)).frame].time_s;
+  assert.ok(Math.abs(time - second) <= 0.0101, `${time}, ${second}`);
+  await press("Home");
+  const peaks = [];
+  for (let turn = 0; turn < 200; turn++) {
+    const frame = await press("p");
+    if (peaks.at(-1) === frame) break;
+    peaks.push(frame);
+  }
+  const forces = rows.map((row) => felt(recording, row)[0]?.force ?? 0);
+  assert.ok(peaks.includes(forces.indexOf(Math.max(...forces))), "the largest peak is not among the peaks");
+  await press("Home");
+  await press("m");
+  const { taxel, frame } = await state(page);
+  const trial = await page.evaluate(([taxel, frame]) => {
+    const found = window.underbrushReplay.loaded().trials.at(taxel, frame);
+    return { first: found.first, judgement: found.judgement };
+  }, [taxel, frame]);
+  assert.equal(trial.first, frame);
+  assert.ok(["wrong", "uncertain"].includes(trial.judgement));
+  await finish(page);
+});
+
+/** Pins that the switch changes colours on the map and on the arm together, by mouse and by key. */
+test("one switch colours map and arm", async () => {
+  const { recording, rows } = await readRecording("mixed.parquet");
+  const page = await start();
+  const frame = fullestFrame(recording, rows);
+  await seek(page, frame);
+  const [{ taxel }] = felt(recording, rows[frame]).filter(({ object, patch }) => object >= 0 && patch === "forearm");
+  const colours = [];
+  for (const name of ["force", "truth", "verdict"]) {
+    await page.locator("#colour").getByText(name).click();
+    await settle(page);
+    colours.push((await page.evaluate((taxel) => window.underbrushReplay.drawn().taxel(taxel), taxel)).colour);
+  }
+  assert.notEqual(colours[0], colours[1]);
+  // Truth: the colour of the object's category.
+  const { category } = recording.objects[felt(recording, rows[frame]).find((own) => own.taxel === taxel).object];
+  assert.equal(colours[1], { leaf: "#1b8a4b", trunk: "#6b4423", block: "#a8904a" }[category]);
+  await page.locator("body").click({ position: { x: 2, y: 2 } });
+  for (const [key, colour] of [["1", "force"], ["2", "truth"], ["3", "verdict"]]) {
+    await page.keyboard.press(key);
+    assert.equal((await state(page)).colour, colour);
+  }
+  for (const camera of ["hand", "top", "side", "free"]) {
+    await page.keyboard.press("v");
+    assert.equal((await state(page)).camera, camera);
+  }
+  await finish(page);
+});
+
+/** Pins that a taxel chosen on the map is chosen everywhere: details, plots, strips and address; by mouse and by keyboard. */
+test("a taxel is chosen in all views at once", async () => {
+  const { recording, rows } = await readRecording("mixed.parquet");
+  const page = await start();
+  const frame = fullestFrame(recording, rows);
+  await seek(page, frame);
+  const [strongest] = felt(recording, rows[frame]).filter(({ patch }) => patch === "forearm");
+  const map = page.locator('.skin-map[data-patch="forearm"]');
+  const [x, y] = await page.evaluate((taxel) => window.underbrushReplay.maps()[0].placeOf(taxel), strongest.taxel);
+  await map.hover({ position: { x, y } });
+  await settle(page);
+  const name = `forearm row ${Math.floor(strongest.index / 24)}, column ${strongest.index % 24}`;
+  assert.ok((await page.locator(".under").textContent()).startsWith(`${name}: ${strongest.force.toFixed(2)} N sensed`));
+  await map.click({ position: { x, y } });
+  await settle(page);
+  assert.equal((await state(page)).taxel, strongest.taxel);
+  const details = await page.locator("#details").textContent();
+  assert.ok(details.includes(name) && details.includes(`sensed force${strongest.force.toFixed(2)} N`), details);
+  assert.ok(details.includes("score of leaf") && details.includes("contact motion so far"), details);
+  assert.ok(await page.locator('[data-plot="taxel"]').isVisible() && await page.locator('[data-plot="scores"]').isVisible());
+  assert.ok((await page.locator('[data-plot="taxel"] output').textContent()).includes(strongest.force.toFixed(2)));
+  await page.waitForFunction((index) => location.hash.includes(`taxel=forearm.${index}`), strongest.index);
+  // By keyboard: one taxel to the right on the map, then Enter.
+  await map.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Enter");
+  const { taxel } = await state(page);
+  assert.equal(taxel, strongest.index % 24 === 23 ? strongest.taxel : strongest.taxel + 1);
+  await page.keyboard.press("Escape");
+  assert.equal((await state(page)).taxel, null);
+  await finish(page);
+});
+
+/** Pins that a click on the 3-D view chooses the object under the pointer, and that the keyboard turns the view. */
+test("the 3-D view can be clicked and turned", async () => {
+  const { recording } = await readRecording("mixed.parquet");
+  const page = await start("#reach=0&view=top");
+  const trunk = recording.objects.findIndex(({ category }) => category === "trunk");
+  const { position_world: foot, parameters } = recording.objects[trunk];
+  const body = recording.bodies.findIndex(({ owner, parts }) => owner.object === trunk && parts.length > 0);
+  const box = await page.locator(".view").boundingBox();
+  const [x, y] = await page.evaluate(([foot, height]) => window.underbrushReplay.drawn().project([foot[0], foot[1], foot[2] + height]), [foot, 0.98 * parameters.height_m]);
+  assert.ok(body >= 0);
+  await page.mouse.click(box.x + x, box.y + y);
+  await settle(page);
+  assert.equal((await state(page)).object, trunk);
+  assert.match(await page.locator("#details").textContent(), new RegExp(`trunk ${trunk}`));
+  const before = await page.evaluate(() => window.underbrushReplay.drawn().project([0.5, 0, 0]));
+  await page.locator(".view").focus();
+  await page.keyboard.press("ArrowLeft");
+  await settle(page);
+  const after = await page.evaluate(() => window.underbrushReplay.drawn().project([0.5, 0, 0]));
+  assert.ok(Math.hypot(after[0] - before[0], after[1] - before[1]) > 2, "the view did not turn");
+  assert.equal((await state(page)).frame, 0, "the key also moved time");
+  await finish(page);
+});
+
+/** Pins that the list of reaches sorts, filters and opens, and that a second reach stands beside the first, locked in time. */
+test("reaches are listed, filtered, opened and compared", async () => {
+  const page = await start();
+  const names = () => page.locator("#panel-reaches tbody tr td:nth-child(2)").allTextContents();
+  assert.deepEqual(await names(), ["mixed", "mixed", "trunk"]);
+  await page.locator("#panel-reaches thead").getByRole("button", { name: "length / s" }).click();
+  const lengths = (await page.locator("#panel-reaches tbody tr td:nth-child(8)").allTextContents()).map(Number);
+  assert.deepEqual(lengths, [...lengths].sort((a, b) => a - b));
+  await page.getByLabel("Scene").selectOption("trunk");
+  assert.deepEqual(await names(), ["trunk"]);
+  await page.locator("#panel-reaches tbody button").first().click();
+  await ready(page, 2);
+  assert.match(await page.locator("#title").textContent(), /^trunk, seed 3/);
+  await page.keyboard.press("[");
+  await ready(page, 1);
+  await page.locator("#beside").selectOption("0");
+  await page.waitForSelector("body.compared");
+  await seek(page, 500);
+  assert.equal(await page.locator(".view").count(), 2);
+  assert.equal(await page.locator(".skin-map").count(), 4);
+  assert.match(await page.locator('[data-plot="force"] output').textContent(), /beside \d/);
+  await page.waitForFunction(() => location.hash.includes("beside=0"));
+  await finish(page);
+});
+
+/** Pins that an address brings back reach, moment, colours, view, rate and taxel, and that nonsense in it is ignored. */
+test("an address brings a finding back", async () => {
+  const page = await start("#reach=1&t=4.21&colour=truth&view=side&rate=0.5&taxel=flipper.7");
+  const found = await state(page);
+  assert.deepEqual([found.reach, found.colour, found.camera, found.rate], [1, "truth", "side", 0.5]);
+  assert.match(await page.locator("#clock").textContent(), /^4\.21 s/);
+  assert.match(await page.locator("#details").textContent(), /flipper taxel 7/);
+  await page.evaluate(() => (location.hash = "#reach=1&t=2"));
+  await page.waitForFunction(() => document.getElementById("clock").textContent.startsWith("2.00 s"));
+  await finish(page);
+  const odd = await start("#reach=0&t=-5&colour=pink&view=moon&rate=99&taxel=forearm.99999&object=77777&beside=12");
+  const kept = await state(odd);
+  assert.deepEqual([kept.frame, kept.colour, kept.camera, kept.rate, kept.taxel, kept.object], [0, "force", "free", 1, null, null]);
+  await finish(odd);
+});
+
+/** Pins that the theme can be chosen, and that the list of keys opens and closes by keyboard. */
+test("theme and help", async () => {
+  const page = await start();
+  const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const system = await ground();
+  await page.locator("#theme").click();
+  await page.locator("#theme").click();
+  assert.equal(await page.locator("#theme").textContent(), "Theme: dark");
+  assert.notEqual(await ground(), system);
+  await page.keyboard.press("?");
+  assert.ok(await page.getByRole("dialog").isVisible());
+  await page.keyboard.press("Escape");
+  assert.ok(await page.getByRole("dialog").isHidden());
+  await finish(page);
+});

@@ -1,0 +1,146 @@
+// Shared by the tests: recordings made by the program, the program as a server, and a browser.
+
+import { spawn, execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+
+import { parquetReadObjects, parquetMetadata } from "hyparquet";
+import { compressors } from "hyparquet-compressors";
+import { chromium } from "playwright-core";
+
+const ROOT = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
+const PROGRAM = process.env.UNDERBRUSH ?? join(process.env.CARGO_TARGET_DIR ?? join(ROOT, "target"), "release/underbrush");
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const FLAGS = [
+  "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+  "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+];
+
+export const folder = process.env.REPLAY_DATA ?? mkdtempSync(join(tmpdir(), "underbrush-replay-"));
+export const SCENES = ["leaf", "trunk", "mixed", "outlier"];
+
+export function program(...options) {
+  return execFileSync(PROGRAM, options.map(String), { cwd: ROOT, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+}
+
+/** A file of the tests' folder. */
+export function file(name) {
+  return join(folder, name);
+}
+
+/** Makes recordings of the four scenes, a data set and a model, once for all tests. */
+export function makeData() {
+  try {
+    readFileSync(file("done"));
+    return;
+  } catch {
+    // They have to be made.
+  }
+  for (const scene of SCENES) program("reach", `scenes/${scene}.toml`, "--seed", 3, "--jobs", 1, "--out", file(`${scene}.parquet`));
+  program("reach", "scenes/mixed.toml", "--seed", 3, "--controller", "blind", "--jobs", 1, "--out", file("blind.parquet"));
+  program("generate", "scenes/leaf.toml", "scenes/trunk.toml", "--reaches", 1, "--seed", 1, "--jobs", 1, "--out", file("set"));
+  program("train", file("set"), "--out", file("model.json"), "--states", 3, "--jobs", 1);
+  writeFileSync(file("done"), "");
+}
+
+/** Servers that run. A failed test must not leave one behind, or the test process would wait for it. */
+const servers = new Set();
+
+/** Ends what the tests of a file have started, and removes their data. */
+export async function finishAll(browser) {
+  for (const child of servers) child.kill();
+  await browser?.close();
+  if (process.env.REPLAY_DATA === undefined) rmSync(folder, { recursive: true, force: true });
+}
+
+/** Starts the server on these inputs; gives its address and a way to end it. */
+export async function serve(...options) {
+  const child = spawn(PROGRAM, ["replay", ...options.map(String), "--no-open", "--json"], { stdio: ["ignore", "pipe", "inherit"] });
+  servers.add(child);
+  const [line] = await new Promise((found, failed) => {
+    createInterface({ input: child.stdout }).once("line", (line) => found([line]));
+    child.once("exit", (status) => failed(new Error(`the program ended with ${status}`)));
+  });
+  return { address: JSON.parse(line).address, close: () => child.kill() };
+}
+
+export function launch(...more) {
+  return chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...(process.env.CHROMIUM_FLAGS ?? "").split(" ").filter(Boolean), ...more] });
+}
+
+/** Opens a page and waits until a reach is shown. `page.problems` lists errors and requests to other hosts. */
+export async function open(browser, address, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1100, height: 900 }, reducedMotion: "reduce", ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(LONG_MS);
+  page.problems = [];
+  page.on("pageerror", (error) => page.problems.push(`page error: ${error.message}`));
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isDriverRemark(message.text()) && page.problems.push(`console: ${message.text()}`));
+  const own = address.startsWith("file:") ? "file:" : new URL(address).origin;
+  page.on("request", (request) => !/^(data|blob):/.test(request.url()) && !request.url().startsWith(own) && page.problems.push(`request: ${request.url()}`));
+  // While the page is being changed: the built page, without building the program anew.
+  const fresh = process.env.REPLAY_PAGE;
+  if (fresh !== undefined && own !== "file:") await page.route(`${own}/`, (route) => route.fulfill({ path: fresh, contentType: "text/html; charset=utf-8" }));
+  await page.goto(address);
+  return page;
+}
+
+/** Chromium says this when software draws WebGL and the tests read pixels. */
+function isDriverRemark(text) {
+  return /GPU stall due to ReadPixels|Automatic fallback to software WebGL/.test(text);
+}
+
+/** A busy machine on which a processor draws needs long. */
+const LONG_MS = 240_000;
+
+/** Waits until a reach is drawn. */
+export async function ready(page, number = 0) {
+  await page.waitForSelector(`body[data-ready="${number}"][data-frame]`, { timeout: LONG_MS });
+  await settle(page);
+}
+
+/** Waits until everything that was asked for is drawn. */
+export function settle(page) {
+  return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
+}
+
+/** Goes to a frame with the scrubber. */
+export async function seek(page, frame) {
+  await page.locator(".scrubber").evaluate((input, value) => {
+    input.value = String(value);
+    input.dispatchEvent(new Event("input"));
+  }, frame);
+  await settle(page);
+}
+
+/** All rows of a recording, read by another library than the program's, and what its metadata say. */
+export async function readRecording(name) {
+  const bytes = readFileSync(file(name));
+  const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+  const metadata = parquetMetadata(buffer);
+  const text = metadata.key_value_metadata.find(({ key }) => key === "underbrush.recording").value;
+  const rows = await parquetReadObjects({ file: buffer, compressors });
+  return { recording: JSON.parse(text), rows };
+}
+
+/** Taxels with a force in a row, strongest first: their index in all patches and their force. */
+export function felt(recording, row) {
+  const found = [];
+  let first = 0;
+  for (const patch of recording.layout.patches) {
+    row[`observation.tactile.${patch.name}`].forEach((force, index) => {
+      if (force > 0) found.push({ patch: patch.name, index, taxel: first + index, force, truth: row[`truth.normal_force.${patch.name}`][index], object: row[`truth.object.${patch.name}`][index] });
+    });
+    first += patch.taxels.length;
+  }
+  return found.sort((a, b) => b.force - a.force);
+}
+
+/** The frame in which the most taxels feel something. */
+export function fullestFrame(recording, rows) {
+  const counts = rows.map((row) => felt(recording, row).length);
+  return counts.indexOf(Math.max(...counts));
+}

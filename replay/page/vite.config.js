@@ -1,0 +1,41 @@
+// Builds the page as one HTML file with script and style inside, which the program embeds and completes with data.
+import { defineConfig } from "vite";
+
+/** Puts the script and the style into the HTML file. */
+function inline() {
+  return {
+    name: "underbrush-inline",
+    enforce: "post",
+    generateBundle(_options, bundle) {
+      const html = Object.values(bundle).find((file) => file.fileName === "index.html");
+      let text = html.source;
+      for (const file of Object.values(bundle)) {
+        const name = file.fileName.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+        if (file.type === "chunk") {
+          // A closing tag in a string of the script would end it.
+          const code = file.code.replace(/<\/(script)/gi, "<\\/$1").replace(/<!--/g, "<\\!--").trimEnd();
+          // Before the data, so that a file that was cut off still shows a message. Modules run when all is read.
+          const tag = new RegExp(`<script[^>]*src="[^"]*${name}"[^>]*></script>`);
+          text = text.replace(tag, () => `<script type="module">${code}</script>`);
+        } else if (file.fileName.endsWith(".css")) {
+          text = text.replace(new RegExp(`<link[^>]*href="[^"]*${name}"[^>]*>`), () => `<style>${file.source.trimEnd()}</style>`);
+        } else {
+          continue;
+        }
+        delete bundle[file.fileName];
+      }
+      if (/\s(src|href)="(?!#|data:)/.test(text.replace(/<script[\s\S]*?<\/script>|<style[\s\S]*?<\/style>/g, ""))) {
+        throw new Error("the page still refers to another file");
+      }
+      if (text.split("<!--underbrush-data-->").length !== 2) {
+        throw new Error("the page must have exactly one place for data");
+      }
+      html.source = text;
+    },
+  };
+}
+
+export default defineConfig({
+  plugins: [inline()],
+  build: { target: "es2022", modulePreload: false, assetsInlineLimit: 1e6, cssCodeSplit: false, chunkSizeWarningLimit: 2000 },
+});

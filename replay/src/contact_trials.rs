@@ -1,0 +1,48 @@
+//! The contact trials of all patches, as sections.
+
+use underbrush_classifier::trial::{TrialError, TrialOptions, taxel_trials};
+use underbrush_recording::Recording;
+
+use crate::container::Sections;
+
+/// Adds the contact trials of every taxel, sorted by patch, then first frame: one number per trial in the sections
+/// `trial_*`, and one per sample, which is one per frame of the trial, in `sample_*`.
+///
+/// # Errors
+/// If a frame does not fit the skin.
+pub fn add(recording: &Recording, threshold_n: f64, sections: &mut Sections) -> Result<(), TrialError> {
+    let (mut taxels, mut firsts, mut starts, mut objects) = (Vec::new(), Vec::new(), vec![0], Vec::new());
+    let (mut motions, mut regions, mut region_sums) = (Vec::new(), Vec::new(), Vec::new());
+    let mut first_taxel = 0;
+    for patch in &recording.layout.patches {
+        let options = TrialOptions {
+            patch: Some(patch.name.clone()),
+            threshold_n,
+            ..TrialOptions::default()
+        };
+        for contact in taxel_trials(recording, &options)? {
+            let samples = &contact.trial.samples;
+            let Some(first) = samples.first() else { continue };
+            // Times of samples are copied from frames, in which they rise.
+            let frame = recording.frames.partition_point(|frame| frame.time_s < first.time_s);
+            taxels.push(first_taxel + contact.trial.taxel.unwrap_or_default());
+            firsts.push(frame as u32);
+            objects.push(contact.object.map_or(-1, |object| object as i16));
+            for sample in samples {
+                motions.push(sample.motion_m.unwrap_or(f64::NAN));
+                regions.push(sample.region.map_or(0, |region| region.taxels as u16));
+                region_sums.push(sample.region.map_or(f64::NAN, |region| region.force_sum_n));
+            }
+            starts.push(motions.len() as u32);
+        }
+        first_taxel += patch.taxels.len() as u32;
+    }
+    sections.add("trial_taxel", taxels);
+    sections.add("trial_first_frame", firsts);
+    sections.add("trial_object", objects);
+    sections.add("trial_sample_start", starts);
+    sections.add_single("sample_motion_m", motions);
+    sections.add("sample_region_taxels", regions);
+    sections.add_single("sample_region_force_n", region_sums);
+    Ok(())
+}

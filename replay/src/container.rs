@@ -1,0 +1,116 @@
+//! The bytes of one reach as the page reads them: a JSON header, followed by arrays of numbers.
+//!
+//! ```text
+//! 0   8  "ubreplay"
+//! 8   4  version of the format
+//! 12  4  CRC-32 of all bytes from 16 on
+//! 16  4  number of bytes in all
+//! 20  4  number of bytes of the header
+//! 24     the header: {"reach": …, "sections": [{"name", "type", "offset", "count"}, …]}, padded with spaces
+//! …      the sections; each begins at a multiple of 8 bytes, counted from the end of the header
+//! ```
+//!
+//! All numbers are little-endian. The page can take each section as a typed array without copying it.
+
+use serde::Serialize;
+
+/// The first bytes.
+const MAGIC: &[u8; 8] = b"ubreplay";
+/// The version of the format. A page and the program that serves it are built together, so only a single file that was
+/// edited by hand can hold another.
+const VERSION: u32 = 1;
+const HEAD_BYTES: usize = 24;
+/// Sections begin at multiples of this, because the page cannot view a typed array at any other place.
+const ALIGNMENT: usize = 8;
+/// Largest number of bytes: the sizes are stored in 32 bits, and browsers cannot hold larger arrays for certain.
+pub const MAX_BYTES: usize = 1 << 30;
+
+#[derive(Serialize)]
+struct Section {
+    name: &'static str,
+    #[serde(rename = "type")]
+    kind: &'static str,
+    offset: usize,
+    count: usize,
+}
+
+/// Named arrays that follow the header.
+#[derive(Default)]
+pub struct Sections {
+    index: Vec<Section>,
+    bytes: Vec<u8>,
+}
+
+/// A type of number that a section can hold.
+pub trait Number: Copy {
+    /// Its name in the header.
+    const NAME: &'static str;
+    /// Appends its bytes.
+    fn append(self, bytes: &mut Vec<u8>);
+}
+
+macro_rules! numbers {
+    ($($number:ty),*) => {
+        $(impl Number for $number {
+            const NAME: &'static str = stringify!($number);
+            fn append(self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
+            }
+        })*
+    };
+}
+numbers!(u8, u16, i16, u32, f32, f64);
+
+impl Sections {
+    /// Adds an array.
+    pub fn add<T: Number>(&mut self, name: &'static str, numbers: impl IntoIterator<Item = T>) {
+        self.bytes.resize(self.bytes.len().next_multiple_of(ALIGNMENT), 0);
+        let offset = self.bytes.len();
+        let mut count = 0;
+        for number in numbers {
+            number.append(&mut self.bytes);
+            count += 1;
+        }
+        self.index.push(Section {
+            name,
+            kind: T::NAME,
+            offset,
+            count,
+        });
+    }
+
+    /// Adds an array of numbers that are stored in single precision.
+    pub fn add_single(&mut self, name: &'static str, numbers: impl IntoIterator<Item = f64>) {
+        self.add(name, numbers.into_iter().map(|number| number as f32));
+    }
+
+    /// All bytes, with this description of the reach in the header. `Err` is their number if there are more than
+    /// [`MAX_BYTES`].
+    pub fn finish(self, reach: &impl Serialize) -> Result<Vec<u8>, usize> {
+        #[derive(Serialize)]
+        struct Header<'a, T> {
+            reach: &'a T,
+            sections: &'a [Section],
+        }
+        let sections = &self.index;
+        // Plain data with text keys can always be written.
+        let mut header = serde_json::to_vec(&Header { reach, sections }).unwrap_or_default();
+        header.resize(header.len().next_multiple_of(ALIGNMENT), b' ');
+        let total = HEAD_BYTES + header.len() + self.bytes.len();
+        if total > MAX_BYTES {
+            return Err(total);
+        }
+        let mut rest = Vec::with_capacity(total - 16);
+        for size in [total, header.len()] {
+            (size as u32).append(&mut rest);
+        }
+        rest.extend(header);
+        rest.extend(self.bytes);
+        let mut bytes = Vec::with_capacity(total);
+        bytes.extend(MAGIC);
+        VERSION.append(&mut bytes);
+        crc32fast::hash(&rest).append(&mut bytes);
+        bytes.extend(rest);
+        Ok(bytes)
+    }
+}

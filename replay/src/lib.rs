@@ -1,0 +1,26 @@
+//! Replays reaches in the browser.
+//!
+//! A [`Source`] lists the reaches of data sets and recordings and packs one of them at a time, with its contact trials and
+//! the verdicts of a model, into the bytes that the page reads ([`pack`]). The same bytes are served over HTTP by [`Server`]
+//! and embedded in the file that [`single_file`] makes.
+//!
+//! The page is built from `page/` by Vite. Its built form is a single HTML file, which is checked in, so that building this
+//! crate needs no Node.
+
+mod contact_trials;
+mod container;
+mod error;
+pub mod pack;
+mod page;
+mod server;
+mod source;
+mod verdicts;
+
+pub use error::ReplayError;
+pub use page::single_file;
+pub use server::Server;
+pub use source::{Known, Source, Summary};
+pub use verdicts::Judging;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,210 @@
+//! A reach as bytes for the page.
+//!
+//! Forces, angles and positions are stored in single precision, in the units of the data set; poses are the stored ones.
+//! Taxels are numbered through all patches. `replay/page/src/reach.ts` reads what is written here.
+
+use serde::Serialize;
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::{
+    Audit, Body, Contact, Frame, GoalOutcomes, GoalRecord, Grid, NamedStop, ObjectRecord, Outcome, Pose, Recording,
+};
+
+use crate::container::{MAX_BYTES, Sections};
+use crate::verdicts::VerdictHeader;
+use crate::{Judging, Known, ReplayError, contact_trials};
+
+#[derive(Serialize)]
+struct Header<'a> {
+    scene: &'a str,
+    controller: &'a str,
+    /// As text: numbers of JavaScript have 53 bits.
+    seed: String,
+    reach_index: u64,
+    rate_hz: f64,
+    frames: usize,
+    outcome: Outcome,
+    goal_outcomes: GoalOutcomes,
+    safety_stop: Option<NamedStop>,
+    joint_names: &'a [String],
+    patches: Vec<PatchHeader<'a>>,
+    objects: &'a [ObjectRecord],
+    bodies: &'a [Body],
+    goals: &'a [GoalRecord],
+    contacts: &'a [Contact],
+    audit: Audit,
+    audit_warnings: Vec<String>,
+    /// The controller's largest allowed force on a taxel, if the controller is known.
+    force_limit_n: Option<f64>,
+    /// A taxel is in contact where it senses more than this.
+    threshold_n: f64,
+    verdicts: Option<VerdictHeader>,
+}
+
+#[derive(Serialize)]
+struct PatchHeader<'a> {
+    name: &'a str,
+    link: &'a str,
+    grid: Option<Grid>,
+    first_taxel: usize,
+    taxels: usize,
+}
+
+/// What a reach is called in errors.
+fn name(recording: &Recording) -> String {
+    format!(
+        "{}, seed {}, reach {}",
+        recording.scene, recording.seed, recording.reach_index
+    )
+}
+
+/// The bytes of a reach, with its contact trials, and with verdicts if there is a model.
+///
+/// # Errors
+/// [`ReplayError::Trials`] and [`ReplayError::Verdicts`] if frames do not fit skin or model, [`ReplayError::TooLarge`] for
+/// more than 1 GiB, which is hours.
+pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
+    let mut sections = Sections::default();
+    add_frames(recording, &mut sections);
+    add_taxels(recording, &mut sections);
+    add_readings(&recording.frames, &first_taxels(recording), &mut sections);
+    add_tracks(&recording.bodies, &mut sections);
+    let threshold_n = judging.map_or_else(
+        || TrialOptions::default().threshold_n,
+        |judging| judging.options.threshold_n,
+    );
+    contact_trials::add(recording, threshold_n, &mut sections).map_err(|source| ReplayError::Trials {
+        reach: name(recording),
+        source,
+    })?;
+    let verdicts = judging.map(|judging| judging.add(recording, &mut sections)).transpose();
+    let verdicts = verdicts.map_err(|source| ReplayError::Verdicts {
+        reach: name(recording),
+        source,
+    })?;
+    let patches = recording.layout.patches.iter().zip(first_taxels(recording));
+    let header = Header {
+        scene: &recording.scene,
+        controller: &recording.controller,
+        seed: recording.seed.to_string(),
+        reach_index: recording.reach_index,
+        rate_hz: recording.rate_hz,
+        frames: recording.frames.len(),
+        outcome: recording.outcome(),
+        goal_outcomes: recording.goal_outcomes(),
+        safety_stop: recording.safety_stop(),
+        joint_names: &recording.joint_names,
+        patches: patches
+            .map(|(patch, first_taxel)| PatchHeader {
+                name: &patch.name,
+                link: &patch.link,
+                grid: patch.grid,
+                first_taxel,
+                taxels: patch.taxels.len(),
+            })
+            .collect(),
+        objects: &recording.objects,
+        bodies: &recording.bodies,
+        goals: &recording.goals,
+        contacts: &recording.contacts,
+        audit: recording.audit,
+        audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
+        force_limit_n: (known.force_limit_n)(&recording.controller),
+        threshold_n,
+        verdicts,
+    };
+    sections.finish(&header).map_err(|bytes| ReplayError::TooLarge {
+        reach: name(recording),
+        bytes,
+        limit: MAX_BYTES,
+    })
+}
+
+/// The number of the first taxel of each patch.
+fn first_taxels(recording: &Recording) -> Vec<usize> {
+    let mut next = 0;
+    let patches = recording.layout.patches.iter();
+    patches
+        .map(|patch| {
+            let first = next;
+            next += patch.taxels.len();
+            first
+        })
+        .collect()
+}
+
+fn pose_numbers(pose: &Pose) -> [f64; 7] {
+    let ([x, y, z], [i, j, k, w]) = (pose.position.to_array(), pose.orientation.to_array());
+    [x, y, z, i, j, k, w]
+}
+
+/// One row a frame.
+fn add_frames(recording: &Recording, sections: &mut Sections) {
+    let frames = &recording.frames;
+    sections.add("time_s", frames.iter().map(|frame| frame.time_s));
+    let each = |read: fn(&Frame) -> &[f64]| frames.iter().flat_map(move |frame| read(frame).iter().copied());
+    sections.add_single("joint_angle_rad", each(|frame| &frame.joint_angle_rad));
+    sections.add_single("equilibrium_angle_rad", each(|frame| &frame.equilibrium_angle_rad));
+    sections.add_single("joint_torque_nm", each(|frame| &frame.joint_torque_nm));
+    let tips = frames.iter().map(|frame| &frame.end_effector_pose_world);
+    sections.add_single("tip_pose_world", tips.flat_map(pose_numbers));
+    let goals = frames.iter().map(|frame| frame.goal_position_world);
+    sections.add_single("goal_position_world_m", goals.flat_map(|goal| goal.to_array()));
+    sections.add("goal_index", frames.iter().map(|frame| frame.goal_index));
+    let patches = frames.iter().flat_map(|frame| &frame.patch_pose_world);
+    sections.add_single("patch_pose_world", patches.flat_map(pose_numbers));
+    let forces = frames.iter().flat_map(|frame| &frame.contact_force_world);
+    sections.add_single("patch_force_world_n", forces.flat_map(|force| force.to_array()));
+}
+
+/// One row a taxel.
+fn add_taxels(recording: &Recording, sections: &mut Sections) {
+    let taxels = || recording.layout.patches.iter().flat_map(|patch| &patch.taxels);
+    let position = taxels().flat_map(|taxel| taxel.position_link.to_array());
+    sections.add_single("taxel_position_link_m", position);
+    let normal = taxels().flat_map(|taxel| taxel.normal_link.to_array());
+    sections.add_single("taxel_normal_link", normal);
+    let tangent = taxels().flat_map(|taxel| taxel.tangent_link.to_array());
+    sections.add_single("taxel_tangent_link", tangent);
+    sections.add_single("taxel_area_m2", taxels().map(|taxel| taxel.area_m2));
+}
+
+/// One row a taxel that reads a force or is pressed; those of frame f are the rows `reading_start[f]` to
+/// `reading_start[f + 1]`.
+fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Sections) {
+    let mut end = 0;
+    let starts = frames.iter().map(|frame| {
+        end += frame.taxels.len() as u32;
+        end
+    });
+    sections.add("reading_start", std::iter::once(0).chain(starts));
+    let readings = || frames.iter().flat_map(|frame| &frame.taxels);
+    let taxel = readings().map(|reading| {
+        let first = first_taxels.get(usize::from(reading.patch)).copied();
+        (first.unwrap_or_default() + usize::from(reading.taxel)) as u32
+    });
+    sections.add("reading_taxel", taxel);
+    sections.add_single("reading_sensed_n", readings().map(|reading| reading.sensed_force_n));
+    sections.add_single("reading_true_n", readings().map(|reading| reading.true_normal_force_n));
+    let shear = readings().flat_map(|reading| reading.true_shear_force_n);
+    sections.add_single("reading_shear_n", shear);
+    let object = readings().map(|reading| reading.object.map_or(-1, |object| object as i16));
+    sections.add("reading_object", object);
+}
+
+/// One row a stored pose; those of body b are the rows `track_start[b]` to `track_start[b + 1]`, and each holds until the
+/// next.
+fn add_tracks(bodies: &[Body], sections: &mut Sections) {
+    let mut end = 0;
+    let starts = bodies.iter().map(|body| {
+        end += body.track.len() as u32;
+        end
+    });
+    sections.add("track_start", std::iter::once(0).chain(starts));
+    let points = || bodies.iter().flat_map(|body| &body.track);
+    sections.add("track_frame", points().map(|point| point.frame));
+    let poses = points().flat_map(|point| {
+        let ([x, y, z], [i, j, k, w]) = (point.position_world_m, point.orientation_world);
+        [x, y, z, i, j, k, w]
+    });
+    sections.add("track_pose_world", poses);
+}

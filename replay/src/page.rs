@@ -1,0 +1,51 @@
+//! The page, and the single file with its data inside.
+
+use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::{ReplayError, Source};
+
+/// The built page: one HTML file with its script and style inside.
+pub const PAGE: &str = include_str!("../page/dist/index.html");
+/// Where the data of a single file go; the build makes sure that it is there once.
+const MARKER: &str = "<!--underbrush-data-->";
+
+/// The page with these reaches inside, by their numbers in the list. It opens from disk and needs no network.
+///
+/// # Errors
+/// As [`Source::pack`], and [`ReplayError::FileTooLarge`] if the file would have more than `max_bytes`.
+pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Result<String, ReplayError> {
+    let mut data = String::new();
+    let mut listed = Vec::new();
+    for (place, number) in numbers.iter().enumerate() {
+        let bytes = source.pack(*number)?;
+        // Base64 makes four bytes of three.
+        if PAGE.len() + data.len() + bytes.len() / 3 * 4 > max_bytes {
+            return Err(ReplayError::FileTooLarge {
+                fitting: place,
+                max_bytes,
+            });
+        }
+        listed.extend(source.reaches().get(*number).cloned().map(|mut reach| {
+            reach.number = place;
+            reach
+        }));
+        let _ = write!(
+            data,
+            "<script type=\"application/octet-stream\" id=\"underbrush-reach-{place}\">"
+        );
+        STANDARD.encode_string(bytes, &mut data);
+        data += "</script>\n";
+    }
+    // Plain data can always be written. A name could contain `</script>`.
+    let list = serde_json::to_string(&listed)
+        .unwrap_or_default()
+        .replace('<', "\\u003c");
+    let _ = writeln!(
+        data,
+        "<script type=\"application/json\" id=\"underbrush-reaches\">{list}</script>"
+    );
+    Ok(PAGE.replacen(MARKER, &data, 1))
+}

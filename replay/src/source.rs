@@ -1,0 +1,183 @@
+//! The reaches of data sets and recordings: a list, and one at a time.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use underbrush_recording::disk::{Dataset, read_recording};
+use underbrush_recording::{Audit, GoalOutcomes, Outcome, Recording, SkinLayout};
+
+use crate::pack::pack;
+use crate::{Judging, ReplayError};
+
+/// What the recordings do not say and the caller knows.
+#[derive(Clone, Copy)]
+pub struct Known {
+    /// The force limit of a taxel, N, by the controller's name.
+    pub force_limit_n: fn(&str) -> Option<f64>,
+    /// The bounds of the audit that a reach with this skin exceeds, each as a sentence.
+    pub audit_warnings: fn(&Audit, &SkinLayout) -> Vec<String>,
+}
+
+/// One line of the list of reaches.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Its place in the list, from 0.
+    pub number: usize,
+    /// Name of the data set or recording, without its folder.
+    pub source: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// The campaign's seed, as text: numbers of JavaScript have 53 bits.
+    pub seed: String,
+    /// Index of the reach in its campaign.
+    pub reach_index: u64,
+    /// Name of the controller.
+    pub controller: String,
+    /// The worst outcome of its goals.
+    pub outcome: Outcome,
+    /// The number of goals with each outcome.
+    pub goal_outcomes: GoalOutcomes,
+    /// Length, s.
+    pub duration_s: f64,
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Largest contact force, N.
+    pub peak_force_n: f64,
+    /// The bounds of the audit that it exceeds.
+    pub audit_warnings: Vec<String>,
+}
+
+/// Where a reach is read from.
+enum Place {
+    Dataset { input: usize, index: usize },
+    File(PathBuf),
+}
+
+/// The reaches of some data sets and recordings.
+pub struct Source {
+    datasets: Vec<Dataset>,
+    places: Vec<Place>,
+    reaches: Vec<Summary>,
+    known: Known,
+    judging: Option<Judging>,
+}
+
+impl Source {
+    /// Opens data sets (folders) and recordings, in this order.
+    ///
+    /// # Errors
+    /// [`ReplayError::Disk`] for a path that is neither, and for damaged files; [`ReplayError::Verdicts`] if the model does
+    /// not fit the skin.
+    pub fn open(paths: &[PathBuf], known: Known, judging: Option<Judging>) -> Result<Self, ReplayError> {
+        let mut source = Source {
+            datasets: Vec::new(),
+            places: Vec::new(),
+            reaches: Vec::new(),
+            known,
+            judging,
+        };
+        for path in paths {
+            if path.is_dir() {
+                source.add_dataset(path)?;
+            } else {
+                source.add_recording(path)?;
+            }
+        }
+        Ok(source)
+    }
+
+    /// The list of reaches.
+    pub fn reaches(&self) -> &[Summary] {
+        &self.reaches
+    }
+
+    /// The bytes of a reach for the page.
+    ///
+    /// # Errors
+    /// [`ReplayError::NoSuchReach`], [`ReplayError::Disk`] for damaged files, and the errors of [`pack`].
+    pub fn pack(&self, number: usize) -> Result<Vec<u8>, ReplayError> {
+        let recording = match self.places.get(number) {
+            Some(Place::Dataset { input, index }) => self.datasets[*input].read_reach(*index)?,
+            Some(Place::File(path)) => read_recording(path)?,
+            None => {
+                let count = self.places.len();
+                return Err(ReplayError::NoSuchReach { number, count });
+            }
+        };
+        pack(&recording, &self.known, self.judging.as_ref())
+    }
+
+    /// An error if the model does not fit the skin.
+    fn check_model(&self, path: &Path, layout: &SkinLayout) -> Result<(), ReplayError> {
+        let judging = self.judging.iter();
+        judging
+            .map(|judging| judging.check(layout))
+            .collect::<Result<(), _>>()
+            .map_err(|source| ReplayError::Verdicts {
+                reach: path.display().to_string(),
+                source,
+            })
+    }
+
+    fn add_dataset(&mut self, path: &Path) -> Result<(), ReplayError> {
+        let dataset = Dataset::open(path)?;
+        self.check_model(path, dataset.layout())?;
+        let rate_hz = dataset.info().fps;
+        let peaks = dataset.peak_contact_forces_n()?;
+        let input = self.datasets.len();
+        for (index, (episode, peak_force_n)) in dataset.episodes().iter().zip(peaks).enumerate() {
+            self.reaches.push(Summary {
+                number: self.places.len(),
+                source: file_name(path),
+                scene: episode.scene.clone(),
+                seed: episode.seed.to_string(),
+                reach_index: episode.reach_index,
+                controller: episode.controller.clone(),
+                outcome: episode.outcome,
+                goal_outcomes: episode.goal_outcomes,
+                duration_s: episode.frames as f64 / rate_hz,
+                contacts: episode.contacts,
+                peak_force_n,
+                audit_warnings: (self.known.audit_warnings)(&episode.audit, dataset.layout()),
+            });
+            self.places.push(Place::Dataset { input, index });
+        }
+        self.datasets.push(dataset);
+        Ok(())
+    }
+
+    fn add_recording(&mut self, path: &Path) -> Result<(), ReplayError> {
+        let recording: Recording = read_recording(path)?;
+        self.check_model(path, &recording.layout)?;
+        self.reaches.push(Summary {
+            number: self.places.len(),
+            source: file_name(path),
+            seed: recording.seed.to_string(),
+            reach_index: recording.reach_index,
+            outcome: recording.outcome(),
+            goal_outcomes: recording.goal_outcomes(),
+            duration_s: recording.frames.len() as f64 / recording.rate_hz,
+            contacts: recording.contacts.len(),
+            peak_force_n: recording
+                .contacts
+                .iter()
+                .map(|contact| contact.peak_force_n)
+                .fold(0.0, f64::max),
+            audit_warnings: (self.known.audit_warnings)(&recording.audit, &recording.layout),
+            scene: recording.scene,
+            controller: recording.controller,
+        });
+        self.places.push(Place::File(path.to_path_buf()));
+        Ok(())
+    }
+}
+
+/// The last part of a path; of `.` too.
+fn file_name(path: &Path) -> String {
+    let whole = fs::canonicalize(path);
+    let whole = whole.as_deref().unwrap_or(path);
+    whole
+        .file_name()
+        .map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}

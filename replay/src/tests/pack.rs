@@ -1,0 +1,111 @@
+//! What is packed is what was recorded.
+
+use serde_json::Value;
+
+use super::{KNOWN, reach, source};
+use crate::pack::pack;
+use crate::{ReplayError, Source};
+
+/// Packed bytes, read as the page reads them.
+struct Packed {
+    header: Value,
+    data: Vec<u8>,
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize
+}
+
+impl Packed {
+    fn read(bytes: &[u8]) -> Packed {
+        assert_eq!(&bytes[..8], b"ubreplay");
+        assert_eq!(u32_at(bytes, 16), bytes.len());
+        assert_eq!(u32_at(bytes, 12), crc32fast::hash(&bytes[16..]) as usize);
+        let start = 24 + u32_at(bytes, 20);
+        Packed {
+            header: serde_json::from_slice(&bytes[24..start]).unwrap(),
+            data: bytes[start..].to_vec(),
+        }
+    }
+
+    /// The numbers of a section.
+    fn section(&self, name: &str) -> Vec<f64> {
+        let sections = self.header["sections"].as_array().unwrap();
+        let section = sections.iter().find(|section| section["name"] == name).unwrap();
+        let number = |key: &str| section[key].as_u64().unwrap() as usize;
+        let kind = section["type"].as_str().unwrap();
+        let size = kind[1..].parse::<usize>().unwrap() / 8;
+        let (offset, count) = (number("offset"), number("count"));
+        assert_eq!(offset % 8, 0, "{name}");
+        let bytes = &self.data[offset..offset + size * count];
+        let read = |bytes: &[u8]| match kind {
+            "u8" => f64::from(bytes[0]),
+            "u16" => f64::from(u16::from_le_bytes(bytes.try_into().unwrap())),
+            "i16" => f64::from(i16::from_le_bytes(bytes.try_into().unwrap())),
+            "u32" => f64::from(u32::from_le_bytes(bytes.try_into().unwrap())),
+            "f32" => f64::from(f32::from_le_bytes(bytes.try_into().unwrap())),
+            "f64" => f64::from_le_bytes(bytes.try_into().unwrap()),
+            other => panic!("{other}"),
+        };
+        bytes.chunks(size).map(read).collect()
+    }
+}
+
+/// Pins that readings, poses, times and contact trials arrive with their frames, and that the header holds what the page
+/// shows as text, the seed to the last digit.
+#[test]
+fn a_packed_reach_holds_what_was_recorded() {
+    let recording = reach(3, 20);
+    let packed = Packed::read(&pack(&recording, &KNOWN, None).unwrap());
+    let header = &packed.header["reach"];
+    assert_eq!(header["seed"], u64::MAX.to_string());
+    assert_eq!(header["frames"], 20);
+    assert_eq!(header["force_limit_n"], 3.0);
+    assert_eq!(header["objects"][0]["category"], "trunk");
+    assert_eq!(header["bodies"][0]["owner"]["link"], "forearm");
+    assert_eq!(header["verdicts"], Value::Null);
+    let times: Vec<f64> = recording.frames.iter().map(|frame| frame.time_s).collect();
+    assert_eq!(packed.section("time_s"), times);
+    // Fifteen frames with taxel 1, one of them also with taxel 2.
+    let starts = packed.section("reading_start");
+    assert_eq!((starts.len(), starts[5], starts[8], starts[20]), (21, 0.0, 4.0, 16.0));
+    assert_eq!(packed.section("reading_taxel")[2..4], [1.0, 2.0]);
+    assert_eq!(packed.section("reading_sensed_n")[2..4], [2.0, 0.5]);
+    assert_eq!(packed.section("reading_true_n")[2..4], [2.0, 0.0]);
+    assert_eq!(packed.section("reading_object")[2..4], [0.0, -1.0]);
+    assert_eq!(packed.section("reading_shear_n")[4..6], [0.25, -0.5]);
+    // The pose of frame 0 is that at rest and is not stored again.
+    assert_eq!(
+        packed.section("track_frame"),
+        (1..20).map(f64::from).collect::<Vec<_>>()
+    );
+    assert_eq!(packed.section("track_pose_world")[7..10], [2.0 / 1024.0, 0.0, 0.25]);
+    // The trial of taxel 1 lasts 15 frames and has an object; that of taxel 2 one frame, without.
+    assert_eq!(packed.section("trial_taxel"), [1.0, 2.0]);
+    assert_eq!(packed.section("trial_first_frame"), [5.0, 7.0]);
+    assert_eq!(packed.section("trial_object"), [0.0, -1.0]);
+    assert_eq!(packed.section("trial_sample_start"), [0.0, 15.0, 16.0]);
+    let motion = packed.section("sample_motion_m");
+    assert!((motion[14] - 14.0 / 1024.0).abs() < 1e-7, "{motion:?}");
+}
+
+/// Pins that the list has one line a recording with its outcome and peak, and that a number outside it is refused.
+#[test]
+fn a_source_lists_its_reaches() {
+    let folder = tempfile::tempdir().unwrap();
+    let source: Source = source(folder.path());
+    let found: Vec<_> = source
+        .reaches()
+        .iter()
+        .map(|reach| (reach.number, reach.reach_index))
+        .collect();
+    assert_eq!(found, [(0, 0), (1, 1)]);
+    let first = &source.reaches()[0];
+    assert_eq!((first.source.as_str(), first.peak_force_n), ("reach-0.parquet", 2.0));
+    assert_eq!(source.pack(1).unwrap(), pack(&reach(1, 20), &KNOWN, None).unwrap());
+    let error = source.pack(2).unwrap_err();
+    assert!(
+        matches!(error, ReplayError::NoSuchReach { number: 2, count: 2 }),
+        "{error}"
+    );
+}

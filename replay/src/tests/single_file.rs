@@ -1,0 +1,57 @@
+//! The single file.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use super::source;
+use crate::page::PAGE;
+use crate::{ReplayError, single_file};
+
+/// The text between two others.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
+    let from = text.find(start).unwrap() + start.len();
+    &text[from..from + text[from..].find(end).unwrap()]
+}
+
+/// Pins that the file holds the bytes that the server would give out, for the reaches that were chosen, numbered anew.
+#[test]
+fn a_single_file_holds_the_packed_reaches() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = source(folder.path());
+    let page = single_file(&source, &[1], usize::MAX).unwrap();
+    let data = between(&page, "id=\"underbrush-reach-0\">", "</script>");
+    assert_eq!(STANDARD.decode(data).unwrap(), source.pack(1).unwrap());
+    assert!(!page.contains("id=\"underbrush-reach-1\">"));
+    let list = between(&page, "id=\"underbrush-reaches\">", "</script>");
+    let list: serde_json::Value = serde_json::from_str(list).unwrap();
+    assert_eq!(list.as_array().unwrap().len(), 1);
+    assert_eq!((&list[0]["number"], &list[0]["reach_index"]), (&0.into(), &1.into()));
+}
+
+/// Pins that a file that no browser could open is refused, with the number of reaches that would fit.
+#[test]
+fn a_file_that_is_too_large_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = source(folder.path());
+    let one = source.pack(0).unwrap().len();
+    let error = single_file(&source, &[0, 1], PAGE.len() + 2 * one).unwrap_err();
+    assert!(matches!(error, ReplayError::FileTooLarge { fitting: 1, .. }), "{error}");
+}
+
+/// Pins that the built page is one file: it has the place for data, its own script and style, and refers to nothing else.
+#[test]
+fn the_page_needs_no_other_file() {
+    assert_eq!(PAGE.matches("<!--underbrush-data-->").count(), 1);
+    assert!(PAGE.contains("<script type=\"module\">") && PAGE.contains("<style>"));
+    for reference in [
+        "src=\"/",
+        "href=\"/",
+        "src=\"./",
+        "href=\"./",
+        "@import",
+        "src=\"http",
+        "href=\"http",
+    ] {
+        assert!(!PAGE.contains(reference), "{reference}");
+    }
+}

@@ -1,0 +1,192 @@
+//! `underbrush replay`: shows reaches in the browser.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use clap::Args;
+use serde::Serialize;
+use underbrush_classifier::online::OnlineOptions;
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::disk::remove_leftovers;
+use underbrush_recording::{Audit, SkinLayout};
+use underbrush_replay::{Judging, Known, Server, Source, single_file};
+use underbrush_sim::audit::bounds;
+use underbrush_sim::controller::ControllerKind;
+
+use super::decision_arguments::{DecisionArguments, Scores};
+use super::score;
+use crate::failure::Failure;
+use crate::{input, output};
+
+/// Shown at the end of `underbrush replay --help`.
+const EXAMPLES: &str = "\
+Examples:
+  underbrush replay my-set --model model.json     Serve the page until Ctrl-C
+  underbrush replay before.parquet after.parquet  Two recordings, which the page can show side by side
+  underbrush replay reach.parquet --out reach.html
+                                                  One file to send; it opens from disk without a network
+
+The server listens on 127.0.0.1 only, cannot change anything, and gives out nothing but the page and these reaches.";
+
+/// Options of `underbrush replay`.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Data sets (folders) and recordings
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Write the page and the reaches to this file (HTML) instead of serving them
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
+    out: Option<PathBuf>,
+    /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out")]
+    reaches: Vec<usize>,
+    /// Model file: the page also shows its verdicts
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// With --model: patch of skin that is classified [default: the first]
+    #[arg(long, value_name = "NAME", requires = "model")]
+    patch: Option<String>,
+    #[command(flatten)]
+    decision: DecisionArguments,
+    /// Port to listen on; 0 takes a free one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port: u16,
+    /// Do not open the page in a browser
+    #[arg(long)]
+    no_open: bool,
+}
+
+#[derive(Serialize)]
+struct Served {
+    address: String,
+    reaches: usize,
+}
+
+#[derive(Serialize)]
+struct Written {
+    #[serde(serialize_with = "output::path")]
+    file: PathBuf,
+    reaches: usize,
+    bytes: usize,
+}
+
+/// Largest size of a single file, bytes. Choice: browsers refuse texts of more than about 500 MB, and nobody sends that.
+const MAX_FILE_BYTES: usize = 400_000_000;
+
+/// Serves the page or writes it.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    for path in &options.inputs {
+        input::check_exists(path, "a data set (folder) or recording")?;
+    }
+    let judging = judging(&options)?;
+    let known = Known {
+        force_limit_n,
+        audit_warnings,
+    };
+    let source = Source::open(&options.inputs, known, judging)?;
+    match &options.out {
+        Some(path) => write(&source, &options.reaches, path, json),
+        None => serve(source, options.port, !options.no_open, json),
+    }
+}
+
+fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
+    let Some(path) = &options.model else {
+        if options.decision.is_given() {
+            return Err(Failure::usage(
+                "--decision, --margin and --prior are about verdicts; add --model, or leave them out",
+            ));
+        }
+        return Ok(None);
+    };
+    let model = score::load(path, None, "--score")?;
+    let decision = options.decision.decision(&Scores::of_model(&model))?;
+    Ok(Some(Judging {
+        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        options: OnlineOptions {
+            patch: options.patch.clone(),
+            threshold_n: TrialOptions::default().threshold_n,
+            decision,
+        },
+        model,
+    }))
+}
+
+/// The force limit of a controller that ships.
+fn force_limit_n(controller: &str) -> Option<f64> {
+    let kind = ControllerKind::from_name(controller).ok()?;
+    Some(kind.preset().force_limit_n)
+}
+
+/// The bounds that a reach exceeds.
+fn audit_warnings(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
+    let exceeded = bounds(layout).filter_map(|bound| {
+        let value = (bound.field.get)(audit);
+        let name = bound.field.name;
+        (value > bound.max).then(|| format!("{name} is {value:.1e}; the bound is {:.1e}", bound.max))
+    });
+    exceeded.collect()
+}
+
+fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {
+    let all: Vec<usize> = (0..source.reaches().len()).collect();
+    let numbers = if chosen.is_empty() { &all } else { chosen };
+    let page = single_file(source, numbers, MAX_FILE_BYTES)?;
+    remove_leftovers(path);
+    output::write_file(path, page.as_bytes())?;
+    let written = Written {
+        file: path.to_path_buf(),
+        reaches: numbers.len(),
+        bytes: page.len(),
+    };
+    output::result(json, &written, || {
+        let megabytes = written.bytes as f64 / 1e6;
+        format!("{}: {} in {megabytes:.1} MB", path.display(), reaches(written.reaches))
+    })
+}
+
+fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failure> {
+    let served = source.reaches().len();
+    let server = Server::start(source, port)?;
+    let address = server.address();
+    let report = Served {
+        address: address.clone(),
+        reaches: served,
+    };
+    output::result(json, &report, || {
+        format!("{} at {address} until Ctrl-C", reaches(served))
+    })?;
+    // In a script or a test nobody looks at a browser.
+    if open && std::io::stdout().is_terminal() {
+        open_browser(&address);
+    }
+    server.run();
+    Ok(())
+}
+
+fn reaches(count: usize) -> String {
+    let noun = if count == 1 { "reach" } else { "reaches" };
+    format!("{count} {noun}")
+}
+
+/// Opens an address in the browser, if there is one. The address was printed, so nothing is said if there is none.
+fn open_browser(address: &str) {
+    let program = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(windows) {
+        "explorer"
+    } else {
+        "xdg-open"
+    };
+    let quiet = Command::new(program)
+        .arg(address)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    if let Ok(mut child) = quiet {
+        std::thread::spawn(move || child.wait());
+    }
+}
