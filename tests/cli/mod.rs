@@ -14,6 +14,7 @@ mod oracle;
 mod paths;
 mod provenance;
 mod reach;
+mod replay;
 mod resume;
 mod schema;
 #[cfg(unix)]

@@ -87,8 +87,12 @@ test("links and objects are drawn at their stored poses", async () => {
     let [bodies, leaves] = [0, 0];
     for (const frame of [0, Math.floor(rows.length / 3), rows.length - 1]) {
       await seek(page, frame);
+      const [all, hingesOf] = await page.evaluate(([bodies, objects]) => {
+        const { body, hinges } = window.underbrushReplay.drawn();
+        return [Array.from({ length: bodies }, (_, index) => body(index)), Array.from({ length: objects }, (_, index) => hinges(index))];
+      }, [recording.bodies.length, recording.objects.length]);
       for (const [body, { owner, parts }] of recording.bodies.entries()) {
-        const drawn = await page.evaluate((body) => window.underbrushReplay.drawn().body(body), body);
+        const drawn = all[body];
         const pose = storedPose(recording, rows, body, frame);
         if (drawn !== null) {
           near(drawn.position, pose.slice(0, 3), 1e-6, `${scene}, frame ${frame}, body ${body}`);
@@ -96,8 +100,7 @@ test("links and objects are drawn at their stored poses", async () => {
           near(drawn.quaternion, pose.slice(3).map((value) => value / length), 1e-6, `${scene}, frame ${frame}, body ${body}`);
           bodies++;
         } else if (parts.length > 0) {
-          const hinges = await page.evaluate((object) => window.underbrushReplay.drawn().hinges(object), owner.object);
-          const own = hinges.find((hinge) => Math.hypot(...hinge.map((value, axis) => value - pose[axis])) < 1e-6);
+          const own = hingesOf[owner.object].find((hinge) => Math.hypot(...hinge.map((value, axis) => value - pose[axis])) < 1e-6);
           assert.ok(own, `${scene}, frame ${frame}: no hinge of leaf ${owner.object} is at ${pose.slice(0, 3)}`);
           leaves++;
         }

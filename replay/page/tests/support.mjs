@@ -88,9 +88,9 @@ export async function open(browser, address, options = {}) {
   return page;
 }
 
-/** Chromium says this when software draws WebGL and the tests read pixels. */
+/** Chromium says this when a processor draws WebGL, and when the tests read pixels. */
 function isDriverRemark(text) {
-  return /GPU stall due to ReadPixels|Automatic fallback to software WebGL/.test(text);
+  return /GPU stall due to ReadPixels|Multiple readback operations|Automatic fallback to software WebGL/.test(text);
 }
 
 /** A busy machine on which a processor draws needs long. */

@@ -1,0 +1,59 @@
+//! `underbrush replay`, as far as it needs no browser.
+
+use crate::support::fixture::fixture;
+use crate::support::underbrush;
+
+/// Pins that the chosen reaches of a data set are written with verdicts as one file, whose size is what is reported.
+#[test]
+fn reaches_are_written_as_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let written = underbrush![
+        "replay",
+        fixture().dataset(),
+        "--model",
+        fixture().model(),
+        "--reaches",
+        "0,4",
+        "--out",
+        page,
+        "--json"
+    ]
+    .json();
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert_eq!(written["reaches"], 2);
+    assert_eq!(written["bytes"], text.len());
+    for (id, count) in [
+        ("underbrush-reach-0\"", 1),
+        ("underbrush-reach-1\"", 1),
+        ("underbrush-reach-2\"", 0),
+    ] {
+        assert_eq!(text.matches(&format!("id=\"{id}>")).count(), count, "{id}");
+    }
+}
+
+/// Pins that options that do not fit together, missing files, files of another kind and numbers outside the list are refused
+/// with what is wrong, and that nothing is written then.
+#[test]
+fn bad_usage_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.html");
+    let set = fixture().dataset();
+    underbrush!["replay", "no-such-set", "--out", page].refused(&["no-such-set", "check the path"]);
+    underbrush!["replay", fixture().table_csv(), "--out", page].refused(&["Parquet"]);
+    underbrush!["replay", set, "--reaches", "17", "--out", page].refused(&["no reach 17", "below 6"]);
+    underbrush!["replay", set, "--margin", "3", "--out", page].refused(&["--margin", "--model"]);
+    underbrush![
+        "replay",
+        set,
+        "--model",
+        fixture().model(),
+        "--patch",
+        "hand",
+        "--out",
+        page
+    ]
+    .refused(&["hand", "forearm"]);
+    underbrush!["replay", set, "--reaches", "0"].refused(&["--out"]);
+    assert!(!page.exists());
+}
