@@ -96,6 +96,16 @@ fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String>
 }
 
 impl DecisionArguments {
+    /// The first given option.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--decision", self.decision.is_some()),
+            ("--margin", self.margin.is_some()),
+            ("--prior", !self.prior.is_empty()),
+        ];
+        options.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    }
+
     /// The decision for these scores.
     ///
     /// # Errors

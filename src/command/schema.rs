@@ -24,8 +24,10 @@ enum Kind {
     Skin,
     /// Experiment: scenes to train and test on, classifiers, and figures to compare with
     Experiment,
-    /// Model: a fitted classifier
+    /// Model: a fitted classifier of trials
     Model,
+    /// Touch: a fitted classifier of frames (--classifier touch)
+    Touch,
 }
 
 /// Prints the schema.
@@ -36,6 +38,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Kind::Skin => underbrush_sim::arm::skin_schema(),
         Kind::Experiment => underbrush_experiments::definition::schema(),
         Kind::Model => underbrush_classifier::model_schema(),
+        Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
     };
     let text = serde_json::to_string_pretty(&schema);
     output::lines([text.map_err(|error| Failure::run(error.to_string()))?])

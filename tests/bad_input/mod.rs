@@ -5,6 +5,7 @@ mod models;
 mod ranges;
 mod scenes;
 mod tables;
+mod touch;
 mod usage;
 
 use std::path::Path;

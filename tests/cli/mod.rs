@@ -21,6 +21,7 @@ mod signals;
 mod streams;
 mod thresholds;
 mod torn;
+pub mod touch;
 mod train;
 mod trials;
 mod validate;

@@ -91,6 +91,8 @@ pub struct TouchDistance {
     pub taxels: usize,
     /// Category code of what touches it.
     pub category: i8,
+    /// Whether the model knows this category.
+    pub is_known: bool,
 }
 
 /// All verdicts on some recordings.
@@ -205,6 +207,7 @@ impl TouchEvaluation {
                 distance: classifier.model().distance(&own.course),
                 taxels: touched,
                 category: category.code(),
+                is_known: known(classifier.model().categories(), category).is_some(),
             });
         }
     }

@@ -1,6 +1,10 @@
 //! Fitting a touch model to recordings with ground truth.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use rayon::prelude::*;
+use serde::Serialize;
 use underbrush_recording::Recording;
 
 use super::course::REGION_FEATURE_COUNT;
@@ -23,7 +27,22 @@ const LOST_SHARE: f64 = 0.015;
 /// Rows of all recordings that a model is fitted to.
 pub struct TouchExamples {
     options: TouchOptions,
-    reaches: Vec<Examples>,
+    reaches: Vec<Arc<Examples>>,
+}
+
+/// How many rows a model is fitted to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TouchRows {
+    /// Recordings.
+    pub reaches: usize,
+    /// Rows of taxels that something presses on.
+    pub touched_taxels: usize,
+    /// Rows of taxels with a reading on which nothing presses.
+    pub untouched_taxels: usize,
+    /// Rows of touched regions, by category.
+    pub regions: BTreeMap<String, usize>,
+    /// The recordings are divided into so many parts, each of which is held out once to calibrate probabilities.
+    pub held_out_parts: usize,
 }
 
 impl TouchExamples {
@@ -40,8 +59,45 @@ impl TouchExamples {
     /// # Errors
     /// [`TrialError`] if the patch is unknown or has no grid, or a frame does not fit.
     pub fn add(&mut self, recording: &Recording) -> Result<(), TrialError> {
-        self.reaches.push(Examples::of(recording, &self.options)?);
+        self.reaches.push(Arc::new(Examples::of(recording, &self.options)?));
         Ok(())
+    }
+
+    /// The rows of the recordings whose positions `keeps` returns true for, in the order in which they were added.
+    pub fn some(&self, keeps: impl Fn(usize) -> bool) -> TouchExamples {
+        let reaches = self.reaches.iter().enumerate();
+        let kept = reaches
+            .filter(|(index, _)| keeps(*index))
+            .map(|(_, reach)| Arc::clone(reach));
+        TouchExamples {
+            options: self.options.clone(),
+            reaches: kept.collect(),
+        }
+    }
+
+    /// The categories that a model of these rows knows, in alphabetical order.
+    pub fn categories(&self) -> Vec<String> {
+        let mut categories: Vec<String> = self.regions().map(|region| region.category.clone()).collect();
+        categories.sort_unstable();
+        categories.dedup();
+        categories
+    }
+
+    /// How many rows there are.
+    pub fn rows(&self) -> TouchRows {
+        let mut regions = BTreeMap::new();
+        for region in self.regions() {
+            *regions.entry(region.category.clone()).or_default() += 1;
+        }
+        let taxels = self.reaches.iter().flat_map(|reach| &reach.taxels);
+        let touched_taxels = taxels.clone().filter(|taxel| taxel.is_touched).count();
+        TouchRows {
+            reaches: self.reaches.len(),
+            touched_taxels,
+            untouched_taxels: taxels.count() - touched_taxels,
+            regions,
+            held_out_parts: FOLDS,
+        }
     }
 
     /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model itself is
@@ -50,9 +106,7 @@ impl TouchExamples {
     /// # Errors
     /// [`ModelError::NoCategories`] if no known category touches the patch, or the recordings are fewer than two.
     pub fn fit(&self) -> Result<TouchModel, ModelError> {
-        let mut categories: Vec<String> = self.regions().map(|region| region.category.clone()).collect();
-        categories.sort_unstable();
-        categories.dedup();
+        let categories = self.categories();
         if categories.is_empty() || self.reaches.len() < FOLDS {
             let trials = self.reaches.len();
             return Err(ModelError::NoCategories { trials });
@@ -63,7 +117,7 @@ impl TouchExamples {
             .collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
         let regions: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.regions).collect();
-        let all: Vec<&Examples> = self.reaches.iter().collect();
+        let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
         let (touched, (category, mut usual)) =
             rayon::join(|| touched_network(&all), || category_network(&all, &categories));
         usual.keep_distances(
@@ -104,7 +158,7 @@ impl TouchExamples {
             .iter()
             .enumerate()
             .partition(|(index, _)| index % FOLDS == fold);
-        let others: Vec<&Examples> = others.into_iter().map(|(_, reach)| reach).collect();
+        let others: Vec<&Examples> = others.into_iter().map(|(_, reach)| reach.as_ref()).collect();
         let touched = touched_network(&others);
         let (category, usual) = category_network(&others, categories);
         let mut held_out = HeldOut::default();
