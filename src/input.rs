@@ -1,6 +1,6 @@
 //! Reading the input of a command: a data set, a recording or a table of trials.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
@@ -10,6 +10,21 @@ use underbrush_sim::controller::ControllerKind;
 use crate::failure::Failure;
 use crate::progress;
 pub use crate::trial_arguments::{TrialArguments, Unit, cut};
+
+/// The only one of some paths.
+///
+/// # Errors
+/// If there are several, which only the classifier `touch` takes.
+pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
+    match paths {
+        [path] => Ok(path),
+        _ => Err(Failure::usage(format!(
+            "{} inputs; allowed: one, because only the classifier touch takes several; give one data set, recording or table of \
+             trials",
+            paths.len()
+        ))),
+    }
+}
 
 /// Reads the trials of a data set, a recording or a table; an error if there are none.
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {

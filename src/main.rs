@@ -11,6 +11,7 @@ mod input;
 mod interrupt;
 mod output;
 mod progress;
+mod reaches;
 mod trial_arguments;
 
 use failure::Failure;
@@ -79,9 +80,9 @@ enum Command {
     Reach(command::reach::Options),
     /// Simulate many reaches and write them as a data set
     Generate(command::generate::Options),
-    /// Fit a classifier to trials and save it as a model file
+    /// Fit a classifier to trials, or to whole frames, and save it as a model file
     Train(command::train::Options),
-    /// Classify contact trials: leaf, trunk, uncertain or outlier
+    /// Classify contact trials or frames: leaf, trunk, uncertain or outlier
     Classify(command::classify::Options),
     /// Cross-validate classifiers on trials with ground truth
     Evaluate(command::evaluate::Options),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
+use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::{Recording, Trial};
 
@@ -138,18 +139,48 @@ impl TrialArguments {
         )
     }
 
+    /// How readings become contacts, for the classifier `touch`.
+    ///
+    /// # Errors
+    /// If an option is given that is about trials.
+    pub fn touch(&self) -> Result<TouchOptions, Failure> {
+        self.refuse(
+            &self.about_trials(),
+            "the classifier touch, which learns from whole frames and their ground truth",
+        )?;
+        Ok(TouchOptions {
+            patch: self.patch(),
+            threshold_n: self.threshold_n(),
+        })
+    }
+
+    /// Refuses all options, because a touch model knows its patch and threshold and judges frames.
+    pub fn refuse_for_touch_model(&self) -> Result<(), Failure> {
+        let own = [
+            ("--patch", self.patch.is_some()),
+            ("--threshold-n", self.threshold_n.is_some()),
+        ];
+        self.refuse(&own, "a touch model, which has a patch and a threshold of its own")?;
+        self.refuse(&self.about_trials(), "a touch model, which judges frames, not trials")
+    }
+
     /// Refuses options that do not apply to verdicts frame by frame.
     pub fn refuse_online(&self) -> Result<(), Failure> {
         self.refuse(
-            &[
-                ("--preset", self.preset.is_some()),
-                ("--by", self.by.is_some()),
-                ("--min-samples", self.min_samples.is_some()),
-                ("--labels", self.labels.is_some()),
-                ("--no-wrap", self.no_wrap),
-            ],
+            &self.about_trials(),
             "online verdicts, which are given for each taxel from its first sample on",
         )
+    }
+
+    /// The options that are about trials only, and whether they are given.
+    fn about_trials(&self) -> [(&'static str, bool); 5] {
+        [
+            ("--preset", self.preset.is_some()),
+            ("--by", self.by.is_some()),
+            ("--min-samples", self.min_samples.is_some()),
+            ("--labels", self.labels.is_some()),
+            ("--no-wrap", self.no_wrap),
+        ]
     }
 
     fn refuse(&self, options: &[(&str, bool)], what: &str) -> Result<(), Failure> {

@@ -7,7 +7,7 @@ use underbrush_recording::InputError;
 
 use crate::error::Fault;
 
-/// The format that this program reads and writes.
+/// The format of models of trials.
 pub const FORMAT: &str = "underbrush-model/1";
 
 const REMEDY: &str = "correct the file, or train the model again";
@@ -17,14 +17,21 @@ const REMEDY: &str = "correct the file, or train the model again";
 pub struct Document {
     path: PathBuf,
     text: String,
+    format: &'static str,
 }
 
 impl Document {
-    /// A text; the path is for errors only.
+    /// A text of [`FORMAT`]; the path is for errors only.
     pub fn new(path: impl AsRef<Path>, text: &str) -> Self {
+        Document::of_format(path, text, FORMAT)
+    }
+
+    /// A text that should have this format, which errors name; the path is for errors only.
+    pub(crate) fn of_format(path: impl AsRef<Path>, text: &str, format: &'static str) -> Self {
         Document {
             path: path.as_ref().to_owned(),
             text: text.to_owned(),
+            format,
         }
     }
 
@@ -60,7 +67,7 @@ impl Document {
             (true, place, Some(key)) => format!("{place}.{key}"),
             (true, place, None) => place.to_owned(),
         };
-        let allowed = format!("a model file of format {FORMAT}");
+        let allowed = format!("a model file of format {}", self.format);
         InputError::new(&self.path, field, &found, allowed, REMEDY).at_line(error.line())
     }
 

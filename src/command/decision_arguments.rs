@@ -96,9 +96,19 @@ fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String>
 }
 
 impl DecisionArguments {
+    /// The first given option.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--decision", self.decision.is_some()),
+            ("--margin", self.margin.is_some()),
+            ("--prior", !self.prior.is_empty()),
+        ];
+        options.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    }
+
     /// Whether any of these options was given.
     pub fn is_given(&self) -> bool {
-        self.decision.is_some() || self.margin.is_some() || !self.prior.is_empty()
+        self.given().is_some()
     }
 
     /// The decision for these scores.

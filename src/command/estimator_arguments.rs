@@ -15,18 +15,37 @@ use crate::failure::Failure;
 pub struct EstimatorArguments {
     /// Classifier to fit
     #[arg(long, value_name = "NAME", default_value = "hmm", value_parser = classifier())]
-    classifier: &'static ClassifierKind,
+    classifier: Chosen,
     #[arg(long, value_name = "LIST", help = features_help())]
     features: Option<FeatureSet>,
     #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
     recipe: RecipeArguments,
 }
 
-/// The names in the list of classifiers, with one line each.
-fn classifier() -> impl TypedValueParser<Value = &'static ClassifierKind> {
+/// What is fitted.
+#[derive(Clone, Copy, Debug)]
+enum Chosen {
+    /// A classifier of trials.
+    OfTrials(&'static ClassifierKind),
+    /// The classifier of frames.
+    Touch,
+}
+
+/// Name of the classifier of frames.
+const TOUCH: &str = "touch";
+
+/// The names in the list of classifiers, with one line each, and that of the classifier of frames.
+fn classifier() -> impl TypedValueParser<Value = Chosen> {
     let value = |kind: &ClassifierKind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary);
-    let values = PossibleValuesParser::new(CLASSIFIERS.map(value));
-    values.try_map(|name| registry::find(&name).ok_or("unknown classifier"))
+    let touch = "Networks over the course of each contact region: nothing, a category, uncertain or unknown in every frame. \
+                 It is fitted to whole frames of data sets and recordings";
+    let values = CLASSIFIERS.iter().map(|kind| value(kind));
+    let values = PossibleValuesParser::new(values.chain([PossibleValue::new(TOUCH).help(touch)]));
+    values.try_map(|name| match registry::find(&name) {
+        _ if name == TOUCH => Ok(Chosen::Touch),
+        Some(kind) => Ok(Chosen::OfTrials(kind)),
+        None => Err("unknown classifier"),
+    })
 }
 
 fn features_help() -> String {
@@ -43,9 +62,26 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option does not apply to the classifier.
     pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
-        match self.hmm()? {
-            Some(recipe) => Ok(Box::new(recipe)),
-            None => Ok((self.classifier.estimator)(self.features)),
+        match (self.hmm()?, self.classifier) {
+            (Some(recipe), _) => Ok(Box::new(recipe)),
+            (None, Chosen::OfTrials(kind)) => Ok((kind.estimator)(self.features)),
+            (None, Chosen::Touch) => Err(Failure::usage(
+                "--classifier touch is fitted to whole frames, not to trials; use train or evaluate with data sets or recordings",
+            )),
+        }
+    }
+
+    /// Whether the classifier of frames is chosen.
+    ///
+    /// # Errors
+    /// If an option is given that does not apply to it.
+    pub fn is_touch(&self) -> Result<bool, Failure> {
+        match (self.classifier, self.given()) {
+            (Chosen::Touch, Some(option)) => Err(Failure::usage(format!(
+                "{option} does not apply to --classifier touch, whose features and networks are fixed; leave it out"
+            ))),
+            (Chosen::Touch, None) => Ok(true),
+            (Chosen::OfTrials(_), _) => Ok(false),
         }
     }
 
@@ -54,7 +90,7 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option of hidden Markov models is given for another classifier.
     pub fn hmm(&self) -> Result<Option<Recipe>, Failure> {
-        if self.classifier.name == "hmm" {
+        if self.classifier_name() == "hmm" {
             let recipe = self.recipe.recipe();
             let features = self.features.unwrap_or(recipe.features);
             return Ok(Some(Recipe { features, ..recipe }));
@@ -69,7 +105,10 @@ impl EstimatorArguments {
 
     /// Name of the classifier.
     pub fn classifier_name(&self) -> &'static str {
-        self.classifier.name
+        match self.classifier {
+            Chosen::OfTrials(kind) => kind.name,
+            Chosen::Touch => TOUCH,
+        }
     }
 
     /// The first given option about fitting.

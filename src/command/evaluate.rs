@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use underbrush_classifier::Model;
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
@@ -17,6 +16,8 @@ use underbrush_recording::Trial;
 
 use super::decision_arguments::{DecisionArguments, Scores};
 use super::estimator_arguments::EstimatorArguments;
+use super::model::{self, AnyModel};
+use super::touch::{self, Judge, TouchDecisionArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -37,8 +38,10 @@ these are.";
 #[derive(Args)]
 #[command(after_help = ADVICE)]
 pub struct Options {
-    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required)
-    trials: PathBuf,
+    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). For the
+    /// classifier touch: one or more data sets and recordings
+    #[arg(required = true)]
+    trials: Vec<PathBuf>,
     /// Also report the accuracy (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact. With
     /// --min-samples above 1, report it over all contacts as well; only the long ones are used for fitting
     #[arg(long, conflicts_with = "model")]
@@ -67,6 +70,8 @@ pub struct Options {
     decision: DecisionArguments,
     #[command(flatten)]
     estimator: EstimatorArguments,
+    #[command(flatten, next_help_heading = "Verdicts of the classifier touch")]
+    touch: TouchDecisionArguments,
     #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
 }
@@ -82,13 +87,31 @@ enum Group {
 /// Evaluates and prints the confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.check()?;
-    let trials = input::some_trials(&options.trials, &options.cut)?;
-    let about = |failure: Failure| failure.about(&options.trials);
+    let model = options.model.as_deref().map(model::load).transpose()?;
+    let model = match model {
+        Some(AnyModel::Touch(model)) => {
+            options.cut.refuse_for_touch_model()?;
+            return options.frames(Judge::Model(model), json);
+        }
+        Some(AnyModel::OfTrials(model)) => Some(model),
+        None if options.estimator.is_touch()? => {
+            let own = options.cut.touch()?;
+            let judge = match &options.train {
+                Some(train) => Judge::FittedTo(std::slice::from_ref(train), own),
+                None => Judge::Folds(options.folds, own),
+            };
+            return options.frames(judge, json);
+        }
+        None => None,
+    };
+    options.touch.refuse_for_trials()?;
+    let path = input::only(&options.trials)?;
+    let trials = input::some_trials(path, &options.cut)?;
+    let about = |failure: Failure| failure.about(path);
     let mut folds = None;
-    let (evaluation, decision) = match (&options.model, &options.train) {
+    let (evaluation, decision) = match (&model, &options.train) {
         (Some(model), _) => {
-            let model = Model::load(model)?;
-            let decision = options.decision.decision(&Scores::of_model(&model))?;
+            let decision = options.decision.decision(&Scores::of_model(model))?;
             (evaluate(model.classifier.as_ref(), &trials, &decision), decision)
         }
         (None, Some(train)) => {
@@ -118,7 +141,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         by_samples = Some(series.map_err(|error| about(error.into()))?);
         let min_samples = options.cut.min_samples();
         if min_samples > 1 {
-            let all = input::some_trials(&options.trials, &options.cut.of_any_length())?;
+            let all = input::some_trials(path, &options.cut.of_any_length())?;
             let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, min_samples);
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
@@ -149,12 +172,34 @@ struct Results {
 impl Options {
     /// Refuses options that would be ignored.
     fn check(&self) -> Result<(), Failure> {
+        self.estimator.is_touch()?;
         match self.estimator.given() {
             Some(option) if self.model.is_some() => Err(Failure::usage(format!(
                 "{option} does not apply to the models of --model, which are trained already; leave it out"
             ))),
             _ => self.estimator.hmm().map(|_| ()),
         }
+    }
+
+    /// Judges whole frames by the classifier touch.
+    fn frames(&self, judge: Judge<'_>, json: bool) -> Result<(), Failure> {
+        let others = [
+            self.by_samples.then_some("--by-samples"),
+            self.roc.as_ref().map(|_| "--roc"),
+            matches!(self.group, Some(Group::Position)).then_some("--group position"),
+            self.decision.given(),
+        ];
+        if let Some(option) = others.into_iter().flatten().next() {
+            return Err(Failure::usage(format!(
+                "{option} does not apply to the classifier touch, which judges the frames of whole reaches; leave it out"
+            )));
+        }
+        let evaluation = touch::Evaluation {
+            paths: &self.trials,
+            judge,
+            decision: &self.touch,
+        };
+        evaluation.run(json)
     }
 
     /// The kind of scores that are judged.

@@ -14,6 +14,7 @@ use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
+use super::model::AnyModel;
 use crate::failure::Failure;
 use crate::{input, output};
 
@@ -182,7 +183,20 @@ fn trials(path: &Path) -> Result<Value, Failure> {
 }
 
 fn model(path: &Path) -> Result<Value, Failure> {
-    let model = Model::load(path)?;
+    match super::model::load(path)? {
+        AnyModel::OfTrials(model) => Ok(model_of_trials(path, &model)),
+        AnyModel::Touch(model) => Ok(json!({
+            "model": path.display().to_string(),
+            "classifier": "touch",
+            "categories": model.categories(),
+            "options": model.options(),
+            "decision": model.decision,
+            "check": "sound; all numbers are finite and fit together",
+        })),
+    }
+}
+
+fn model_of_trials(path: &Path, model: &Model) -> Value {
     let classifier = &model.classifier;
     let mut found = serde_json::Map::from_iter([
         ("model".to_owned(), json!(path.display().to_string())),
@@ -211,5 +225,5 @@ fn model(path: &Path) -> Result<Value, Failure> {
         let options = classifier.file_entries().into_iter().find(|(key, _)| *key == "options");
         found.extend(options.map(|(key, value)| (key.to_owned(), value)));
     }
-    Ok(Value::Object(found))
+    Value::Object(found)
 }

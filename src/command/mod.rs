@@ -7,12 +7,14 @@ mod estimator_arguments;
 pub mod evaluate;
 pub mod generate;
 pub mod inspect;
+mod model;
 pub mod reach;
 
 pub mod replay;
 pub mod reproduce;
 pub mod schema;
 pub mod score;
+mod touch;
 pub mod train;
 pub mod trials;
 pub mod validate;

@@ -26,8 +26,10 @@ enum Kind {
     Experiment,
     /// Suite: scenes with bounds on what a run of them gives, for `underbrush check`
     Suite,
-    /// Model: a fitted classifier
+    /// Model: a fitted classifier of trials
     Model,
+    /// Touch: a fitted classifier of frames (--classifier touch)
+    Touch,
 }
 
 /// Prints the schema.
@@ -39,6 +41,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Kind::Experiment => underbrush_experiments::definition::schema(),
         Kind::Suite => underbrush_experiments::suite::schema(),
         Kind::Model => underbrush_classifier::model_schema(),
+        Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
     };
     let text = serde_json::to_string_pretty(&schema);
     output::lines([text.map_err(|error| Failure::run(error.to_string()))?])

@@ -43,7 +43,11 @@ impl From<Score> for ScoreKind {
 
 /// Reads a model and chooses its kind of score; `option` names the option that asks for it.
 pub fn load(path: &Path, by: Option<Score>, option: &str) -> Result<Model, Failure> {
-    let mut model = Model::load(path)?;
+    by_kind(super::model::load_of_trials(path)?, path, by, option)
+}
+
+/// Chooses the kind of score of a model that was read from `path`.
+pub fn by_kind(mut model: Model, path: &Path, by: Option<Score>, option: &str) -> Result<Model, Failure> {
     if let Some(kind) = by {
         let name = model.classifier.name();
         model.score_by(kind.into()).map_err(|_| {

@@ -13,6 +13,7 @@ use underbrush_classifier::{HmmClassifier, Model, ModelError, TrainingReport, is
 use underbrush_recording::Trial;
 
 use super::estimator_arguments::EstimatorArguments;
+use super::{model, touch};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -20,8 +21,10 @@ use crate::output;
 /// Options of `underbrush train`.
 #[derive(Args)]
 pub struct Options {
-    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required)
-    trials: PathBuf,
+    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). With
+    /// --classifier touch: one or more data sets and recordings
+    #[arg(required = true)]
+    trials: Vec<PathBuf>,
     /// Model file to write (JSON)
     #[arg(long, value_name = "MODEL")]
     out: PathBuf,
@@ -79,17 +82,27 @@ struct Count {
 
 /// Fits the classifier and writes the model file.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    if options.estimator.is_touch()? {
+        if options.false_positive_rate.is_some() {
+            return Err(Failure::usage(
+                "--false-positive-rate does not apply to --classifier touch, whose limits are chosen in training; leave it out, \
+                 and give classify or evaluate --unknown-share",
+            ));
+        }
+        return touch::train(&options.trials, &options.cut.touch()?, &options.out, json);
+    }
     let estimator = options.estimator.estimator()?;
-    let trials = input::some_trials(&options.trials, &options.cut)?;
+    let path = input::only(&options.trials)?;
+    let trials = input::some_trials(path, &options.cut)?;
     let mut model = match &options.start {
-        Some(start) => continued(&options, start, &trials)?,
+        Some(start) => continued(&options, start, path, &trials)?,
         None => {
             let fitted = estimator.fit(&trials.iter().collect::<Vec<_>>());
-            Model::new(fitted.map_err(|error| about(&options, error))?)
+            Model::new(fitted.map_err(|error| about(path, error))?)
         }
     };
     let report = report(model.classifier.as_ref(), &trials);
-    let thresholds = thresholds(&options, estimator.as_ref(), &trials)?;
+    let thresholds = thresholds(&options, path, estimator.as_ref(), &trials)?;
     model.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
     model.provenance.insert(
         "program".into(),
@@ -114,8 +127,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 }
 
 /// The models of a file, trained further.
-fn continued(options: &Options, start: &Path, trials: &[Trial]) -> Result<Model, Failure> {
-    let start = Model::load(start)?;
+fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
+    let start = model::load_of_trials(start)?;
     let provenance = start.provenance.clone();
     let models = start.into_hmm().map_err(|_| {
         Failure::usage(
@@ -123,7 +136,7 @@ fn continued(options: &Options, start: &Path, trials: &[Trial]) -> Result<Model,
         )
     })?;
     let trained = HmmClassifier::train_from(models, trials, &options.estimator.training());
-    let (models, _) = trained.map_err(|error| about(options, error))?;
+    let (models, _) = trained.map_err(|error| about(path, error))?;
     Ok(Model {
         provenance,
         ..Model::new(Box::new(models))
@@ -131,10 +144,10 @@ fn continued(options: &Options, start: &Path, trials: &[Trial]) -> Result<Model,
 }
 
 /// An error about the trials, unless an option is at fault.
-fn about(options: &Options, error: ModelError) -> Failure {
+fn about(path: &Path, error: ModelError) -> Failure {
     match error {
         ModelError::BadOption { .. } => error.into(),
-        _ => Failure::from(error).about(&options.trials),
+        _ => Failure::from(error).about(path),
     }
 }
 
@@ -170,6 +183,7 @@ fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
 /// Thresholds from the training trials, if they are requested.
 fn thresholds(
     options: &Options,
+    path: &Path,
     estimator: &dyn Estimator,
     trials: &[Trial],
 ) -> Result<Option<ChosenThresholds>, Failure> {
@@ -180,7 +194,7 @@ fn thresholds(
         false_positive_rate,
         outlier_prior: options.outlier_prior,
     };
-    let about = |failure: Failure| failure.about(&options.trials);
+    let about = |failure: Failure| failure.about(path);
     let held_out =
         HeldOut::of(trials, estimator, Folds::for_thresholds(trials)).map_err(|error| about(error.into()))?;
     let chosen = held_out

@@ -6,6 +6,7 @@ mod ranges;
 mod scenes;
 mod suites;
 mod tables;
+mod touch;
 mod usage;
 
 use std::path::Path;

@@ -23,6 +23,7 @@ mod signals;
 mod streams;
 mod thresholds;
 mod torn;
+pub mod touch;
 mod train;
 mod trials;
 mod validate;

@@ -63,6 +63,11 @@ impl Fixture {
         self.folder.join(name)
     }
 
+    /// A scene of leaves that touch the forearm.
+    pub fn leaf_scene(&self) -> PathBuf {
+        self.file("leaf.toml")
+    }
+
     /// A scene of trunks that touch the forearm.
     pub fn trunk_scene(&self) -> PathBuf {
         self.file("trunk.toml")

@@ -69,6 +69,7 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
             "minimum" => value.as_f64().is_none_or(|number| number >= argument.as_f64().unwrap()),
             "maximum" => value.as_f64().is_none_or(|number| number <= argument.as_f64().unwrap()),
             "minItems" => value.as_array().is_none_or(|items| items.len() >= count(argument)),
+            "maxItems" => value.as_array().is_none_or(|items| items.len() <= count(argument)),
             "minProperties" => value.as_object().is_none_or(|entries| entries.len() >= count(argument)),
             "uniqueItems" => value
                 .as_array()

@@ -15,6 +15,7 @@ mod roc;
 mod stream;
 mod threshold;
 pub mod touch;
+mod touch_figures;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
@@ -29,6 +30,7 @@ pub use rates::Rates;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
+pub use touch_figures::{OutlierFigures, RightWithin, TouchFigures, TruthFigures};
 
 #[cfg(test)]
 mod tests;

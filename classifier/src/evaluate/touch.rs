@@ -89,7 +89,9 @@ pub struct TouchDistance {
     pub distance: f64,
     /// Number of its taxels that something presses on.
     pub taxels: usize,
-    /// Whether what presses on it is of a known category.
+    /// Category code of what touches it.
+    pub category: i8,
+    /// Whether the model knows this category.
     pub is_known: bool,
 }
 
@@ -204,6 +206,7 @@ impl TouchEvaluation {
             self.distances.push(TouchDistance {
                 distance: classifier.model().distance(&own.course),
                 taxels: touched,
+                category: category.code(),
                 is_known: known(classifier.model().categories(), category).is_some(),
             });
         }

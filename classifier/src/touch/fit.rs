@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use serde::Serialize;
 use underbrush_recording::Recording;
 
 use super::course::REGION_FEATURE_COUNT;
@@ -27,6 +28,21 @@ const LOST_SHARE: f64 = 0.015;
 pub struct TouchExamples {
     options: TouchOptions,
     reaches: Vec<Arc<Examples>>,
+}
+
+/// How many rows a model is fitted to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TouchRows {
+    /// Recordings.
+    pub reaches: usize,
+    /// Rows of taxels that something presses on.
+    pub touched_taxels: usize,
+    /// Rows of taxels with a reading on which nothing presses.
+    pub untouched_taxels: usize,
+    /// Rows of touched regions, by category.
+    pub regions: BTreeMap<String, usize>,
+    /// The recordings are divided into so many parts, each of which is held out once to calibrate probabilities.
+    pub held_out_parts: usize,
 }
 
 impl TouchExamples {
@@ -59,15 +75,38 @@ impl TouchExamples {
         }
     }
 
+    /// The categories that a model of these rows knows, in alphabetical order.
+    pub fn categories(&self) -> Vec<String> {
+        let mut categories: Vec<String> = self.regions().map(|region| region.category.clone()).collect();
+        categories.sort_unstable();
+        categories.dedup();
+        categories
+    }
+
+    /// How many rows there are.
+    pub fn rows(&self) -> TouchRows {
+        let mut regions = BTreeMap::new();
+        for region in self.regions() {
+            *regions.entry(region.category.clone()).or_default() += 1;
+        }
+        let taxels = self.reaches.iter().flat_map(|reach| &reach.taxels);
+        let touched_taxels = taxels.clone().filter(|taxel| taxel.is_touched).count();
+        TouchRows {
+            reaches: self.reaches.len(),
+            touched_taxels,
+            untouched_taxels: taxels.count() - touched_taxels,
+            regions,
+            held_out_parts: FOLDS,
+        }
+    }
+
     /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model itself is
     /// then fitted to all. The result is the same for any number of threads.
     ///
     /// # Errors
     /// [`ModelError::NoCategories`] if no known category touches the patch, or the recordings are fewer than two.
     pub fn fit(&self) -> Result<TouchModel, ModelError> {
-        let mut categories: Vec<String> = self.regions().map(|region| region.category.clone()).collect();
-        categories.sort_unstable();
-        categories.dedup();
+        let categories = self.categories();
         if categories.is_empty() || self.reaches.len() < FOLDS {
             let trials = self.reaches.len();
             return Err(ModelError::NoCategories { trials });

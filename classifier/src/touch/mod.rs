@@ -30,7 +30,7 @@ mod usual;
 
 pub use course::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
 pub use decision::{Touch, TouchDecision};
-pub use fit::TouchExamples;
+pub use fit::{TouchExamples, TouchRows};
 pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
 pub use network::Network;

@@ -5,6 +5,7 @@ use std::path::Path;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::InputError;
+use underbrush_recording::limits::{self, Limits};
 
 use super::course::{Course, REGION_FEATURE_COUNT};
 use super::decision::TouchDecision;
@@ -13,6 +14,10 @@ use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use super::usual::Usual;
 use crate::document::Document;
+use crate::error::check_limits;
+
+/// Forces above which a taxel is in contact.
+const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
 /// The format of the file.
 pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
@@ -109,7 +114,7 @@ impl TouchModel {
     /// # Errors
     /// [`InputError`] with line and field.
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, InputError> {
-        let document = Document::new(path, text);
+        let document = Document::of_format(path, text, TOUCH_FORMAT);
         let model: TouchModel = document.read()?;
         if model.format != TOUCH_FORMAT {
             return Err(document.error("format", model.format, TOUCH_FORMAT));
@@ -126,6 +131,8 @@ impl TouchModel {
             .decision
             .check()
             .map_err(|fault| document.fault(fault.within("decision")))?;
+        check_limits("options.threshold_n", model.options.threshold_n, THRESHOLD_N)
+            .map_err(|fault| document.fault(fault))?;
         let classes = model.categories.len();
         let parts = [
             (

@@ -4,6 +4,8 @@ mod json;
 mod latency;
 mod line;
 mod lines;
+mod of_contacts;
+mod of_frames;
 mod online;
 
 use std::collections::BTreeMap;
@@ -14,10 +16,15 @@ use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
 
 use super::decision_arguments::{DecisionArguments, Scores};
+use super::model::{self, AnyModel};
 use super::score::{self, Score};
+use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
+
+use of_contacts::OfContacts;
+use of_frames::OfFrames;
 
 /// Shown at the end of `underbrush classify --help`.
 const PROTOCOL: &str = "\
@@ -48,7 +55,7 @@ pub struct Options {
     /// Data set (folder), recording, table of trials, or `-`: frames as JSON lines on stdin, each answered before the
     /// next is read
     input: PathBuf,
-    /// Give a verdict for each taxel in contact in each frame, as JSON lines
+    /// Give a verdict for each taxel in contact in each frame, as JSON lines. A touch model always does
     #[arg(long)]
     online: bool,
     /// With `-`: the skin, from a data set, a recording, the file of an arm or a skin file; Cody's if not given
@@ -64,6 +71,8 @@ pub struct Options {
     score: Option<Score>,
     #[command(flatten)]
     cut: TrialArguments,
+    #[command(flatten, next_help_heading = "Verdicts of touch models")]
+    touch: TouchDecisionArguments,
 }
 
 #[derive(Serialize)]
@@ -78,18 +87,38 @@ impl Options {
     fn reads_stdin(&self) -> bool {
         self.input == Path::new("-")
     }
+
+    /// Refuses options that a touch model would ignore.
+    fn refuse_for_touch(&self) -> Result<(), Failure> {
+        let given = self.decision.given().or(self.score.map(|_| "--score"));
+        match given {
+            Some(option) => Err(Failure::usage(format!(
+                "{option} does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
+                 --unknown-share and --cost-of-uncertain, or leave it out"
+            ))),
+            None => self.cut.refuse_for_touch_model(),
+        }
+    }
 }
 
 /// Classifies.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let model = score::load(&options.model, options.score, "--score")?;
+    let model = model::load(&options.model)?;
     if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
         let message =
             "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";
         return Err(Failure::usage(message));
     }
+    let model = match model {
+        AnyModel::Touch(model) => {
+            options.refuse_for_touch()?;
+            return online::run(&options, &OfFrames::new(*model, &options.touch));
+        }
+        AnyModel::OfTrials(model) => score::by_kind(model, &options.model, options.score, "--score")?,
+    };
+    options.touch.refuse_for_trials()?;
     if options.online || options.reads_stdin() {
-        return online::run(&options, model);
+        return online::run(&options, &OfContacts::new(&options, model)?);
     }
     let categories = model.classifier.categories();
     let judge = options

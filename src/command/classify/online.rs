@@ -1,20 +1,15 @@
 //! A verdict for each taxel in contact as frames come in: from standard input, a data set or a recording.
 
-use std::collections::BTreeMap;
 use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::json;
-use underbrush_classifier::Model;
-use underbrush_classifier::feature::MOTION;
-use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording};
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
-use super::super::decision_arguments::Scores;
 use super::Options;
 use super::json::LineError;
 use super::latency::Latency;
@@ -23,23 +18,32 @@ use super::lines::Lines;
 use crate::failure::Failure;
 use crate::{input, output};
 
-#[derive(Serialize)]
-struct FrameVerdicts<'a> {
-    time_s: f64,
-    taxels: Vec<TaxelLine<'a>>,
+/// A classifier that answers frames.
+pub(super) trait Answers {
+    /// Begins a reach with this skin.
+    fn start(&self, layout: &SkinLayout) -> Result<Box<dyn Reach>, Failure>;
+
+    /// The patch whose pose is needed; `None` if poses are not used.
+    fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize>;
 }
 
-#[derive(Serialize)]
-struct TaxelLine<'a> {
-    taxel: usize,
-    samples: usize,
-    verdict: &'a str,
-    scores: BTreeMap<&'a str, f64>,
+/// A reach that is being classified.
+pub(super) trait Reach {
+    /// The answer to the next frame: one line of JSON.
+    fn answer(&mut self, frame: &Frame) -> Result<String, Failure>;
+}
+
+/// A line of JSON.
+pub(super) fn json_line(answer: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(answer).map_err(|error| Failure::run(error.to_string()))
 }
 
 /// Prints one line of JSON for each frame.
-pub fn run(options: &Options, model: Model) -> Result<(), Failure> {
-    let mut online = Online::new(options, model)?;
+pub(super) fn run(options: &Options, classifier: &dyn Answers) -> Result<(), Failure> {
+    let mut online = Online {
+        classifier,
+        latency: Latency::new(),
+    };
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -53,11 +57,16 @@ pub fn run(options: &Options, model: Model) -> Result<(), Failure> {
             online.reach(&recording.layout, &recording.frames)?;
         }
     } else {
-        let allowed = "with --online, frames: a data set, a recording or `-`";
+        let allowed = "frames: a data set, a recording or `-`";
         input::check_exists(&options.input, allowed)?;
         if options.input.extension().is_some_and(|extension| extension == "csv") {
             let found = "a table of trials";
-            return Err(InputError::new(&options.input, "input", found, allowed, "leave --online out").into());
+            let remedy = if options.online {
+                "leave --online out"
+            } else {
+                "give the data set or recording that the trials were taken from"
+            };
+            return Err(InputError::new(&options.input, "input", found, allowed, remedy).into());
         }
         let recording = read_recording(&options.input)?;
         online.reach(&recording.layout, &recording.frames)?;
@@ -88,52 +97,25 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
 }
 
 /// What stays the same from reach to reach.
-struct Online {
-    model: Model,
-    categories: Vec<String>,
-    settings: OnlineOptions,
+struct Online<'a> {
+    classifier: &'a dyn Answers,
     latency: Latency,
 }
 
-impl Online {
-    fn new(options: &Options, model: Model) -> Result<Self, Failure> {
-        options.cut.refuse_online()?;
-        let decision = options.decision.decision(&Scores::of_model(&model))?;
-        Ok(Online {
-            categories: model.classifier.categories(),
-            settings: OnlineOptions {
-                patch: options.cut.patch(),
-                threshold_n: options.cut.threshold_n(),
-                decision,
-            },
-            model,
-            latency: Latency::new(),
-        })
-    }
-
-    fn start(&self, layout: &SkinLayout) -> Result<OnlineClassifier, Failure> {
-        Ok(OnlineClassifier::new(
-            self.model.classifier.as_ref(),
-            layout,
-            &self.settings,
-        )?)
-    }
-
+impl Online<'_> {
     /// Answers the frames of a whole reach.
     fn reach(&mut self, layout: &SkinLayout, frames: &[Frame]) -> Result<(), Failure> {
-        let mut classifier = self.start(layout)?;
+        let mut reach = self.classifier.start(layout)?;
         frames
             .iter()
-            .try_for_each(|frame| self.answer(&mut classifier, frame, Instant::now()))
+            .try_for_each(|frame| self.answer(reach.as_mut(), frame, Instant::now()))
     }
 
     /// Answers each line before the next is read. A bad line is answered with its error and otherwise ignored; with
     /// `strict` it ends the stream.
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
-        let mut classifier = self.start(layout)?;
-        let patch = layout.chosen_patch(self.settings.patch.as_deref());
-        let uses_motion = self.model.classifier.features().contains(&MOTION);
-        let mut parser = LineParser::new(layout.clone(), patch.filter(|_| uses_motion));
+        let mut reach = self.classifier.start(layout)?;
+        let mut parser = LineParser::new(layout.clone(), self.classifier.needs_pose_of(layout));
         let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_u64;
         loop {
@@ -142,9 +124,9 @@ impl Online {
             let arrived = Instant::now();
             let Some((number, text)) = line else { break };
             match text.and_then(|text| parser.parse(number, text)) {
-                Ok(Message::Frame(frame)) => self.answer(&mut classifier, &frame, arrived)?,
+                Ok(Message::Frame(frame)) => self.answer(reach.as_mut(), &frame, arrived)?,
                 Ok(Message::Reset) => {
-                    classifier = self.start(layout)?;
+                    reach = self.classifier.start(layout)?;
                     output::lines([json!({ "line": number, "reset": true }).to_string()])?;
                 }
                 Err(error) => {
@@ -164,23 +146,8 @@ impl Online {
         Ok(())
     }
 
-    fn answer(&mut self, classifier: &mut OnlineClassifier, frame: &Frame, since: Instant) -> Result<(), Failure> {
-        let categories = &self.categories;
-        let taxels = classifier.update(frame)?.map(|taxel| TaxelLine {
-            taxel: taxel.taxel,
-            samples: taxel.samples,
-            verdict: taxel.verdict.name(),
-            scores: categories
-                .iter()
-                .map(String::as_str)
-                .zip(taxel.scores.iter().copied())
-                .collect(),
-        });
-        let line = serde_json::to_string(&FrameVerdicts {
-            time_s: frame.time_s,
-            taxels: taxels.collect(),
-        });
-        output::lines([line.map_err(|error| Failure::run(error.to_string()))?])?;
+    fn answer(&mut self, reach: &mut dyn Reach, frame: &Frame, since: Instant) -> Result<(), Failure> {
+        output::lines([reach.answer(frame)?])?;
         self.latency.add(since);
         Ok(())
     }

@@ -1,0 +1,278 @@
+//! Figures of verdicts on what touches the skin.
+
+use serde::Serialize;
+use underbrush_recording::Category;
+
+use super::by_samples::SAMPLE_COUNTS;
+use super::confusion::Accuracy;
+use super::roc::RocCurve;
+use super::touch::{CalibrationBin, JudgedContact, TouchDistance, TouchEvaluation};
+
+/// The rate of false alarms at which the share of outliers found is given.
+pub const FALSE_ALARMS: f64 = 0.05;
+
+/// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` where there is nothing to share.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TouchFigures {
+    /// Verdicts on taxel frames by truth: nothing, the model's categories, then everything else.
+    pub truths: Vec<TruthFigures>,
+    /// Share of the taxel frames in contact on which nothing presses that are called nothing.
+    pub spurious_called_nothing: Option<f64>,
+    /// Share of the taxel frames that a known category truly presses on that are called nothing.
+    pub touches_lost: Option<f64>,
+    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole contact; `None`
+    /// without such contacts.
+    pub contacts_at_end: Option<Accuracy>,
+    /// The same by the first ten samples, or the whole contact if it is shorter.
+    pub contacts_after_tenth_second: Option<Accuracy>,
+    /// How many of these contacts had a right verdict after 1, 2, 3, … samples.
+    pub first_right_verdict: Vec<RightWithin>,
+    /// Median number of samples until the first right verdict, over the contacts that had one.
+    pub median_samples_until_right: Option<usize>,
+    /// Mean difference between probability and frequency of the likeliest class.
+    pub expected_calibration_error: Option<f64>,
+    /// Mean squared error of the probabilities.
+    pub brier_score: Option<f64>,
+    /// The bins of the calibration error, by probability.
+    pub calibration: Vec<CalibrationBin>,
+    /// How well unknown objects are found; `None` if none touched the patch.
+    pub outliers: Option<OutlierFigures>,
+}
+
+/// Verdicts on the taxel frames of one truth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TruthFigures {
+    /// `nothing`, a category, or `anything else`.
+    pub truth: String,
+    /// Taxel frames.
+    pub taxel_frames: usize,
+    /// Share with the right verdict: nothing, the category, or unknown for anything else.
+    pub right: Option<f64>,
+    /// Share with a wrong verdict.
+    pub wrong: Option<f64>,
+    /// Share called uncertain.
+    pub uncertain: Option<f64>,
+    /// Share called unknown.
+    pub called_unknown: Option<f64>,
+}
+
+/// Contacts that had a right verdict within a number of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RightWithin {
+    /// The number of samples; `None` for the whole contact.
+    pub samples: Option<usize>,
+    /// Share of all contacts.
+    pub share: f64,
+}
+
+/// Contacts with objects of no known category against those with known ones, by the distance from the usual contacts, over taxel
+/// frames. Foam blocks are left out: they belong to the environment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OutlierFigures {
+    /// Taxel frames that an unknown object presses on.
+    pub taxel_frames: usize,
+    /// Area under the ROC curve.
+    pub roc_area: f64,
+    /// Share found if 5 % of the taxel frames with known categories may be called unknown.
+    pub found_at_5_percent: f64,
+}
+
+impl TouchFigures {
+    /// The figures of verdicts by a model with these categories.
+    pub fn of(evaluation: &TouchEvaluation, categories: &[String]) -> Self {
+        let contacts = &evaluation.contacts;
+        let truths = ["nothing".to_owned()].into_iter();
+        let truths = truths.chain(categories.iter().cloned()).chain([OTHERS.to_owned()]);
+        let (nothing, known) = (
+            evaluation.tallies.first().copied().unwrap_or_default(),
+            evaluation.known(),
+        );
+        let accuracy = |likeliest: fn(&JudgedContact) -> usize| accuracy(evaluation, categories.len(), likeliest);
+        let mut until_right: Vec<usize> = contacts.iter().filter_map(|own| own.samples_until_right).collect();
+        until_right.sort_unstable();
+        TouchFigures {
+            truths: truths
+                .zip(&evaluation.tallies)
+                .map(|(truth, tally)| TruthFigures {
+                    truth,
+                    taxel_frames: tally.total(),
+                    right: share(tally.right, tally.total()),
+                    wrong: share(tally.wrong, tally.total()),
+                    uncertain: share(tally.uncertain, tally.total()),
+                    called_unknown: share(tally.unknown, tally.total()),
+                })
+                .collect(),
+            spurious_called_nothing: share(nothing.right, nothing.total()),
+            touches_lost: share(known.nothing, known.total()),
+            contacts_at_end: accuracy(|own| own.at_end),
+            contacts_after_tenth_second: accuracy(|own| own.after_tenth_second),
+            first_right_verdict: first_right(&until_right, contacts.len()),
+            median_samples_until_right: until_right.get(until_right.len() / 2).copied(),
+            expected_calibration_error: evaluation.expected_calibration_error(),
+            brier_score: evaluation.brier_score(),
+            calibration: evaluation.calibration.to_vec(),
+            outliers: outliers(&evaluation.distances),
+        }
+    }
+}
+
+/// How everything that is no category of the model is named.
+const OTHERS: &str = "anything else";
+
+fn share(part: usize, all: usize) -> Option<f64> {
+    (all > 0).then(|| part as f64 / all as f64)
+}
+
+fn accuracy(
+    evaluation: &TouchEvaluation,
+    categories: usize,
+    likeliest: impl Fn(&JudgedContact) -> usize,
+) -> Option<Accuracy> {
+    let contacts = &evaluation.contacts;
+    let right = contacts.iter().filter(|own| likeliest(own) == own.category).count();
+    let of = |category: usize| contacts.iter().filter(|own| own.category == category).count();
+    let most = (0..categories).map(of).max()?;
+    Some(Accuracy {
+        trials: contacts.len(),
+        accuracy: share(right, contacts.len())?,
+        majority_baseline: share(most, contacts.len())?,
+        balanced_accuracy: evaluation.balanced_accuracy(categories, likeliest),
+    })
+}
+
+/// `until_right` in ascending order, without the contacts that never had a right verdict.
+fn first_right(until_right: &[usize], contacts: usize) -> Vec<RightWithin> {
+    let within = |samples: Option<usize>| {
+        let count = until_right.partition_point(|own| samples.is_none_or(|samples| *own <= samples));
+        share(count, contacts).map(|share| RightWithin { samples, share })
+    };
+    let counts = SAMPLE_COUNTS.into_iter().map(Some).chain([None]);
+    counts.filter_map(within).collect()
+}
+
+fn outliers(distances: &[TouchDistance]) -> Option<OutlierFigures> {
+    let by_taxel = |is_known: bool| -> Vec<f64> {
+        let own = distances.iter().filter(|own| own.is_known == is_known);
+        let own = own.filter(|own| own.category != Category::BLOCK.code());
+        own.flat_map(|own| std::iter::repeat_n(own.distance, own.taxels))
+            .collect()
+    };
+    let unknown = by_taxel(false);
+    let curve = RocCurve::of(&unknown, &by_taxel(true))?;
+    let allowed = curve
+        .points
+        .iter()
+        .filter(|point| point.false_positive_rate <= FALSE_ALARMS);
+    Some(OutlierFigures {
+        taxel_frames: unknown.len(),
+        roc_area: curve.area,
+        found_at_5_percent: allowed.map(|point| point.true_positive_rate).fold(0.0, f64::max),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::touch::TouchTally;
+    use super::*;
+
+    fn contact(category: usize, ends: [usize; 2], samples_until_right: Option<usize>) -> JudgedContact {
+        JudgedContact {
+            category,
+            samples: 30,
+            at_end: ends[1],
+            after_tenth_second: ends[0],
+            samples_until_right,
+        }
+    }
+
+    fn distance(distance: f64, taxels: usize, category: Category) -> TouchDistance {
+        TouchDistance {
+            distance,
+            taxels,
+            category: category.code(),
+            is_known: [Category::LEAF, Category::TRUNK].contains(&category),
+        }
+    }
+
+    /// Pins every figure of a small evaluation against values counted by hand.
+    #[test]
+    fn figures_are_those_counted_by_hand() {
+        let tally = |right, wrong, uncertain, nothing, unknown| TouchTally {
+            right,
+            wrong,
+            uncertain,
+            nothing,
+            unknown,
+        };
+        let evaluation = TouchEvaluation {
+            tallies: vec![
+                tally(6, 2, 2, 0, 0),
+                tally(10, 5, 5, 4, 1),
+                tally(15, 3, 2, 2, 0),
+                tally(0, 0, 0, 0, 0),
+            ],
+            contacts: vec![
+                contact(0, [1, 0], Some(12)),
+                contact(1, [1, 1], Some(1)),
+                contact(1, [0, 0], None),
+                contact(1, [1, 1], Some(3)),
+            ],
+            distances: vec![
+                distance(5.0, 2, Category::OUTLIER),
+                distance(0.5, 1, Category::OUTLIER),
+                distance(9.0, 1, Category::BLOCK),
+                distance(1.0, 30, Category::LEAF),
+                distance(6.0, 1, Category::TRUNK),
+            ],
+            ..TouchEvaluation::default()
+        };
+        let names = ["leaf", "trunk"].map(str::to_owned);
+        let figures = TouchFigures::of(&evaluation, &names);
+        let truths: Vec<&str> = figures.truths.iter().map(|own| own.truth.as_str()).collect();
+        assert_eq!(truths, ["nothing", "leaf", "trunk", "anything else"]);
+        let leaf = &figures.truths[1];
+        assert_eq!(
+            [leaf.right, leaf.wrong, leaf.uncertain],
+            [Some(0.5), Some(0.25), Some(0.25)]
+        );
+        assert_eq!(leaf.called_unknown, Some(0.05));
+        assert_eq!(figures.truths[3].right, None);
+        assert_eq!(figures.spurious_called_nothing, Some(0.6));
+        // Six of forty.
+        assert_eq!(figures.touches_lost, Some(0.15));
+        let accuracy = |accuracy, balanced| Accuracy {
+            trials: 4,
+            accuracy,
+            majority_baseline: 0.75,
+            balanced_accuracy: Some(balanced),
+        };
+        assert_eq!(figures.contacts_at_end, Some(accuracy(0.75, (1.0 + 2.0 / 3.0) / 2.0)));
+        assert_eq!(figures.contacts_after_tenth_second, Some(accuracy(0.5, 1.0 / 3.0)));
+        let within = |samples: Option<usize>| {
+            let own = figures.first_right_verdict.iter().find(|own| own.samples == samples);
+            own.unwrap().share
+        };
+        assert_eq!(
+            [Some(1), Some(2), Some(3), Some(12), None].map(within),
+            [0.25, 0.25, 0.5, 0.75, 0.75]
+        );
+        assert_eq!(figures.median_samples_until_right, Some(3));
+        // Of 31 known taxel frames one is farther away than the two outlier frames at 5, and all are farther than the one at 0.5.
+        let outliers = figures.outliers.unwrap();
+        assert_eq!(outliers.taxel_frames, 3);
+        assert!(
+            (outliers.roc_area - 2.0 / 3.0 * 30.0 / 31.0).abs() < 1e-12,
+            "{outliers:?}"
+        );
+        assert!((outliers.found_at_5_percent - 2.0 / 3.0).abs() < 1e-12, "{outliers:?}");
+    }
+
+    /// Pins that an evaluation without anything has no figures, rather than zeros.
+    #[test]
+    fn nothing_has_no_figures() {
+        let figures = TouchFigures::of(&TouchEvaluation::default(), &["leaf".to_owned()]);
+        assert_eq!((figures.contacts_at_end, figures.outliers), (None, None));
+        assert_eq!((figures.spurious_called_nothing, figures.brier_score), (None, None));
+        assert!(figures.first_right_verdict.is_empty());
+    }
+}

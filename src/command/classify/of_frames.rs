@@ -1,0 +1,115 @@
+//! Verdicts on taxels and contact regions, by a touch model.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::Serialize;
+use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_recording::{Frame, SkinLayout};
+
+use super::super::touch::TouchDecisionArguments;
+use super::online::{Answers, Reach, json_line};
+use crate::failure::Failure;
+
+/// A touch model that answers frames.
+pub(super) struct OfFrames {
+    model: Arc<TouchModel>,
+}
+
+impl OfFrames {
+    pub(super) fn new(mut model: TouchModel, decision: &TouchDecisionArguments) -> Self {
+        model.decision = decision.over(model.decision);
+        OfFrames { model: Arc::new(model) }
+    }
+}
+
+impl Answers for OfFrames {
+    fn start(&self, layout: &SkinLayout) -> Result<Box<dyn Reach>, Failure> {
+        Ok(Box::new(Frames {
+            classifier: TouchClassifier::new(Arc::clone(&self.model), layout)?,
+        }))
+    }
+
+    fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize> {
+        layout.chosen_patch(self.model.options().patch.as_deref())
+    }
+}
+
+struct Frames {
+    classifier: TouchClassifier,
+}
+
+#[derive(Serialize)]
+struct FrameLine<'a> {
+    time_s: f64,
+    taxels: Vec<TaxelLine<'a>>,
+    regions: Vec<RegionLine<'a>>,
+}
+
+#[derive(Serialize)]
+struct TaxelLine<'a> {
+    taxel: usize,
+    samples: usize,
+    /// Number of the region's contact.
+    contact: u64,
+    verdict: &'a str,
+    /// The probability of nothing and those of the categories sum to 1.
+    nothing: f64,
+    probabilities: BTreeMap<&'a str, f64>,
+}
+
+#[derive(Serialize)]
+struct RegionLine<'a> {
+    contact: u64,
+    samples: usize,
+    taxels: usize,
+    /// Those that are not called nothing.
+    touched_taxels: usize,
+    verdict: &'a str,
+    /// If something of a known category touches it; they sum to 1.
+    probabilities: BTreeMap<&'a str, f64>,
+    share_beyond: f64,
+}
+
+impl Reach for Frames {
+    fn answer(&mut self, frame: &Frame) -> Result<String, Failure> {
+        self.classifier.update(frame)?;
+        let classifier = &self.classifier;
+        let categories = classifier.model().categories();
+        let probabilities = |region: usize, factor: f64| -> BTreeMap<&str, f64> {
+            let own = classifier.probabilities(region).iter().map(|own| factor * own);
+            categories.iter().map(String::as_str).zip(own).collect()
+        };
+        let taxels = classifier.taxels().iter().map(|own| TaxelLine {
+            taxel: own.taxel,
+            samples: own.samples,
+            contact: classifier.regions()[own.region].contact,
+            verdict: verdict(own.touch, categories),
+            nothing: own.nothing,
+            probabilities: probabilities(own.region, 1.0 - own.nothing),
+        });
+        let regions = classifier.regions().iter().enumerate().map(|(index, own)| RegionLine {
+            contact: own.contact,
+            samples: own.samples,
+            taxels: own.taxels[0],
+            touched_taxels: own.taxels[1],
+            verdict: verdict(own.touch, categories),
+            probabilities: probabilities(index, 1.0),
+            share_beyond: own.share_beyond,
+        });
+        json_line(&FrameLine {
+            time_s: frame.time_s,
+            taxels: taxels.collect(),
+            regions: regions.collect(),
+        })
+    }
+}
+
+fn verdict(touch: Touch, categories: &[String]) -> &str {
+    match touch {
+        Touch::Nothing => "nothing",
+        Touch::Category(index) => &categories[index],
+        Touch::Uncertain => "uncertain",
+        Touch::Unknown => "unknown",
+    }
+}

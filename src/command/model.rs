@@ -1,0 +1,56 @@
+//! Loading model files: those of trials, and touch models.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use underbrush_classifier::touch::{TOUCH_FORMAT, TouchModel};
+use underbrush_classifier::{FORMAT, Model};
+use underbrush_recording::InputError;
+
+use crate::failure::Failure;
+
+/// A model of either kind.
+pub enum AnyModel {
+    /// A classifier of trials.
+    OfTrials(Model),
+    /// A classifier of frames.
+    Touch(Box<TouchModel>),
+}
+
+/// The name of the format without its version.
+const TOUCH_NAME: &str = "underbrush-touch/";
+
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+}
+
+/// Reads a model file of either kind, by its format.
+pub fn load(path: &Path) -> Result<AnyModel, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let allowed = "a readable model file";
+        InputError::new(path, "file", error.to_string(), allowed, "check the path")
+    })?;
+    // The format may come after what is broken in a file that is no JSON.
+    let is_touch = match serde_json::from_str::<Head>(&text) {
+        Ok(head) => head.format.starts_with(TOUCH_NAME),
+        Err(_) => text.contains(&format!("\"{TOUCH_NAME}")),
+    };
+    Ok(if is_touch {
+        AnyModel::Touch(Box::new(TouchModel::from_json(path, &text)?))
+    } else {
+        AnyModel::OfTrials(Model::from_json(path, &text)?)
+    })
+}
+
+/// Reads a model of trials.
+pub fn load_of_trials(path: &Path) -> Result<Model, Failure> {
+    match load(path)? {
+        AnyModel::OfTrials(model) => Ok(model),
+        AnyModel::Touch(_) => {
+            let remedy =
+                "train a classifier of trials, or use this model with classify, evaluate or inspect: it judges frames";
+            Err(InputError::new(path, "format", TOUCH_FORMAT, FORMAT, remedy).into())
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Options for turning the probabilities of a touch model into verdicts.
+
+use clap::Args;
+use underbrush_classifier::touch::TouchDecision;
+
+use crate::failure::Failure;
+
+/// How probabilities become verdicts. What is not given stays as in the model.
+#[derive(Args, Clone, Debug, Default)]
+pub struct TouchDecisionArguments {
+    /// Call a reading nothing if the probability that nothing presses on the taxel is above this [default: as chosen in
+    /// training, so that few true contacts are lost]
+    #[arg(long, value_name = "P", value_parser = share)]
+    nothing_above: Option<f64>,
+    /// Call a contact unknown if at most this share of the contacts with known categories is as unusual; this is the share
+    /// of false alarms. Shares below 0.001 are not distinguished [default: as in the model, 0.01 after training]
+    #[arg(long, value_name = "P", value_parser = share)]
+    unknown_share: Option<f64>,
+    /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is above 1
+    /// minus this [default: as in the model, 0.1 after training]
+    #[arg(long, value_name = "COST", value_parser = share)]
+    cost_of_uncertain: Option<f64>,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("must be a number from 0 to 1".into()),
+    }
+}
+
+impl TouchDecisionArguments {
+    /// Refuses options that would be ignored, because verdicts come from a classifier of trials.
+    pub fn refuse_for_trials(&self) -> Result<(), Failure> {
+        let options = [
+            ("--nothing-above", self.nothing_above),
+            ("--unknown-share", self.unknown_share),
+            ("--cost-of-uncertain", self.cost_of_uncertain),
+        ];
+        match options.iter().find(|(_, given)| given.is_some()) {
+            None => Ok(()),
+            Some((option, _)) => Err(Failure::usage(format!(
+                "{option} applies to the classifier touch only, and this is a classifier of trials; use --decision, or leave it out"
+            ))),
+        }
+    }
+
+    /// The decision with the options that are given.
+    pub fn over(&self, own: TouchDecision) -> TouchDecision {
+        TouchDecision {
+            nothing_above: self.nothing_above.unwrap_or(own.nothing_above),
+            unknown_share: self.unknown_share.unwrap_or(own.unknown_share),
+            cost_of_uncertain: self.cost_of_uncertain.unwrap_or(own.cost_of_uncertain),
+        }
+    }
+}

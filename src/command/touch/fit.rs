@@ -1,0 +1,48 @@
+//! Fitting touch models to reaches.
+
+use std::path::PathBuf;
+
+use underbrush_classifier::ModelError;
+use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
+
+use crate::failure::Failure;
+use crate::reaches::Reaches;
+
+/// The rows of all reaches.
+pub(super) fn examples(reaches: &Reaches, options: &TouchOptions) -> Result<TouchExamples, Failure> {
+    let mut examples = TouchExamples::new(options.clone());
+    reaches.read(|_| true, |recording| Ok(examples.add(recording)?))?;
+    Ok(examples)
+}
+
+/// A model of these rows.
+pub(super) fn fit(examples: &TouchExamples, options: &TouchOptions) -> Result<TouchModel, Failure> {
+    let rows = examples.rows();
+    if rows.reaches < rows.held_out_parts {
+        return Err(Failure::usage(format!(
+            "{} reach to fit to; allowed: {} or more, because probabilities are calibrated on reaches that are held out; give a \
+             data set, or several recordings",
+            rows.reaches, rows.held_out_parts
+        )));
+    }
+    examples.fit().map_err(|error| match error {
+        ModelError::NoCategories { .. } => {
+            let patch = options.patch.as_ref();
+            let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
+            Failure::usage(format!(
+                "nothing of a category to fit, such as leaf or trunk, touches {patch} above {} N in {} reaches (blocks and \
+                 outliers are never fitted); lower --threshold-n, choose another --patch, or generate more reaches",
+                options.threshold_n, rows.reaches
+            ))
+        }
+        other => other.into(),
+    })
+}
+
+/// The failure with the input, if there is only one.
+pub(super) fn about(failure: Failure, paths: &[PathBuf]) -> Failure {
+    match paths {
+        [path] => failure.about(path),
+        _ => failure,
+    }
+}

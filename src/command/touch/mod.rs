@@ -1,0 +1,11 @@
+//! The classifier `touch`, which judges frames instead of trials: options and work of the commands that use it.
+
+mod decision;
+mod evaluate;
+mod fit;
+mod text;
+mod train;
+
+pub use decision::TouchDecisionArguments;
+pub use evaluate::{Evaluation, Judge};
+pub use train::train;

@@ -1,0 +1,160 @@
+//! Results of touch models as text.
+
+use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, RightWithin, TouchFigures};
+use underbrush_classifier::touch::{TouchDecision, TouchRows};
+
+use crate::output;
+
+/// What a model was fitted to.
+pub(super) fn rows(rows: &TouchRows) -> String {
+    let taxels = [
+        ("taxels, touched".to_owned(), rows.touched_taxels),
+        ("taxels, nothing on them".to_owned(), rows.untouched_taxels),
+    ];
+    let regions = rows
+        .regions
+        .iter()
+        .map(|(category, count)| (format!("regions, {category}"), *count));
+    let cells = |(name, count): (String, usize)| vec![name, count.to_string()];
+    let cells: Vec<Vec<String>> = taxels.into_iter().chain(regions).map(cells).collect();
+    format!(
+        "Classifier touch\n{}From {} reaches. Probabilities are calibrated on reaches that were held out: in {} parts, each \
+         judged by networks fitted to the others\n",
+        output::table(&["rows", "count"], &cells),
+        rows.reaches,
+        rows.held_out_parts
+    )
+}
+
+/// When each verdict is given.
+pub(super) fn decision(decision: &TouchDecision) -> String {
+    let TouchDecision {
+        nothing_above,
+        unknown_share,
+        cost_of_uncertain,
+    } = decision;
+    format!(
+        "A reading is called nothing above a probability of {nothing_above:.3}, a contact unknown if at most {} % of known \
+         contacts are as unusual, and a category is named above a probability of {:.3}\n",
+        100.0 * unknown_share,
+        1.0 - cost_of_uncertain
+    )
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("-".into(), |share| format!("{:.1}", 100.0 * share))
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or("-".into(), |value| format!("{value:.3}"))
+}
+
+/// The figures of an evaluation.
+pub(super) fn evaluation(figures: &TouchFigures) -> String {
+    let parts = [
+        verdicts(figures),
+        contacts(figures),
+        first_right(figures),
+        probabilities(figures),
+    ];
+    parts.join("\n") + &outliers(figures.outliers)
+}
+
+/// What was judged by one model, and how.
+pub(super) fn reaches(reaches: usize, own: &TouchDecision) -> String {
+    format!("{reaches} reaches. {}", decision(own))
+}
+
+/// What was cross-validated.
+pub(super) fn folds(reaches: usize, folds: usize) -> String {
+    format!("{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n")
+}
+
+fn outliers(outliers: Option<OutlierFigures>) -> String {
+    match outliers {
+        None => {
+            "Nothing of an unknown category touched the patch, so how well outliers are found is not measured\n".into()
+        }
+        Some(own) => format!(
+            "Outliers: ROC area {:.3}; {:.1} % of {} taxel frames found at 5 % false alarms\n",
+            own.roc_area,
+            100.0 * own.found_at_5_percent,
+            own.taxel_frames
+        ),
+    }
+}
+
+fn verdicts(figures: &TouchFigures) -> String {
+    let rows = figures.truths.iter().map(|own| {
+        vec![
+            own.truth.clone(),
+            own.taxel_frames.to_string(),
+            percent(own.right),
+            percent(own.wrong),
+            percent(own.uncertain),
+            percent(own.called_unknown),
+        ]
+    });
+    let header = [
+        "truth",
+        "taxel frames",
+        "right %",
+        "wrong %",
+        "uncertain %",
+        "called unknown %",
+    ];
+    output::table(&header, &rows.collect::<Vec<_>>())
+}
+
+fn contacts(figures: &TouchFigures) -> String {
+    let row = |(name, accuracy): (&str, Option<Accuracy>)| {
+        vec![
+            name.to_owned(),
+            accuracy.map_or("0".into(), |own| own.trials.to_string()),
+            percent(accuracy.map(|own| own.accuracy)),
+            percent(accuracy.and_then(|own| own.balanced_accuracy)),
+            percent(accuracy.map(|own| own.majority_baseline)),
+        ]
+    };
+    let parts = [
+        ("whole contact", figures.contacts_at_end),
+        ("first 0.1 s (10 samples)", figures.contacts_after_tenth_second),
+    ];
+    let header = [
+        "touched contacts by",
+        "contacts",
+        "accuracy %",
+        "balanced accuracy %",
+        "majority baseline %",
+    ];
+    output::table(&header, &parts.map(row))
+}
+
+fn first_right(figures: &TouchFigures) -> String {
+    if figures.first_right_verdict.is_empty() {
+        return String::new();
+    }
+    let row = |own: &RightWithin| {
+        let samples = own
+            .samples
+            .map_or("whole contact".into(), |samples| samples.to_string());
+        vec![samples, percent(Some(own.share))]
+    };
+    let rows: Vec<Vec<String>> = figures.first_right_verdict.iter().map(row).collect();
+    let mut text = output::table(&["samples", "contacts with a right verdict by then, %"], &rows);
+    if let Some(median) = figures.median_samples_until_right {
+        text += &format!("Where there is a right verdict, the first comes after {median} samples (median)\n");
+    }
+    text
+}
+
+fn probabilities(figures: &TouchFigures) -> String {
+    format!(
+        "Spurious readings called nothing: {} %; true contacts lost by that: {} %\n\
+         Expected calibration error {}, Brier score {}\n",
+        percent(figures.spurious_called_nothing),
+        percent(figures.touches_lost),
+        number(figures.expected_calibration_error),
+        number(figures.brier_score)
+    )
+}

@@ -1,0 +1,40 @@
+//! `underbrush train --classifier touch`.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use underbrush_classifier::touch::{TouchDecision, TouchOptions, TouchRows};
+
+use super::{fit, text};
+use crate::failure::Failure;
+use crate::output;
+use crate::reaches::Reaches;
+
+#[derive(Serialize)]
+struct Trained<'a> {
+    #[serde(serialize_with = "output::path")]
+    model: &'a Path,
+    classifier: &'static str,
+    categories: &'a [String],
+    rows: TouchRows,
+    decision: TouchDecision,
+}
+
+/// Fits a model to the reaches of these data sets and recordings and writes its file.
+pub fn train(paths: &[PathBuf], options: &TouchOptions, out: &Path, json: bool) -> Result<(), Failure> {
+    let reaches = Reaches::open(paths)?;
+    let examples = fit::examples(&reaches, options)?;
+    let model = fit::fit(&examples, options).map_err(|failure| fit::about(failure, paths))?;
+    let text = model.to_json().map_err(|error| Failure::run(error.to_string()))?;
+    output::write_file(out, text.as_bytes())?;
+    let trained = Trained {
+        model: out,
+        classifier: "touch",
+        categories: model.categories(),
+        rows: examples.rows(),
+        decision: model.decision,
+    };
+    output::result(json, &trained, || {
+        text::rows(&trained.rows) + &text::decision(&trained.decision) + &format!("Model written to {}", out.display())
+    })
+}

@@ -1,0 +1,102 @@
+//! Whole reaches of data sets and recordings, read one after the other, so that memory stays bounded.
+
+use std::path::{Path, PathBuf};
+
+use underbrush_recording::disk::{Dataset, is_recording, read_recording};
+use underbrush_recording::{InputError, Recording};
+
+use crate::failure::Failure;
+use crate::{input, progress};
+
+/// The reaches of some data sets and recordings, in the order in which they are given.
+pub struct Reaches {
+    sources: Vec<(PathBuf, Source)>,
+}
+
+enum Source {
+    Dataset(Box<Dataset>),
+    Recording,
+}
+
+/// What commands accept that learn from whole frames.
+const ALLOWED: &str = "data sets (folders) or recordings (.parquet), which hold whole frames";
+
+impl Reaches {
+    /// Finds the reaches of these files and folders.
+    ///
+    /// # Errors
+    /// If one is neither a data set nor a recording.
+    pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
+        let source = |path: &PathBuf| {
+            input::check_exists(path, ALLOWED)?;
+            let source = if path.is_dir() {
+                Source::Dataset(Box::new(Dataset::open(path)?))
+            } else if is_recording(path) {
+                Source::Recording
+            } else {
+                let remedy = "give the data set or recording that the trials were taken from";
+                return Err(
+                    InputError::new(path, "input", "a table of trials or another file", ALLOWED, remedy).into(),
+                );
+            };
+            Ok((path.clone(), source))
+        };
+        let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();
+        Ok(Reaches { sources: sources? })
+    }
+
+    /// Number of reaches.
+    pub fn count(&self) -> usize {
+        let counts = self.sources.iter().map(|(_, source)| match source {
+            Source::Dataset(dataset) => dataset.episodes().len(),
+            Source::Recording => 1,
+        });
+        counts.sum()
+    }
+
+    /// Reads the reaches whose positions `keeps` returns true for, and hands each to `each`; with a progress bar.
+    ///
+    /// # Errors
+    /// If a file is damaged, or a recording has no ground truth. Errors of `each` are told with the file.
+    pub fn read(
+        &self,
+        keeps: impl Fn(usize) -> bool,
+        mut each: impl FnMut(&Recording) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let bar = progress::bar(
+            (0..self.count()).filter(|position| keeps(*position)).count() as u64,
+            "reaches read",
+        );
+        let mut position = 0;
+        for (path, source) in &self.sources {
+            let reaches = match source {
+                Source::Dataset(dataset) => dataset.episodes().len(),
+                Source::Recording => 1,
+            };
+            for index in 0..reaches {
+                if keeps(position) {
+                    let recording = match source {
+                        Source::Dataset(dataset) => dataset.read_reach(index)?,
+                        Source::Recording => read_recording(path)?,
+                    };
+                    check_truth(path, index, &recording)?;
+                    each(&recording).map_err(|failure| failure.about(path))?;
+                    bar.inc(1);
+                }
+                position += 1;
+            }
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+}
+
+/// A recording of a real robot lists no objects. Without them every reading would count as spurious.
+fn check_truth(path: &Path, index: usize, recording: &Recording) -> Result<(), Failure> {
+    if !recording.objects.is_empty() {
+        return Ok(());
+    }
+    let found = format!("no objects in reach {index}, so no ground truth");
+    let remedy = "leave this reach out; classify does not need ground truth";
+    Err(InputError::new(path, "objects", found, "the objects that may touch the skin", remedy).into())
+}
