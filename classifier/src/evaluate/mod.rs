@@ -15,7 +15,7 @@ mod roc;
 mod stream;
 mod threshold;
 pub mod touch;
-mod touch_figures;
+pub mod touch_figures;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};

@@ -150,23 +150,33 @@ fn first_right(until_right: &[usize], contacts: usize) -> Vec<RightWithin> {
     counts.filter_map(within).collect()
 }
 
-fn outliers(distances: &[TouchDistance]) -> Option<OutlierFigures> {
+/// The curve of contacts with unknown objects against those with known ones, by taxel frames and without foam blocks; `None` unless
+/// there are both.
+pub fn outlier_curve<'a>(distances: impl Iterator<Item = &'a TouchDistance> + Clone) -> Option<RocCurve> {
     let by_taxel = |is_known: bool| -> Vec<f64> {
-        let own = distances.iter().filter(|own| own.is_known == is_known);
+        let own = distances.clone().filter(|own| own.is_known == is_known);
         let own = own.filter(|own| own.category != Category::BLOCK.code());
         own.flat_map(|own| std::iter::repeat_n(own.distance, own.taxels))
             .collect()
     };
-    let unknown = by_taxel(false);
-    let curve = RocCurve::of(&unknown, &by_taxel(true))?;
-    let allowed = curve
-        .points
-        .iter()
-        .filter(|point| point.false_positive_rate <= FALSE_ALARMS);
+    RocCurve::of(&by_taxel(false), &by_taxel(true))
+}
+
+/// The share of positives that a curve finds at [`FALSE_ALARMS`].
+pub fn found_at_false_alarms(curve: &RocCurve) -> f64 {
+    let points = curve.points.iter();
+    let allowed = points.filter(|point| point.false_positive_rate <= FALSE_ALARMS);
+    allowed.map(|point| point.true_positive_rate).fold(0.0, f64::max)
+}
+
+fn outliers(distances: &[TouchDistance]) -> Option<OutlierFigures> {
+    let curve = outlier_curve(distances.iter())?;
+    let unknown = distances.iter().filter(|own| !own.is_known);
+    let unknown = unknown.filter(|own| own.category != Category::BLOCK.code());
     Some(OutlierFigures {
-        taxel_frames: unknown.len(),
+        taxel_frames: unknown.map(|own| own.taxels).sum(),
         roc_area: curve.area,
-        found_at_5_percent: allowed.map(|point| point.true_positive_rate).fold(0.0, f64::max),
+        found_at_5_percent: found_at_false_alarms(&curve),
     })
 }
 

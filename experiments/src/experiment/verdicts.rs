@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::evaluate::RocCurve;
-use underbrush_classifier::evaluate::touch::{TouchDistance, TouchEvaluation, TouchTally};
+use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
+use underbrush_classifier::evaluate::touch_figures::{TouchFigures, found_at_false_alarms, outlier_curve};
+use underbrush_classifier::evaluate::{Accuracy, RocCurve};
 use underbrush_classifier::touch::{TouchExamples, TouchModel};
 use underbrush_recording::Recording;
 
@@ -20,9 +21,6 @@ const FOLDS: usize = 3;
 /// The reaches of the mixed scene have indices from here on, so that none of them is among the test reaches, which are drawn
 /// from 0.
 const FIRST_INDEX: u64 = 1000;
-/// The rate of false alarms at which the share of outliers found is given.
-pub const FALSE_ALARMS: f64 = 0.05;
-
 /// The verdicts, if the experiment asks for them.
 #[derive(Serialize)]
 pub struct Outcome {
@@ -128,7 +126,12 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             known.map(|found| judge(&model, found)).collect::<Result<_, _>>()?;
         let unknown = |found: &Option<Found>| found.as_ref().map(|found| judge(&model, found)).transpose();
         let unknown = [unknown(&tests.outlier)?, unknown(&tests.second_outlier)?];
-        let curves = unknown.map(|own| own.and_then(|(_, own)| curve(&own, &known)));
+        let curve = |(_, own): (String, TouchEvaluation)| {
+            let others = known.iter().flat_map(|(_, known)| &known.distances);
+            let others = others.filter(|other| other.is_known);
+            outlier_curve(own.distances.iter().chain(others))
+        };
+        let curves = unknown.map(|own| own.and_then(curve));
         let verdicts = Verdicts::of(model.categories().to_vec(), all, &known, curves, recordings.len());
         Ok(Outcome {
             verdicts: Some(verdicts),
@@ -185,26 +188,6 @@ fn judge(model: &Arc<TouchModel>, found: &Found) -> Result<(String, TouchEvaluat
     Ok((found.scene.clone(), evaluation))
 }
 
-/// The curve of contacts with unknown objects against all contacts with known ones, by taxel frames.
-fn curve(own: &TouchEvaluation, known: &[(String, TouchEvaluation)]) -> Option<RocCurve> {
-    let by_taxel = |distance: &TouchDistance| std::iter::repeat_n(distance.distance, distance.taxels);
-    let positives: Vec<f64> = own
-        .distances
-        .iter()
-        .filter(|own| !own.is_known)
-        .flat_map(by_taxel)
-        .collect();
-    let others = known.iter().flat_map(|(_, known)| &known.distances);
-    let negatives: Vec<f64> = own
-        .distances
-        .iter()
-        .chain(others)
-        .filter(|own| own.is_known)
-        .flat_map(by_taxel)
-        .collect();
-    RocCurve::of(&positives, &negatives)
-}
-
 impl Verdicts {
     fn of(
         categories: Vec<String>,
@@ -213,33 +196,20 @@ impl Verdicts {
         curves: [Option<RocCurve>; 2],
         training_reaches: usize,
     ) -> Self {
-        let spurious = held_out.tallies.first().copied().unwrap_or_default();
-        let touched = held_out.known();
-        let share = |part: usize, all: usize| (all > 0).then(|| part as f64 / all as f64);
-        let contacts = held_out.contacts.len();
-        let count = |category: usize| held_out.contacts.iter().filter(|own| own.category == category).count();
-        let mut until_right: Vec<usize> = held_out
-            .contacts
-            .iter()
-            .filter_map(|own| own.samples_until_right)
-            .collect();
-        until_right.sort_unstable();
+        let figures = TouchFigures::of(&held_out, &categories);
+        let balanced = |accuracy: &Option<Accuracy>| accuracy.as_ref().and_then(|own| own.balanced_accuracy);
         let scene = |(scene, own): &(String, TouchEvaluation)| SceneFigures::of(scene, &own.known());
         Verdicts {
-            touched_balanced_accuracy: held_out.balanced_accuracy(categories.len(), |own| own.at_end),
-            first_tenth_second_balanced_accuracy: held_out
-                .balanced_accuracy(categories.len(), |own| own.after_tenth_second),
-            contacts,
-            largest_category_share: (0..categories.len())
-                .map(count)
-                .max()
-                .and_then(|most| share(most, contacts)),
-            median_samples_until_right: until_right.get(until_right.len() / 2).copied(),
-            ever_right: share(until_right.len(), contacts),
-            spurious_called_nothing: share(spurious.right, spurious.total()),
-            touches_lost: share(touched.nothing, touched.total()),
-            expected_calibration_error: held_out.expected_calibration_error(),
-            brier_score: held_out.brier_score(),
+            touched_balanced_accuracy: balanced(&figures.contacts_at_end),
+            first_tenth_second_balanced_accuracy: balanced(&figures.contacts_after_tenth_second),
+            contacts: held_out.contacts.len(),
+            largest_category_share: figures.contacts_at_end.as_ref().map(|own| own.majority_baseline),
+            median_samples_until_right: figures.median_samples_until_right,
+            ever_right: figures.first_right_verdict.last().map(|whole| whole.share),
+            spurious_called_nothing: figures.spurious_called_nothing,
+            touches_lost: figures.touches_lost,
+            expected_calibration_error: figures.expected_calibration_error,
+            brier_score: figures.brier_score,
             outlier: OutlierFigures::of(&curves),
             scenes: known.iter().filter_map(scene).collect(),
             training_reaches,
@@ -253,11 +223,7 @@ impl Verdicts {
 impl OutlierFigures {
     fn of([first, second]: &[Option<RocCurve>; 2]) -> Self {
         let area = |curve: &Option<RocCurve>| curve.as_ref().map(|curve| curve.area);
-        let found = |curve: &Option<RocCurve>| {
-            let points = curve.iter().flat_map(|curve| &curve.points);
-            let allowed = points.filter(|point| point.false_positive_rate <= FALSE_ALARMS);
-            allowed.map(|point| point.true_positive_rate).reduce(f64::max)
-        };
+        let found = |curve: &Option<RocCurve>| curve.as_ref().map(found_at_false_alarms);
         OutlierFigures {
             outlier_roc_area: area(first),
             outliers_found: found(first),

@@ -1,8 +1,9 @@
 //! What touches each taxel, frame by frame: accuracy, calibration, and outliers found.
 
 use underbrush_classifier::evaluate::touch::CalibrationBin;
+use underbrush_classifier::evaluate::touch_figures::FALSE_ALARMS;
 use underbrush_classifier::evaluate::{RocCurve, RocPoint};
-use underbrush_experiments::experiment::verdicts::{FALSE_ALARMS, Outcome, Verdicts};
+use underbrush_experiments::experiment::verdicts::{Outcome, Verdicts};
 
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
 use crate::report::Report;
