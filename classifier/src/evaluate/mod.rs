@@ -15,7 +15,7 @@ mod roc;
 mod stream;
 mod threshold;
 pub mod touch;
-pub mod touch_figures;
+mod touch_figures;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
@@ -30,7 +30,9 @@ pub use rates::Rates;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream};
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
-pub use touch_figures::{OutlierFigures, RightWithin, TouchFigures, TruthFigures};
+pub use touch_figures::{
+    FALSE_ALARMS, OutlierFigures, RightWithin, TouchFigures, TruthFigures, found_at_false_alarms, outlier_curve,
+};
 
 #[cfg(test)]
 mod tests;

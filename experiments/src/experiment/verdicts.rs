@@ -5,8 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
-use underbrush_classifier::evaluate::touch_figures::{TouchFigures, found_at_false_alarms, outlier_curve};
-use underbrush_classifier::evaluate::{Accuracy, RocCurve};
+use underbrush_classifier::evaluate::{Accuracy, RocCurve, TouchFigures, found_at_false_alarms, outlier_curve};
 use underbrush_classifier::touch::{TouchExamples, TouchModel};
 use underbrush_recording::Recording;
 

@@ -1,8 +1,7 @@
 //! What touches each taxel, frame by frame: accuracy, calibration, and outliers found.
 
 use underbrush_classifier::evaluate::touch::CalibrationBin;
-use underbrush_classifier::evaluate::touch_figures::FALSE_ALARMS;
-use underbrush_classifier::evaluate::{RocCurve, RocPoint};
+use underbrush_classifier::evaluate::{FALSE_ALARMS, RocCurve, RocPoint};
 use underbrush_experiments::experiment::verdicts::{Outcome, Verdicts};
 
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
