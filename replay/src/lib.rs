@@ -10,6 +10,7 @@
 mod contact_trials;
 mod container;
 mod error;
+mod known;
 pub mod pack;
 mod page;
 mod server;
@@ -17,9 +18,10 @@ mod source;
 mod verdicts;
 
 pub use error::ReplayError;
+pub use known::Known;
 pub use page::single_file;
 pub use server::Server;
-pub use source::{Known, Source, Summary};
+pub use source::{Source, Summary};
 pub use verdicts::Judging;
 
 #[cfg(test)]

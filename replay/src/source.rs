@@ -5,19 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use underbrush_recording::disk::{Dataset, read_recording};
-use underbrush_recording::{Audit, GoalOutcomes, Outcome, Recording, SkinLayout};
+use underbrush_recording::{GoalOutcomes, Outcome, Recording, SkinLayout};
 
 use crate::pack::pack;
-use crate::{Judging, ReplayError};
-
-/// What the recordings do not say and the caller knows.
-#[derive(Clone, Copy)]
-pub struct Known {
-    /// The force limit of a taxel, N, by the controller's name.
-    pub force_limit_n: fn(&str) -> Option<f64>,
-    /// The bounds of the audit that a reach with this skin exceeds, each as a sentence.
-    pub audit_warnings: fn(&Audit, &SkinLayout) -> Vec<String>,
-}
+use crate::{Judging, Known, ReplayError};
 
 /// One line of the list of reaches.
 #[derive(Clone, Debug, PartialEq, Serialize)]

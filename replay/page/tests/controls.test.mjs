@@ -84,7 +84,7 @@ test("jumps to contacts, peaks, goals and mistakes", async () => {
   await page.locator("body").click({ position: { x: 2, y: 2 } });
   const press = async (key) => { await page.keyboard.press(key); await settle(page); return (await state(page)).frame; };
   const firsts = [...new Set(recording.contacts.map((contact) => contact.first_frame))].filter((frame) => frame > 0).sort((a, b) => a - b);
-  assert.deepEqual([await press("c"), await press("c"), await press("C")], [firsts[0], firsts[1], firsts[0]]);
+  assert.deepEqual([await press("c"), await press("c"), await press("Shift+C")], [firsts[0], firsts[1], firsts[0]]);
   await page.getByRole("button", { name: "Next contact" }).click();
   assert.equal((await state(page)).frame, firsts[1]);
   await press("Home");

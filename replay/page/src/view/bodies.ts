@@ -76,7 +76,7 @@ export class Bodies extends Group {
     this.#objects.forEach((material, object) => {
       material.color.set(palette.category(this.reach.category(object)));
       // In the shade of the lamp the colour is darker than in the legend.
-      if (!palette.dark) material.color.lerp(WHITE, 0.18);
+      if (!palette.dark) material.color.lerp(WHITE, 0.05);
       // Neighbours of one category differ a little in lightness.
       material.color.offsetHSL(0, 0, 0.05 * ((object % 3) - 1));
       material.emissive.copy(accent).multiplyScalar(object === chosen ? 0.55 : 0);
