@@ -99,7 +99,7 @@ fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, i
     println!("{}", rows.join("\n"));
 }
 
-/// A controller that is told what truly presses on each taxel, on all patches.
+/// A controller that is told what truly presses on each taxel, on all patches. Foam blocks count as unknown.
 struct Truth {
     inner: Box<dyn Controller>,
     allowed: AllowedForces,
@@ -132,8 +132,9 @@ impl Controller for Truth {
         let allow = |contact: &TaxelContact| {
             let touch = match self.touched.get(&(contact.patch, contact.taxel)) {
                 None => Touch::Nothing,
-                Some(category) => (names.iter().position(|name| name == category.name()))
-                    .map_or(Touch::Unknown, Touch::Category),
+                Some(category) => {
+                    (names.iter().position(|name| name == category.name())).map_or(Touch::Unknown, Touch::Category)
+                }
             };
             self.allowed.of(touch, &names).apply(contact)
         };

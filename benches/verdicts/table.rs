@@ -19,7 +19,11 @@ const QUANTITIES: [(&str, &str, Option<&str>); 11] = [
         Some("trunk_forearm_taxels"),
     ),
     ("largest force of a taxel on a leaf, N", "leaf_peak_taxel_n", None),
-    ("mean force of a taxel on a leaf, N", "leaf_taxel_newtons", Some("leaf_taxels")),
+    (
+        "mean force of a taxel on a leaf, N",
+        "leaf_taxel_newtons",
+        Some("leaf_taxels"),
+    ),
     ("steps without a solution", "infeasible_steps", None),
 ];
 
@@ -44,7 +48,15 @@ pub fn print(text: &str) {
         .map(|of_reach| CONTROLLERS.map(|controller| of_reach[controller].clone()))
         .collect();
     println!("{} reaches\n", reaches.len());
-    println!("| | {} | {} |", CONTROLLERS.join(" | "), CONTROLLERS[1..].iter().map(|name| format!("{name} − without")).collect::<Vec<_>>().join(" | "));
+    println!(
+        "| | {} | {} |",
+        CONTROLLERS.join(" | "),
+        CONTROLLERS[1..]
+            .iter()
+            .map(|name| format!("{name} − without"))
+            .collect::<Vec<_>>()
+            .join(" | ")
+    );
     println!("|---{}", "|---".repeat(2 * CONTROLLERS.len() - 1) + "|");
     for (name, sum, divisor) in QUANTITIES {
         let all: Vec<&Rows> = reaches.iter().collect();

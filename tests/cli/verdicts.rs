@@ -28,7 +28,8 @@ fn a_set_with_verdicts_is_made_again_with_its_model() {
     let folder = tempfile::tempdir().unwrap();
     let model = touch_model(folder.path());
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
-    let [set, again, file, plain] = ["set", "again", "reach.parquet", "plain.parquet"].map(|name| folder.path().join(name));
+    let [set, again, file, plain] =
+        ["set", "again", "reach.parquet", "plain.parquet"].map(|name| folder.path().join(name));
     #[rustfmt::skip]
     underbrush!["generate", scene, "--reaches", "2", "--seed", "1", "--verdicts", model, "--out", set].success();
     #[rustfmt::skip]
@@ -58,7 +59,8 @@ fn a_set_with_verdicts_is_made_again_with_its_model() {
 
 /// The hash of the touch model in a set's provenance.
 fn blake3_of(set: &Path) -> String {
-    let parameters = &Dataset::open(set).unwrap().provenance().controller_parameters["trunk"]["verdicts"];
+    let set = Dataset::open(set).unwrap();
+    let parameters = &set.provenance().controller_parameters["trunk"]["verdicts"];
     assert_eq!(parameters["allowed_force_n"]["categories_n"]["leaf"], 6.0);
     parameters["touch_model_blake3"].as_str().unwrap().to_owned()
 }

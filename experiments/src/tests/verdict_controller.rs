@@ -9,7 +9,7 @@ use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, Co
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::verdict_controller::{AllowedForces, Allowance, VerdictControl};
+use crate::verdict_controller::{Allowance, AllowedForces, VerdictControl};
 
 /// A network that gives these scores, whatever it sees.
 fn constant(inputs: usize, scores: [f64; 2]) -> Value {
@@ -61,7 +61,7 @@ fn plan() -> ReachPlan {
     ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap()
 }
 
-/// What the inner controller is given: contacts, and the frames before the first of them.
+/// The contacts that the inner controller is given in a whole reach.
 type Given = Arc<Mutex<Vec<TaxelContact>>>;
 
 /// Notes the contacts that it is given, and passes them on.

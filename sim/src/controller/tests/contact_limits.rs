@@ -28,10 +28,7 @@ fn the_usual_limit_given_to_each_contact_changes_nothing() {
             let usual = with(preset.force_limit_n);
             assert_eq!(usual.status, without.status);
             let bits = |angles: &[f64]| -> Vec<u64> { angles.iter().map(|angle| angle.to_bits()).collect() };
-            assert_eq!(
-                bits(&usual.equilibrium_angle_rad),
-                bits(&without.equilibrium_angle_rad)
-            );
+            assert_eq!(bits(&usual.equilibrium_angle_rad), bits(&without.equilibrium_angle_rad));
             changed += usize::from(with(0.5 * preset.force_limit_n) != without);
         }
         assert!(changed > 50, "{}: {changed}", preset.name);
