@@ -99,7 +99,7 @@ fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, i
     println!("{}", rows.join("\n"));
 }
 
-/// A controller that is told what truly presses on each taxel, on all patches.
+/// A controller that is told what truly presses on each taxel, on all patches. Foam blocks count as unknown.
 struct Truth {
     inner: Box<dyn Controller>,
     allowed: AllowedForces,

@@ -5,7 +5,6 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use serde::Serialize;
 use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
@@ -13,13 +12,14 @@ use underbrush_recording::disk::{
 use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, CampaignError, Job};
-use underbrush_sim::controller::{ControllerKind, Preset};
-use underbrush_sim::reach::{ReachPlan, ReachRules};
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
+use crate::controller_parameters::ControllerParameters;
 use crate::error::ExperimentError;
 use crate::progress::Progress;
-use crate::verdict_controller::{VerdictControl, VerdictParameters, WITH_VERDICTS};
+use crate::verdict_controller::{VerdictControl, WITH_VERDICTS, check_model};
 
 /// The program's name in data sets and results.
 pub const PROGRAM: &str = "underbrush";
@@ -42,27 +42,6 @@ pub struct Campaign {
     pub verdicts: Option<VerdictControl>,
     /// The part of the reaches to run; all if not given.
     pub shard: Option<Shard>,
-}
-
-/// The parameters of a scene's controller and of the rules that end its reaches, as stored in a data set.
-#[derive(Serialize)]
-struct ControllerParameters<'a> {
-    #[serde(flatten)]
-    preset: Option<&'a Preset>,
-    #[serde(flatten)]
-    rules: &'a ReachRules,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    verdicts: Option<VerdictParameters<'a>>,
-}
-
-impl<'a> ControllerParameters<'a> {
-    fn of(plan: &'a ReachPlan, verdicts: Option<&'a VerdictControl>) -> Self {
-        ControllerParameters {
-            preset: plan.controller.preset(),
-            rules: &plan.rules,
-            verdicts: verdicts.map(VerdictControl::parameters),
-        }
-    }
 }
 
 /// The result of a request for a data set.
@@ -320,28 +299,6 @@ impl Campaign {
             shard: self.shard,
         }
     }
-}
-
-/// Refuses a touch model that did not give the verdicts of a data set, or a lack of the one that did.
-fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), ExperimentError> {
-    let mut parameters = dataset.provenance().controller_parameters.values();
-    let stored = parameters.find_map(|scene| scene.get("verdicts")?.get("touch_model_blake3")?.as_str());
-    let given = verdicts.map(VerdictControl::model_blake3);
-    if stored == given {
-        return Ok(());
-    }
-    let path = dataset.dir().join("meta/provenance.json");
-    let found = given.map_or("no touch model".into(), |hash| {
-        format!("a touch model with BLAKE3 hash {hash}")
-    });
-    let (allowed, remedy) = match stored {
-        Some(hash) => (
-            format!("the touch model that the controller used, with BLAKE3 hash {hash}"),
-            "give its file with --verdicts",
-        ),
-        None => ("none: the controller had no verdicts".into(), "leave out --verdicts"),
-    };
-    Err(InputError::new(path, "controller_parameters", found, allowed, remedy).into())
 }
 
 /// The categories of the scenes' objects that are not built in, each once, by code.

@@ -8,6 +8,7 @@
 pub mod accuracy;
 pub mod audit;
 pub mod cell;
+mod controller_parameters;
 pub mod dataset;
 pub mod definition;
 pub mod ends;

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Frame, InputError};
 use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
 use underbrush_sim::reach::{PlannedController, ReachPlan};
@@ -30,9 +31,10 @@ pub struct AllowedForces {
 }
 
 impl Default for AllowedForces {
-    /// On leaves 6 N, twice the 3 N of `cody-2013`: a leaf bends away before a taxel feels as much, so that this limit hardly ever
-    /// holds the arm back. On trunks and unknown things 1.5 N, half as much as 3 N. It has to be above the 1 N from which on the
-    /// controller takes a reading for a contact, because a contact over its limit may not rise at all.
+    /// On leaves 6 N, twice the 3 N of `cody-2013`: a leaf bends away before a taxel feels as much (5.4 N at most in 14 mixed
+    /// reaches), so that this limit hardly ever holds the arm back. On trunks and unknown things 1.5 N, half as much as 3 N. It
+    /// has to be above the 1 N from which on the controller takes a reading for a contact, because a contact over its limit may
+    /// not rise at all.
     fn default() -> Self {
         AllowedForces {
             categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(),
@@ -151,8 +153,7 @@ impl VerdictControl {
     /// [`ExperimentError`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
     pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, ExperimentError> {
         if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
-            let text =
-                "the controller blind ignores all contacts, so verdicts change nothing; choose another controller";
+            let text = "the controller blind ignores all contacts and so all verdicts; choose another controller";
             return Err(ExperimentError::Request(text.into()));
         }
         let layout = &plan.arm.skin.layout;
@@ -170,6 +171,28 @@ impl VerdictControl {
             })
         }))
     }
+}
+
+/// Refuses a touch model that did not give the verdicts of a data set, or a lack of the one that did.
+pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), ExperimentError> {
+    let mut parameters = dataset.provenance().controller_parameters.values();
+    let stored = parameters.find_map(|scene| scene.get("verdicts")?.get("touch_model_blake3")?.as_str());
+    let given = verdicts.map(VerdictControl::model_blake3);
+    if stored == given {
+        return Ok(());
+    }
+    let path = dataset.dir().join("meta/provenance.json");
+    let found = given.map_or("no touch model".into(), |hash| {
+        format!("a touch model with BLAKE3 hash {hash}")
+    });
+    let (allowed, remedy) = match stored {
+        Some(hash) => (
+            format!("the touch model that the controller used, with BLAKE3 hash {hash}"),
+            "give its file with --verdicts",
+        ),
+        None => ("none: the controller had no verdicts".into(), "leave out --verdicts"),
+    };
+    Err(InputError::new(path, "controller_parameters", found, allowed, remedy).into())
 }
 
 /// A controller whose contacts have limits by verdict. Taxels of other patches than the model's keep the usual one.

@@ -1,6 +1,6 @@
 //! A controller that a user of the library writes.
 
-use underbrush_recording::Outcome;
+use underbrush_recording::{Frame, Outcome};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerOutput};
 use underbrush_sim::reach::{ReachError, ReachPlan};
@@ -10,6 +10,8 @@ use underbrush_sim::scene::Scene;
 struct Gradient {
     calls: u32,
     last_angle_rad: Option<Vec<f64>>,
+    frames: u32,
+    seen_angle_rad: Vec<f64>,
 }
 
 const RATE_HZ: f64 = 20.0;
@@ -23,7 +25,14 @@ impl Controller for Gradient {
         RATE_HZ
     }
 
+    fn observe(&mut self, frame: &Frame) {
+        self.frames += 1;
+        self.seen_angle_rad.clone_from(&frame.joint_angle_rad);
+    }
+
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        assert_eq!(self.frames, 5 * self.calls + 1, "every frame is seen, before control");
+        assert_eq!(self.seen_angle_rad, input.joint_angle_rad);
         // Over a control period of 50 ms the mean velocity lies near the one at its end: of the same sign where the joint
         // moves at all.
         if let Some(last) = &self.last_angle_rad {
@@ -53,8 +62,8 @@ impl Controller for Gradient {
     }
 }
 
-/// Pins that a controller from outside the crate runs a reach: it is called at its own rate, is told the joints' angles and
-/// velocities, reaches a goal in free space, names the recording, and starts afresh in every reach.
+/// Pins that a controller from outside the crate runs a reach: it sees every frame, is then called at its own rate and told the
+/// joints' angles and velocities, reaches a goal in free space, names the recording, and starts afresh in every reach.
 #[test]
 fn a_users_controller_runs_a_reach() {
     let text = "summary = \"Free space\"\ngoals = { count = 1, retries = 0, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n";
@@ -63,6 +72,8 @@ fn a_users_controller_runs_a_reach() {
         Box::new(Gradient {
             calls: 0,
             last_angle_rad: None,
+            frames: 0,
+            seen_angle_rad: Vec::new(),
         })
     };
     let plan = ReachPlan::new(scene, None, 0).unwrap().with_controller(make);

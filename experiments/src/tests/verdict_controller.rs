@@ -61,7 +61,7 @@ fn plan() -> ReachPlan {
     ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap()
 }
 
-/// What the inner controller is given: contacts, and the frames before the first of them.
+/// The contacts that the inner controller is given in a whole reach.
 type Given = Arc<Mutex<Vec<TaxelContact>>>;
 
 /// Notes the contacts that it is given, and passes them on.
