@@ -36,7 +36,7 @@ fn always(touch: Touch) -> VerdictControl {
     // No contact is farther than this, or every one.
     let distance = if touch == Touch::Unknown { 0.0 } else { 1e9 };
     let normal = json!({
-        "mean": [0.0; DESCRIPTION_COUNT],
+        "mean": vec![0.0; DESCRIPTION_COUNT],
         "factor": vec![[1.0; DESCRIPTION_COUNT]; DESCRIPTION_COUNT],
     });
     let model = json!({
@@ -46,7 +46,7 @@ fn always(touch: Touch) -> VerdictControl {
         "decision": { "nothing_above": 0.5, "unknown_share": 0.01, "cost_of_uncertain": 0.1 },
         "touched": constant(TAXEL_FEATURE_COUNT, touched),
         "category": constant(REGION_FEATURE_COUNT, category),
-        "usual": { "normals": [normal, normal], "distances": [distance; 31] },
+        "usual": { "normals": [normal, normal], "distances": vec![distance; 31] },
     });
     VerdictControl::from_json(Path::new("touch.json"), &model.to_string()).unwrap()
 }
