@@ -16,7 +16,6 @@ use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, Co
 use underbrush_sim::reach::{PlannedController, ReachPlan};
 
 use crate::error::ExperimentError;
-use crate::kept::ANALYSIS_VERSION;
 
 /// What is added to the name of a controller with verdicts.
 pub const WITH_VERDICTS: &str = "+verdicts";
@@ -142,7 +141,7 @@ impl VerdictControl {
     pub fn parameters(&self) -> VerdictParameters<'_> {
         VerdictParameters {
             touch_model_blake3: &self.model_blake3,
-            sources: ANALYSIS_VERSION,
+            sources: env!("UNDERBRUSH_ANALYSIS_SOURCES"),
             allowed_force_n: &self.allowed,
         }
     }
