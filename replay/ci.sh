@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Checks the page: its types, that the checked-in build is the build of its sources, and its tests in Chromium.
-# The program must have been built (cargo test --release --workspace). Needs Node 20.19 or later, and installs what else is
+# With --without-browser it leaves out the tests in Chromium. For those the program must have been built
+# (cargo test --release --workspace). Needs Node 20.19 or later, and installs what else is
 # missing: Chromium by apt-get, packages by npm at the versions of package-lock.json.
 set -euo pipefail
 cd "$(dirname "$0")/page"
@@ -14,8 +15,6 @@ install() {
 command -v node > /dev/null || install nodejs npm
 node -e 'const [a, b] = process.versions.node.split(".").map(Number);
   if (a < 20 || (a === 20 && b < 19)) { console.error(`Node ${process.versions.node} is too old: install 20.19 or later`); process.exit(1); }'
-export CHROMIUM=${CHROMIUM:-/usr/bin/chromium}
-[ -x "$CHROMIUM" ] || install chromium fonts-liberation
 
 npm ci --no-audit --no-fund
 npm run check
@@ -26,6 +25,10 @@ cmp "$built/index.html" dist/index.html || {
   echo "replay/page/dist is not the build of replay/page/src: run \`npm run build\` in replay/page and commit it" >&2
   exit 1
 }
+[ "${1:-}" != --without-browser ] || exit 0
+
+export CHROMIUM=${CHROMIUM:-/usr/bin/chromium}
+[ -x "$CHROMIUM" ] || install chromium fonts-liberation
 # One folder of recordings for all tests.
 mkdir "$built/data"
 REPLAY_DATA=$built/data npm test

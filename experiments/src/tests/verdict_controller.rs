@@ -58,7 +58,8 @@ fn plan() -> ReachPlan {
                 [[objects.trunk]]\n\
                 count = 4\n\
                 place = { x_m = { uniform = [0.25, 0.50] }, y_m = { uniform = [-0.50, -0.15] } }\n";
-    ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap()
+    // In its first reach a trunk presses on a taxel of the forearm with 3 N, the published limit.
+    ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 4).unwrap()
 }
 
 /// The contacts that the inner controller is given in a whole reach.
