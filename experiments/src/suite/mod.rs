@@ -1,6 +1,6 @@
 //! Regression suites: scenes, a controller and a model, with bounds on what a run of them gives.
 //!
-//! A suite file ([`file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which bounds.
+//! A suite file ([`mod@file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which bounds.
 //! [`Suite::run`] runs it and holds every metric against its bounds; [`bless::text`] writes bounds from what was found, with a
 //! margin that `statistics` derives.
 
