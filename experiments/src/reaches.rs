@@ -26,7 +26,7 @@ enum Wanted {
     All(Vec<Category>),
     /// The patch touches the outlier before it touches any of these, and then one of these.
     OutlierFirst(Vec<Category>),
-    /// The patch touches something of another category than these.
+    /// The patch touches an object of a category that is not among these.
     Unknown(Vec<Category>),
 }
 

@@ -19,7 +19,7 @@ pub struct Summary {
     pub source: String,
     /// Name of the scene.
     pub scene: String,
-    /// The campaign's seed, as text: numbers of JavaScript have 53 bits.
+    /// The campaign's seed, as text, because JavaScript's numbers have 53 bits.
     pub seed: String,
     /// Index of the reach in its campaign.
     pub reach_index: u64,

@@ -40,7 +40,7 @@ pub struct Verdicts {
     pub contacts: usize,
     /// The share of the most frequent category among them: the accuracy of always naming it.
     pub largest_category_share: Option<f64>,
-    /// Median number of samples until the first right verdict, over the contacts that get one, and the share of those.
+    /// Median number of samples until the first right verdict, over the contacts that get one.
     pub median_samples_until_right: Option<usize>,
     /// Share of the contacts that get a right verdict before they end.
     pub ever_right: Option<f64>,

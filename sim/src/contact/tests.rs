@@ -96,9 +96,9 @@ proptest! {
     }
 
     /// Pins a flat face of radius R that is tilted by θ and stands on a segment of height s, in any direction and from any place in
-    /// the segment: k tan θ (2/3 (R² − c²)^1.5 − c A), where c = R − s and A is the segment's area. The ends of a segment are
-    /// those of a circle, for which the quadrature is within 1 %, and the search for the ends
-    /// of a region may stop a little before a sharp corner: 3 % were found to be lost in 2000 cases.
+    /// the segment: k tan θ (2/3 (R² − c²)^1.5 − c A), where c = R − s and A is the segment's area. The quadrature
+    /// of a segment is within 1.1 %. The search for the ends of a region may stop a little before a sharp corner: up to 3 % of the
+    /// force were missing in 2000 cases.
     #[test]
     fn a_tilted_face_presses_with_its_whole_segment(
         tilt_rad in 0.003..0.02f64,

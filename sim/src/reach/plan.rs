@@ -134,7 +134,7 @@ impl ReachPlan {
         self
     }
 
-    /// The same plan with its controller within another one, which `wrap` makes at the start of every reach.
+    /// The same plan with its controller inside another one. `wrap` makes that one at the start of every reach.
     pub fn with_controller_within(
         mut self,
         wrap: impl Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync + 'static,
