@@ -5,13 +5,13 @@
 //! Prints one row for each scene over that many reaches of seed 0. Columns: angle between friction and −slip where a patch
 //! slides, median and 90 %; work of friction over μ N times the way; time until a link's force on a trunk is 63 % of the level
 //! it has 0.15 to 0.3 s after the touch, and the largest force of the first 150 ms over that level, medians; largest change of a
-//! link's force from one frame to the next, with and without an impact or a back-off in the last 0.15 s, and reach, frame and
-//! link of the latter; largest overlap with each category, and with
-//! patches that reach farther than 5 mm.
+//! link's force from one frame to the next, with and without an impact or a back-off in the last 0.15 s; largest overlap with each
+//! category, and with patches that reach farther than 5 mm. Below the table stands a row for each jump of more than 5 N without an
+//! impact or back-off: reach, frame, link and object, and what changed.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,6 +29,8 @@ const IMPACT_FRAMES: usize = 15;
 const COMMANDED_RAD: f64 = 0.02;
 /// Frames of the level that an onset leads to.
 const LEVEL: std::ops::Range<usize> = 15..30;
+/// Larger changes of force from one frame to the next are listed, N.
+const LARGE_JUMP_N: f64 = 5.0;
 /// A patch that reaches farther from its centre is no edge, m.
 const BROAD_M: f64 = 5e-3;
 
@@ -39,9 +41,10 @@ struct Survey {
     coulomb_j: f64,
     onsets_s: Vec<f64>,
     overshoots: Vec<f64>,
-    /// With an impact, and without, where: reach, frame, link.
+    /// With an impact, and without.
     jump_n: [f64; 2],
-    jump_at: [usize; 3],
+    /// Large ones without an impact.
+    jumps: Vec<LargeJump>,
     deepest_m: BTreeMap<String, f64>,
     deepest_broad_m: f64,
 }
@@ -53,9 +56,7 @@ impl Survey {
         self.overshoots.extend(other.overshoots);
         self.work_j += other.work_j;
         self.coulomb_j += other.coulomb_j;
-        if other.jump_n[1] > self.jump_n[1] {
-            self.jump_at = other.jump_at;
-        }
+        self.jumps.extend(other.jumps);
         for (own, other) in self.jump_n.iter_mut().zip(other.jump_n) {
             *own = own.max(other);
         }
@@ -112,16 +113,14 @@ impl Survey {
             let Some(before) = frame.checked_sub(1).map(|before| &trace[before]) else {
                 continue;
             };
-            let links = forces.keys().chain(before.keys()).map(|pair| pair.0);
+            let links: BTreeSet<usize> = forces.keys().chain(before.keys()).map(|pair| pair.0).collect();
             for link in links {
                 let jump = on_link(forces, link).distance(on_link(before, link));
                 let is_impact = met.is_some_and(|met| frame - met <= IMPACT_FRAMES);
                 let largest = &mut self.jump_n[usize::from(!is_impact)];
-                if jump > *largest {
-                    *largest = jump;
-                    if !is_impact {
-                        self.jump_at = [0, frame + 1, link];
-                    }
+                *largest = largest.max(jump);
+                if !is_impact && jump > LARGE_JUMP_N {
+                    self.jumps.push(LargeJump::of(before, forces, link, frame + 1));
                 }
             }
         }
@@ -136,7 +135,7 @@ impl Survey {
         if !course.iter().all(alone) {
             return;
         }
-        let force: Vec<f64> = course.iter().map(|frame| frame[&pair].length()).collect();
+        let force: Vec<f64> = course.iter().map(|frame| frame[&pair].force.length()).collect();
         let level = force[LEVEL].iter().sum::<f64>() / LEVEL.len() as f64;
         if let Some(at) = force.iter().position(|force| *force >= 0.63 * level) {
             self.onsets_s.push((at + 1) as f64 * 0.01);
@@ -146,23 +145,93 @@ impl Survey {
     }
 }
 
-/// Forces of one frame by link and object, N, world frame.
-type Forces = BTreeMap<(usize, usize), DVec3>;
+/// What a link and an object do to each other in a frame.
+#[derive(Clone, Copy, Default)]
+struct Touch {
+    /// On the link, N, world frame.
+    force: DVec3,
+    /// Along and across the contacts' normals, N.
+    normal_n: f64,
+    rubbing: DVec3,
+    depth_m: f64,
+}
+
+/// One frame by link and object.
+type Forces = BTreeMap<(usize, usize), Touch>;
 
 fn forces(report: &FrameReport) -> Forces {
     let mut forces = Forces::new();
     for contact in &report.contacts {
-        *forces.entry((contact.link, contact.object)).or_default() += contact.force_world;
+        let touch = forces.entry((contact.link, contact.object)).or_default();
+        let normal_n = contact.force_world.dot(contact.inward_world);
+        touch.force += contact.force_world;
+        touch.normal_n += normal_n;
+        touch.rubbing += contact.force_world - contact.inward_world * normal_n;
+        touch.depth_m = touch.depth_m.max(contact.penetration_m);
     }
     forces
 }
 
 fn on_link(forces: &Forces, link: usize) -> DVec3 {
-    forces
-        .iter()
-        .filter(|(pair, _)| pair.0 == link)
-        .map(|(_, force)| *force)
-        .sum()
+    let of_link = forces.iter().filter(|(pair, _)| pair.0 == link);
+    of_link.map(|(_, touch)| touch.force).sum()
+}
+
+/// A large change of the force on a link from one frame to the next, and what changed most in it.
+struct LargeJump {
+    /// Reach, frame, link, object.
+    at: [usize; 4],
+    newtons: f64,
+    before: Touch,
+    now: Touch,
+}
+
+impl LargeJump {
+    fn of(before: &Forces, now: &Forces, link: usize, frame: usize) -> Self {
+        let touch = |forces: &Forces, pair: &(usize, usize)| forces.get(pair).copied().unwrap_or_default();
+        let pairs = before.keys().chain(now.keys()).filter(|pair| pair.0 == link);
+        let change = |pair: &(usize, usize)| touch(before, pair).force.distance(touch(now, pair).force);
+        let most = pairs.max_by(|a, b| change(a).total_cmp(&change(b)));
+        let most = most.copied().unwrap_or_default();
+        LargeJump {
+            at: [0, frame, link, most.1],
+            newtons: on_link(before, link).distance(on_link(now, link)),
+            before: touch(before, &most),
+            now: touch(now, &most),
+        }
+    }
+
+    /// The contact began or ended; the friction turned, by more than the normal force changed; or the skin was pressed deeper or
+    /// less deep.
+    fn cause(&self) -> &'static str {
+        if self.now.normal_n == 0.0 {
+            "the contact ended"
+        } else if self.before.normal_n == 0.0 {
+            "the contact began"
+        } else if self.now.rubbing.distance(self.before.rubbing) > (self.now.normal_n - self.before.normal_n).abs() {
+            "friction turned"
+        } else if self.now.depth_m > self.before.depth_m {
+            "pressed deeper"
+        } else {
+            "pressed less deep"
+        }
+    }
+
+    fn print(&self) {
+        let [reach, frame, link, object] = self.at;
+        let millimetres = |touch: &Touch| 1e3 * touch.depth_m;
+        println!(
+            "    reach {reach}, frame {frame}, link {link}, object {object}: {:.1} N; {}: normal force {:.1} to {:.1} N, friction \
+             changed by {:.1} N, depth {:.2} to {:.2} mm",
+            self.newtons,
+            self.cause(),
+            self.before.normal_n,
+            self.now.normal_n,
+            self.now.rubbing.distance(self.before.rubbing),
+            millimetres(&self.before),
+            millimetres(&self.now),
+        );
+    }
 }
 
 fn survey(plan: &ReachPlan, reach: u64) -> Survey {
@@ -184,7 +253,9 @@ fn survey(plan: &ReachPlan, reach: u64) -> Survey {
     survey.observe_course(&trace, &steps_rad, |object| {
         objects[object].object.category() == Category::TRUNK
     });
-    survey.jump_at[0] = reach as usize;
+    for jump in &mut survey.jumps {
+        jump.at[0] = reach as usize;
+    }
     survey
 }
 
@@ -218,7 +289,7 @@ fn main() {
             .iter()
             .map(|(category, depth)| format!("{category} {:.1}", depth * 1e3));
         println!(
-            "| {name} | {reaches} | {:.2}, {:.2} | {:.4} | {} | {:.3} | {:.2} | {:.1}, {:.1} {:?} | {} | {:.1} |",
+            "| {name} | {reaches} | {:.2}, {:.2} | {:.4} | {} | {:.3} | {:.2} | {:.1}, {:.1} | {} | {:.1} |",
             angles[0],
             angles[1],
             all.work_j / all.coulomb_j,
@@ -227,9 +298,9 @@ fn main() {
             quantile(&mut all.overshoots, 0.5),
             all.jump_n[0],
             all.jump_n[1],
-            all.jump_at,
             deepest.collect::<Vec<_>>().join(", "),
             all.deepest_broad_m * 1e3,
         );
+        all.jumps.iter().for_each(LargeJump::print);
     }
 }

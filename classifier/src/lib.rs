@@ -64,6 +64,8 @@ pub mod hmm;
 mod hmm_classifier;
 mod model_file;
 pub mod online;
+#[cfg(feature = "onnx")]
+pub mod onnx;
 pub mod recipe;
 pub mod registry;
 pub mod stream_feature;

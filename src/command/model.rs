@@ -25,8 +25,11 @@ struct Head {
     format: String,
 }
 
-/// Reads a model file of either kind, by its format.
+/// Reads a model file of either kind, by its format, or an ONNX model, by the ending of its name.
 pub fn load(path: &Path) -> Result<AnyModel, Failure> {
+    if path.extension().is_some_and(|ending| ending == "onnx") {
+        return Ok(AnyModel::OfTrials(load_onnx(path)?));
+    }
     let text = std::fs::read_to_string(path).map_err(|error| {
         let allowed = "a readable model file";
         InputError::new(path, "file", error.to_string(), allowed, "check the path")
@@ -41,6 +44,18 @@ pub fn load(path: &Path) -> Result<AnyModel, Failure> {
     } else {
         AnyModel::OfTrials(Model::from_json(path, &text)?)
     })
+}
+
+#[cfg(feature = "onnx")]
+fn load_onnx(path: &Path) -> Result<Model, Failure> {
+    Ok(Model::new(underbrush_classifier::onnx::load(path)?))
+}
+
+#[cfg(not(feature = "onnx"))]
+fn load_onnx(path: &Path) -> Result<Model, Failure> {
+    let found = "an ONNX model, which this program was built without";
+    let remedy = "build it with `cargo build --release --features onnx`";
+    Err(InputError::new(path, "file", found, "a model file of underbrush", remedy).into())
 }
 
 /// Reads a model of trials.

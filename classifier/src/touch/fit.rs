@@ -19,7 +19,7 @@ use crate::error::ModelError;
 use crate::trial::TrialError;
 
 /// Reaches are divided into so many parts; each is judged by a model of the others.
-const FOLDS: usize = 2;
+pub(super) const FOLDS: usize = 2;
 /// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 % that a
 /// controller should lose at most.
 const LOST_SHARE: f64 = 0.015;
@@ -148,13 +148,18 @@ impl TouchExamples {
         })
     }
 
+    /// Number of recordings.
+    pub(super) fn reach_count(&self) -> usize {
+        self.reaches.len()
+    }
+
     fn regions(&self) -> impl Iterator<Item = &super::example::RegionExample> {
         self.reaches.iter().flat_map(|reach| &reach.regions)
     }
 
     /// The fold of each reach. Reaches that touch the same categories are dealt out in turn, so that every fold has some of them in
     /// whatever order they come.
-    fn folds<'a>(&'a self) -> Vec<usize> {
+    pub(super) fn folds<'a>(&'a self) -> Vec<usize> {
         let mut dealt: BTreeMap<BTreeSet<&'a str>, usize> = BTreeMap::new();
         let fold = |reach: &'a Arc<Examples>| {
             let categories = reach.regions.iter().map(|region| region.category.as_str()).collect();
@@ -165,18 +170,20 @@ impl TouchExamples {
         self.reaches.iter().map(fold).collect()
     }
 
+    /// The reaches of a fold, or all others.
+    pub(super) fn of_fold(&self, folds: &[usize], fold: usize, is_own: bool) -> Vec<&Examples> {
+        let reaches = self.reaches.iter().zip(folds);
+        let chosen = reaches.filter(|(_, own)| (**own == fold) == is_own);
+        chosen.map(|(reach, _)| reach.as_ref()).collect()
+    }
+
     /// Judges the reaches of a fold by a model of the others.
     fn hold_out(&self, folds: &[usize], fold: usize, categories: &[String]) -> HeldOut {
-        let of_fold = |is_own: bool| -> Vec<&Examples> {
-            let reaches = self.reaches.iter().zip(folds);
-            let chosen = reaches.filter(|(_, own)| (**own == fold) == is_own);
-            chosen.map(|(reach, _)| reach.as_ref()).collect()
-        };
-        let others = of_fold(false);
+        let others = self.of_fold(folds, fold, false);
         let touched = touched_network(&others);
         let (category, usual) = category_network(&others, categories);
         let mut held_out = HeldOut::default();
-        for reach in of_fold(true) {
+        for reach in self.of_fold(folds, fold, true) {
             for taxel in reach.taxels.iter().filter(|taxel| taxel.is_regular) {
                 let mut scores = vec![0.0; 2];
                 touched.scores(&taxel.features, &mut scores);
@@ -217,11 +224,11 @@ struct Judged {
     weight: f64,
 }
 
-fn class(categories: &[String], category: &str) -> usize {
+pub(super) fn class(categories: &[String], category: &str) -> usize {
     categories.iter().position(|own| own == category).unwrap_or_default()
 }
 
-fn touched_network(reaches: &[&Examples]) -> Network {
+pub(super) fn touched_network(reaches: &[&Examples]) -> Network {
     let taxels = reaches.iter().flat_map(|reach| &reach.taxels);
     let rows: Vec<Row<TAXEL_FEATURE_COUNT>> = taxels
         .map(|taxel| Row {
@@ -234,7 +241,7 @@ fn touched_network(reaches: &[&Examples]) -> Network {
 }
 
 /// A region counts as often as it has touched taxels, because each of them gets its verdict.
-fn category_network(reaches: &[&Examples], categories: &[String]) -> (Network, Usual) {
+pub(super) fn category_network(reaches: &[&Examples], categories: &[String]) -> (Network, Usual) {
     let regions = || reaches.iter().flat_map(|reach| &reach.regions);
     let rows: Vec<Row<REGION_FEATURE_COUNT>> = regions()
         .map(|region| Row {

@@ -1,8 +1,8 @@
 //! The features of all taxels and regions in contact, frame by frame.
 
-use glam::DVec3;
 use underbrush_recording::{Frame, Pose, SkinLayout};
 
+use super::motion::Motion;
 use super::region::{Region, RegionTracker};
 use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
 use crate::trial::{PatchImage, TrialError};
@@ -41,17 +41,18 @@ impl SkinTracker {
     pub fn update(&mut self, frame: &Frame) -> Result<(), TrialError> {
         self.image.read(self.frames, frame)?;
         self.frames += 1;
-        self.regions.update(&self.image, frame.time_s);
         let pose = self.image.pose_world();
-        let before = self.pose_before.replace(pose).unwrap_or(pose);
+        let motion = Motion::between(&self.pose_before.unwrap_or(pose), &pose);
+        self.pose_before = Some(pose);
+        self.regions.update(&self.image, &motion, frame.time_s);
         for (taxel, course) in self.courses.iter_mut().enumerate() {
             if !self.image.is_in_contact(taxel) {
                 *course = None;
                 continue;
             }
             let place = &self.image.patch().taxels[taxel];
-            let moved: DVec3 = pose.transform_point(place.position_link) - before.transform_point(place.position_link);
-            let press_m = moved.dot(pose.transform_vector(place.normal_link));
+            let moved = motion.of(place.position_link);
+            let press_m = moved.dot(place.normal_link);
             course
                 .get_or_insert_default()
                 .push(self.image.sensed_force_n(taxel), press_m, moved.length());

@@ -10,23 +10,26 @@
 //!
 //! | step | where |
 //! |---|---|
-//! | taxels in contact form regions, followed from frame to frame | [`RegionTracker`], [`SkinTracker`] |
+//! | taxels in contact form regions, followed from frame to frame | [`Region`], [`SkinTracker`] |
 //! | the course of a contact becomes features | [`REGION_FEATURES`], [`TAXEL_FEATURES`] |
 //! | networks are fitted to recordings with ground truth, and calibrated | [`TouchExamples`] |
 //! | frames become verdicts | [`TouchClassifier`] |
 
+mod compress;
 mod course;
 mod decision;
 mod example;
 mod fit;
 mod frame;
 mod model;
+mod motion;
 mod network;
 mod online;
 mod options;
 mod region;
 mod taxel;
 mod usual;
+mod worth;
 
 pub use course::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
 pub use decision::{Touch, TouchDecision};
@@ -36,8 +39,9 @@ pub use model::{TOUCH_FORMAT, TouchModel};
 pub use network::Network;
 pub use online::{RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
-pub use region::{Region, RegionTracker};
+pub use region::Region;
 pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};
+pub use worth::FeatureWorth;
 
 #[cfg(test)]
 mod tests;

@@ -42,10 +42,12 @@ pub struct Network {
     mean: Vec<f64>,
     /// What each feature's deviation from it is multiplied by.
     scale: Vec<f64>,
-    /// For each hidden unit a weight per feature, then the constant.
-    hidden: Vec<Vec<f64>>,
-    /// For each class a weight per hidden unit, then the constant.
-    output: Vec<Vec<f64>>,
+    /// For each feature a weight per hidden unit, then the constants.
+    hidden: Vec<[f64; HIDDEN]>,
+    /// For each class a weight per hidden unit.
+    output: Vec<[f64; HIDDEN]>,
+    /// For each class a constant.
+    output_constant: Vec<f64>,
 }
 
 impl Network {
@@ -56,26 +58,46 @@ impl Network {
 
     /// Whether all numbers are finite and all rows have the lengths that belong together, for this many features and classes.
     pub fn is_sound(&self, inputs: usize, classes: usize) -> bool {
-        let finite =
-            |values: &[f64], length: usize| values.len() == length && values.iter().all(|value| value.is_finite());
-        finite(&self.mean, inputs)
-            && finite(&self.scale, inputs)
-            && self.hidden.len() == HIDDEN
-            && self.hidden.iter().all(|row| finite(row, inputs + 1))
-            && self.output.len() == classes
-            && self.output.iter().all(|row| finite(row, HIDDEN + 1))
+        let lengths = [self.mean.len(), self.scale.len(), self.hidden.len()];
+        let outputs = [self.output.len(), self.output_constant.len()];
+        let vectors = [&self.mean, &self.scale, &self.output_constant];
+        let numbers = vectors.into_iter().flatten();
+        lengths == [inputs, inputs, inputs + 1]
+            && outputs == [classes; 2]
+            && numbers
+                .chain(self.hidden.iter().chain(&self.output).flatten())
+                .all(|number| number.is_finite())
     }
 
     /// Writes the log-odds of each class, up to a common constant, to `classes`. Nothing is allocated.
     pub fn scores<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
-        let inputs = self.standardized(features);
-        let mut units = [0.0; HIDDEN];
-        for (unit, row) in units.iter_mut().zip(&self.hidden) {
-            *unit = affine(row, &inputs).max(0.0);
+        let units = self.units(&self.standardized(features));
+        for (class, score) in classes.iter_mut().enumerate() {
+            *score = self.score(&units, class);
         }
-        for (class, row) in classes.iter_mut().zip(&self.output) {
-            *class = affine(row, &units);
+    }
+
+    /// The hidden units.
+    fn units<const INPUTS: usize>(&self, inputs: &[f64; INPUTS]) -> [f64; HIDDEN] {
+        // All units side by side, which the compiler turns into vector instructions, in a fixed order.
+        let mut units = self.hidden[INPUTS];
+        for (input, weights) in inputs.iter().zip(&self.hidden) {
+            for (unit, weight) in units.iter_mut().zip(weights) {
+                *unit += weight * input;
+            }
         }
+        units.map(|unit| unit.max(0.0))
+    }
+
+    fn score(&self, units: &[f64; HIDDEN], class: usize) -> f64 {
+        let mut sums = [0.0; 4];
+        let weights = self.output[class].chunks_exact(4);
+        for (weights, units) in weights.zip(units.chunks_exact(4)) {
+            for ((sum, weight), unit) in sums.iter_mut().zip(weights).zip(units) {
+                *sum += weight * unit;
+            }
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3]) + self.output_constant[class]
     }
 
     fn standardized<const INPUTS: usize>(&self, features: &[f64; INPUTS]) -> [f64; INPUTS] {
@@ -124,46 +146,26 @@ impl Network {
             // A feature that never varies is left out.
             scale[index] = if variance > 1e-12 { variance.sqrt().recip() } else { 0.0 };
         }
-        let mut layer = |units: usize, inputs: usize| -> Vec<Vec<f64>> {
+        let mut layer = |rows: usize, inputs: usize| -> Vec<[f64; HIDDEN]> {
             let size = (6.0 / inputs as f64).sqrt();
-            let mut row = || {
-                let weights = (0..inputs).map(|_| size * (2.0 * random.random::<f64>() - 1.0));
-                weights.chain([0.0]).collect()
-            };
-            (0..units).map(|_| row()).collect()
+            let mut row = || std::array::from_fn(|_| size * (2.0 * random.random::<f64>() - 1.0));
+            (0..rows).map(|_| row()).collect()
         };
-        let hidden = layer(HIDDEN, INPUTS);
-        let output = layer(classes, HIDDEN);
+        let mut hidden = layer(INPUTS, INPUTS);
+        hidden.push([0.0; HIDDEN]);
         Network {
             mean,
             scale,
             hidden,
-            output,
+            output: layer(classes, HIDDEN),
+            output_constant: vec![0.0; classes],
         }
     }
 
     fn weights_mut(&mut self) -> impl Iterator<Item = &mut f64> {
-        self.hidden.iter_mut().chain(&mut self.output).flatten()
+        let weights = self.hidden.iter_mut().chain(&mut self.output).flatten();
+        weights.chain(&mut self.output_constant)
     }
-}
-
-/// A row of weights applied to inputs, plus its constant.
-fn affine(row: &[f64], inputs: &[f64]) -> f64 {
-    // Four sums side by side, which the compiler turns into vector instructions; in a fixed order.
-    let mut sums = [0.0; 4];
-    let (weights, values) = (row.chunks_exact(4), inputs.chunks_exact(4));
-    let whole = inputs.len() / 4 * 4;
-    for (weights, values) in weights.zip(values) {
-        for ((sum, weight), value) in sums.iter_mut().zip(weights).zip(values) {
-            *sum += weight * value;
-        }
-    }
-    let rest: f64 = row[whole..]
-        .iter()
-        .zip(&inputs[whole..])
-        .map(|(weight, value)| weight * value)
-        .sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest + row[inputs.len()]
 }
 
 /// Turns log-odds up to a constant into probabilities.
@@ -201,29 +203,29 @@ impl Descent {
     }
 
     /// Adds the gradient of the cross-entropy of one row.
-    fn add(&mut self, network: &Network, inputs: &[f64], class: usize, weight: f64) {
-        let mut units = [0.0; HIDDEN];
-        for (unit, row) in units.iter_mut().zip(&network.hidden) {
-            *unit = affine(row, inputs).max(0.0);
-        }
-        let mut errors: Vec<f64> = network.output.iter().map(|row| affine(row, &units)).collect();
+    fn add<const INPUTS: usize>(&mut self, network: &Network, inputs: &[f64; INPUTS], class: usize, weight: f64) {
+        let units = network.units(inputs);
+        let classes = network.output.len();
+        let mut errors: Vec<f64> = (0..classes).map(|class| network.score(&units, class)).collect();
         softmax(&mut errors);
         errors[class] -= 1.0;
         let mut back = [0.0; HIDDEN];
-        for ((error, row), sum) in errors.iter().zip(&network.output).zip(&mut self.gradient.output) {
+        for (class, error) in errors.iter().enumerate() {
             let error = error * weight;
+            let (sum, row) = (&mut self.gradient.output[class], &network.output[class]);
             for unit in 0..HIDDEN {
                 sum[unit] += error * units[unit];
                 back[unit] += error * row[unit];
             }
-            sum[HIDDEN] += error;
+            self.gradient.output_constant[class] += error;
         }
-        for ((unit, back), sum) in units.iter().zip(back).zip(&mut self.gradient.hidden) {
-            if *unit > 0.0 {
-                for (sum, input) in sum.iter_mut().zip(inputs) {
-                    *sum += back * input;
-                }
-                sum[inputs.len()] += back;
+        // A unit that is zero does not depend on its inputs.
+        for (back, unit) in back.iter_mut().zip(units) {
+            *back = if unit > 0.0 { *back } else { 0.0 };
+        }
+        for (input, sums) in inputs.iter().chain(&[1.0]).zip(&mut self.gradient.hidden) {
+            for (sum, back) in sums.iter_mut().zip(back) {
+                *sum += back * input;
             }
         }
     }

@@ -4,6 +4,7 @@ use glam::DVec3;
 use underbrush_recording::Pose;
 
 use super::course::{Course, Measure};
+use super::motion::Motion;
 use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
 
 /// A region of a frame continues the region of the last frame that pressed on the same taxels. Where none did, it continues one
@@ -23,7 +24,7 @@ pub struct Region {
 
 /// The contact regions of a patch. Nothing is allocated after the first frames.
 #[derive(Clone, Debug)]
-pub struct RegionTracker {
+pub(super) struct RegionTracker {
     neighbours: Vec<[Option<usize>; 4]>,
     /// Region of each taxel, now and in the last frame.
     region_of: Vec<Option<usize>>,
@@ -36,7 +37,6 @@ pub struct RegionTracker {
     votes: Vec<f64>,
     /// The region that continues each of the last frame with the most votes, and those votes.
     heirs: Vec<(usize, f64)>,
-    pose_before: Option<Pose>,
     contacts: u64,
 }
 
@@ -57,34 +57,26 @@ impl RegionTracker {
             taxels: Vec::with_capacity(count),
             votes: Vec::with_capacity(count),
             heirs: Vec::with_capacity(count),
-            pose_before: None,
             contacts: 0,
         })
     }
 
-    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`.
-    pub fn update(&mut self, image: &PatchImage, time_s: f64) {
+    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`; `motion` is the patch's since the last frame.
+    pub fn update(&mut self, image: &PatchImage, motion: &Motion, time_s: f64) {
         std::mem::swap(&mut self.regions, &mut self.before);
         std::mem::swap(&mut self.region_of, &mut self.region_before);
         self.find(image);
         self.continue_contacts(image);
         let pose = image.pose_world();
-        let pose_before = self.pose_before.unwrap_or(pose);
         for region in &mut self.regions {
             let taxels = &self.taxels[region.taxels.clone()];
-            region.course.push(&measure(image, taxels, &pose_before, &pose), time_s);
+            region.course.push(&measure(image, taxels, motion, &pose), time_s);
         }
-        self.pose_before = Some(pose);
     }
 
     /// The regions of the last frame.
     pub fn regions(&self) -> &[Region] {
         &self.regions
-    }
-
-    /// The region of a taxel, by its index among the regions; `None` without contact.
-    pub fn region_of(&self, taxel: usize) -> Option<usize> {
-        self.region_of.get(taxel).copied().flatten()
     }
 
     /// The taxels of a region of the last frame.
@@ -174,7 +166,7 @@ impl RegionTracker {
 }
 
 /// Forces and motion of a region in one frame.
-fn measure(image: &PatchImage, taxels: &[usize], before: &Pose, now: &Pose) -> Measure {
+fn measure(image: &PatchImage, taxels: &[usize], motion: &Motion, now: &Pose) -> Measure {
     let mut measure = Measure {
         taxels: taxels.len() as f64,
         ..Measure::default()
@@ -183,13 +175,12 @@ fn measure(image: &PatchImage, taxels: &[usize], before: &Pose, now: &Pose) -> M
     for &taxel in taxels {
         let force_n = image.sensed_force_n(taxel);
         let place = &image.patch().taxels[taxel];
-        let normal_world = now.transform_vector(place.normal_link);
-        let moved = now.transform_point(place.position_link) - before.transform_point(place.position_link);
-        let pressed_m = moved.dot(normal_world);
+        let moved = motion.of(place.position_link);
+        let pressed_m = moved.dot(place.normal_link);
         measure.largest_force_n = measure.largest_force_n.max(force_n);
         measure.force_n += force_n;
         measure.press_m += force_n * pressed_m;
-        step += force_n * (moved - normal_world * pressed_m);
+        step += force_n * (moved - place.normal_link * pressed_m);
         center += force_n * place.position_link;
     }
     let center_link = center / measure.force_n;

@@ -1,6 +1,7 @@
 //! What one taxel has felt since its contact began, to tell a touch from a spurious reading.
 
-use super::course::{Course, compress};
+use super::compress::{compress, compress_count};
+use super::course::Course;
 
 /// Names of the features of a taxel, in order.
 pub const TAXEL_FEATURES: [&str; 16] = [
@@ -82,7 +83,7 @@ impl TaxelCourse {
         let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
         let now = region.now();
         [
-            self.count.ln_1p(),
+            compress_count(self.count),
             force(self.last_n),
             force(self.first_n),
             force(self.largest_n),
@@ -92,7 +93,7 @@ impl TaxelCourse {
             self.last_n / self.largest_n.max(f64::MIN_POSITIVE),
             self.last_n / now.largest_force_n.max(f64::MIN_POSITIVE),
             force(strongest_neighbour_n),
-            now.taxels.ln_1p(),
+            compress_count(now.taxels),
             force(now.force_n),
             motion(self.way_m),
             motion(region.way_m()),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, RocCurve, TouchFigures, found_at_false_alarms, outlier_curve};
-use underbrush_classifier::touch::{TouchExamples, TouchModel};
+use underbrush_classifier::touch::{FeatureWorth, TouchExamples, TouchModel};
 use underbrush_recording::Recording;
 
 use crate::definition::VerdictSection;
@@ -54,9 +54,11 @@ pub struct Verdicts {
     pub brier_score: Option<f64>,
     /// The outlier against known categories, by taxel frames that something presses on.
     #[serde(flatten)]
-    pub outlier: OutlierFigures,
+    pub outlier: UnknownObjects,
     /// Verdicts on taxel frames of known categories, by test scene.
     pub scenes: Vec<SceneFigures>,
+    /// What each feature is worth to the networks, on held-out reaches.
+    pub feature_worth: Vec<FeatureWorth>,
     /// Reaches that the networks were fitted to, apart from the held-out part.
     pub training_reaches: usize,
     /// All verdicts on the held-out reaches.
@@ -72,7 +74,7 @@ pub struct Verdicts {
 
 /// How well contacts with unknown objects are found.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct OutlierFigures {
+pub struct UnknownObjects {
     /// Area under the curve.
     pub outlier_roc_area: Option<f64>,
     /// Share of the outlier's taxel frames found at one false alarm in twenty.
@@ -131,7 +133,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             outlier_curve(own.distances.iter().chain(others))
         };
         let curves = unknown.map(|own| own.and_then(curve));
-        let verdicts = Verdicts::of(model.categories().to_vec(), all, &known, curves, recordings.len());
+        let mut verdicts = Verdicts::of(model.categories().to_vec(), all, &known, curves, recordings.len());
+        verdicts.feature_worth = examples.feature_worth();
         Ok(Outcome {
             verdicts: Some(verdicts),
         })
@@ -209,8 +212,9 @@ impl Verdicts {
             touches_lost: figures.touches_lost,
             expected_calibration_error: figures.expected_calibration_error,
             brier_score: figures.brier_score,
-            outlier: OutlierFigures::of(&curves),
+            outlier: UnknownObjects::of(&curves),
             scenes: known.iter().filter_map(scene).collect(),
+            feature_worth: Vec::new(),
             training_reaches,
             held_out,
             curves,
@@ -219,11 +223,11 @@ impl Verdicts {
     }
 }
 
-impl OutlierFigures {
+impl UnknownObjects {
     fn of([first, second]: &[Option<RocCurve>; 2]) -> Self {
         let area = |curve: &Option<RocCurve>| curve.as_ref().map(|curve| curve.area);
         let found = |curve: &Option<RocCurve>| curve.as_ref().map(found_at_false_alarms);
-        OutlierFigures {
+        UnknownObjects {
             outlier_roc_area: area(first),
             outliers_found: found(first),
             second_outlier_roc_area: area(second),

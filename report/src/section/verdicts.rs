@@ -39,6 +39,11 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
                    probabilities mean what they say. Second chart: contacts with unknown objects found against contacts with \
                    known ones mistaken for them, by taxel frames.";
     report.page.figure(caption, &charts);
+    report.page.paragraph(
+        "What a feature is worth is how much worse the probabilities are if its values are shuffled among the rows of held-out \
+         reaches. A feature that others can stand in for is worth little by this measure.",
+    );
+    report.table(feature_worth(verdicts));
     report.numbers(calibration_table(&verdicts.held_out.calibration));
     report.numbers(roc_table(verdicts));
 }
@@ -119,6 +124,26 @@ fn figures(verdicts: &Verdicts) -> Table {
         1,
         frames,
     );
+    table
+}
+
+/// What each feature is worth.
+fn feature_worth(verdicts: &Verdicts) -> Table {
+    let columns = [
+        "network",
+        "feature",
+        "rise of log loss / nats",
+        "fall of balanced accuracy / %",
+    ];
+    let mut table = Table::new("verdict_features", "What each feature is worth", &columns);
+    for own in &verdicts.feature_worth {
+        table.rows.push(vec![
+            own.network.into(),
+            own.feature.into(),
+            Cell::optional(Some(own.log_loss_rise_nats), 4),
+            Cell::optional(Some(100.0 * own.balanced_accuracy_fall), 2),
+        ]);
+    }
     table
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::{EvaluateError, TouchFigures};
-use underbrush_classifier::touch::{TouchDecision, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchModel, TouchOptions};
 use underbrush_recording::Recording;
 
 use super::decision::TouchDecisionArguments;
@@ -46,6 +46,9 @@ struct Results {
     decisions: Vec<TouchDecision>,
     #[serde(flatten)]
     figures: TouchFigures,
+    /// Empty without cross-validation.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    feature_worth: Vec<FeatureWorth>,
 }
 
 impl Evaluation<'_> {
@@ -65,6 +68,7 @@ impl Evaluation<'_> {
             verdicts,
             categories,
             decisions,
+            feature_worth,
         } = judged;
         let results = Results {
             folds,
@@ -72,11 +76,12 @@ impl Evaluation<'_> {
             figures: TouchFigures::of(&verdicts, &categories),
             categories,
             decisions,
+            feature_worth,
         };
         output::result(json, &results, || {
             text::evaluation(&results.figures)
                 + &match results.folds {
-                    Some(folds) => text::folds(results.reaches, folds),
+                    Some(folds) => text::feature_worth(&results.feature_worth) + &text::folds(results.reaches, folds),
                     None => results
                         .decisions
                         .iter()
@@ -122,7 +127,9 @@ impl Evaluation<'_> {
             let judged = judged.get_or_insert_with(|| Judged::by(&model));
             self.add(judged, model, reaches, own)?;
         }
-        judged.ok_or_else(|| EvaluateError::FoldCount { found: count }.into())
+        let mut judged = judged.ok_or(EvaluateError::FoldCount { found: count })?;
+        judged.feature_worth = examples.feature_worth();
+        Ok(judged)
     }
 
     /// Adds the verdicts of a model on some of the reaches.
@@ -148,6 +155,8 @@ struct Judged {
     verdicts: TouchEvaluation,
     categories: Vec<String>,
     decisions: Vec<TouchDecision>,
+    /// Only after cross-validation.
+    feature_worth: Vec<FeatureWorth>,
 }
 
 impl Judged {
@@ -156,6 +165,7 @@ impl Judged {
             verdicts: TouchEvaluation::default(),
             categories: model.categories().to_vec(),
             decisions: Vec::new(),
+            feature_worth: Vec::new(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Results of touch models as text.
 
 use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, RightWithin, TouchFigures};
-use underbrush_classifier::touch::{TouchDecision, TouchRows};
+use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
 
 use crate::output;
 
@@ -63,6 +63,35 @@ pub(super) fn evaluation(figures: &TouchFigures) -> String {
 /// What was judged by one model, and how.
 pub(super) fn reaches(reaches: usize, own: &TouchDecision) -> String {
     format!("{reaches} reaches. {}", decision(own))
+}
+
+/// How many features of each network are shown; the JSON has all.
+const FEATURES_SHOWN: usize = 6;
+
+/// What the most valuable features of each network are worth.
+pub(super) fn feature_worth(worth: &[FeatureWorth]) -> String {
+    let mut rows = Vec::new();
+    for (index, own) in worth.iter().enumerate() {
+        let rank = worth[..index]
+            .iter()
+            .filter(|other| other.network == own.network)
+            .count();
+        if rank < FEATURES_SHOWN {
+            rows.push(vec![
+                own.network.to_owned(),
+                own.feature.to_owned(),
+                format!("{:.4}", own.log_loss_rise_nats),
+                format!("{:.2}", 100.0 * own.balanced_accuracy_fall),
+            ]);
+        }
+    }
+    let header = [
+        "network",
+        "feature",
+        "rise of log loss if shuffled / nats",
+        "fall of balanced accuracy / %",
+    ];
+    "\n".to_owned() + &output::table(&header, &rows)
 }
 
 /// What was cross-validated.

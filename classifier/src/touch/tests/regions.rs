@@ -88,7 +88,8 @@ fn the_slope_of_force_over_press_is_the_stiffness() {
     assert!((stiffness / 400.0 - 1.0).abs() < 2e-3, "{stiffness}");
     let press_m = expand(feature(&tracker, "press"), 5e-4);
     let depth = |index: f64| 0.05 * (2.0 * std::f64::consts::PI * index / 40.0).sin();
-    assert!((press_m - (depth(10.0) - depth(1.0))).abs() < 1e-12, "{press_m}");
+    // The logarithm is right within 1e-9, and a change of it by that changes 43 mm by 43e-12 m.
+    assert!((press_m - (depth(10.0) - depth(1.0))).abs() < 1e-10, "{press_m}");
     let share = feature(&tracker, "share of the strongest taxel");
     assert!((share - 0.75).abs() < 1e-12, "{share}");
 }
