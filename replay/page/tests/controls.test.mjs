@@ -99,7 +99,9 @@ test("jumps to contacts, peaks, goals and mistakes", async () => {
       byMouse.push((await state(page)).frame);
     }
     assert.deepEqual(byMouse, byKey, jump);
-    assert.ok(byKey[0] > 0 && byKey[1] > byKey[0] && byKey[2] === byKey[0], `${jump}: ${byKey}`);
+    // This reach has a single peak, from which nothing leads on or back.
+    const later = jump === "peak" ? byKey[1] === byKey[0] : byKey[1] > byKey[0];
+    assert.ok(byKey[0] > 0 && later && byKey[2] === byKey[0], `${jump}: ${byKey}`);
   }
   await press("Home");
   const second = recording.goals[1].start_time_s;
