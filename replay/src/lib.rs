@@ -21,7 +21,7 @@ pub use error::ReplayError;
 pub use known::Known;
 pub use page::single_file;
 pub use server::Server;
-pub use source::{Source, Summary};
+pub use source::{Held, Source, Summary};
 pub use verdicts::Judging;
 
 #[cfg(test)]

@@ -43,6 +43,15 @@ pub struct Summary {
 enum Place {
     Dataset { input: usize, index: usize },
     File(PathBuf),
+    Memory(Box<Held>),
+}
+
+/// A recording in memory.
+pub struct Held {
+    /// The recording.
+    pub recording: Recording,
+    /// The model whose verdicts are shown with it.
+    pub judging: Option<Judging>,
 }
 
 /// The reaches of some data sets and recordings.
@@ -78,6 +87,26 @@ impl Source {
         Ok(source)
     }
 
+    /// Recordings in memory, in this order.
+    ///
+    /// # Errors
+    /// [`ReplayError::Verdicts`] if a model does not fit the skin.
+    pub fn of(recordings: Vec<Held>, known: Known) -> Result<Self, ReplayError> {
+        let mut source = Source {
+            datasets: Vec::new(),
+            places: Vec::new(),
+            reaches: Vec::new(),
+            known,
+            judging: None,
+        };
+        for held in recordings {
+            check(held.judging.as_ref(), &held.recording.scene, &held.recording.layout)?;
+            source.list(&held.recording, String::new());
+            source.places.push(Place::Memory(Box::new(held)));
+        }
+        Ok(source)
+    }
+
     /// The list of reaches.
     pub fn reaches(&self) -> &[Summary] {
         &self.reaches
@@ -91,6 +120,7 @@ impl Source {
         let recording = match self.places.get(number) {
             Some(Place::Dataset { input, index }) => self.datasets[*input].read_reach(*index)?,
             Some(Place::File(path)) => read_recording(path)?,
+            Some(Place::Memory(held)) => return pack(&held.recording, &self.known, held.judging.as_ref()),
             None => {
                 let count = self.places.len();
                 return Err(ReplayError::NoSuchReach { number, count });
@@ -99,18 +129,9 @@ impl Source {
         pack(&recording, &self.known, self.judging.as_ref())
     }
 
-    /// An error if the model does not fit the skin.
-    fn check_model(&self, path: &Path, layout: &SkinLayout) -> Result<(), ReplayError> {
-        let checked = self.judging.as_ref().map_or(Ok(()), |judging| judging.check(layout));
-        checked.map_err(|source| ReplayError::Verdicts {
-            reach: path.display().to_string(),
-            source,
-        })
-    }
-
     fn add_dataset(&mut self, path: &Path) -> Result<(), ReplayError> {
         let dataset = Dataset::open(path)?;
-        self.check_model(path, dataset.layout())?;
+        check(self.judging.as_ref(), &path.display().to_string(), dataset.layout())?;
         let rate_hz = dataset.info().fps;
         let peaks = dataset.peak_contact_forces_n()?;
         let input = self.datasets.len();
@@ -137,28 +158,40 @@ impl Source {
 
     fn add_recording(&mut self, path: &Path) -> Result<(), ReplayError> {
         let recording: Recording = read_recording(path)?;
-        self.check_model(path, &recording.layout)?;
+        check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
+        self.list(&recording, file_name(path));
+        self.places.push(Place::File(path.to_path_buf()));
+        Ok(())
+    }
+
+    /// Adds a recording to the list.
+    fn list(&mut self, recording: &Recording, source: String) {
+        let forces = recording.contacts.iter().map(|contact| contact.peak_force_n);
         self.reaches.push(Summary {
-            number: self.places.len(),
-            source: file_name(path),
+            number: self.reaches.len(),
+            source,
+            scene: recording.scene.clone(),
             seed: recording.seed.to_string(),
             reach_index: recording.reach_index,
+            controller: recording.controller.clone(),
             outcome: recording.outcome(),
             goal_outcomes: recording.goal_outcomes(),
             duration_s: recording.frames.len() as f64 / recording.rate_hz,
             contacts: recording.contacts.len(),
-            peak_force_n: recording
-                .contacts
-                .iter()
-                .map(|contact| contact.peak_force_n)
-                .fold(0.0, f64::max),
+            peak_force_n: forces.fold(0.0, f64::max),
             audit_warnings: (self.known.audit_warnings)(&recording.audit, &recording.layout),
-            scene: recording.scene,
-            controller: recording.controller,
         });
-        self.places.push(Place::File(path.to_path_buf()));
-        Ok(())
     }
+}
+
+/// An error if the model does not fit the skin of a reach.
+fn check(judging: Option<&Judging>, reach: &str, layout: &SkinLayout) -> Result<(), ReplayError> {
+    judging
+        .map_or(Ok(()), |judging| judging.check(layout))
+        .map_err(|source| ReplayError::Verdicts {
+            reach: reach.to_owned(),
+            source,
+        })
 }
 
 /// The last part of a path; of `.` too.

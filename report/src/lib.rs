@@ -21,6 +21,10 @@ use underbrush_experiments::results::Results;
 use drawing::{Cell, Table};
 use report::Report;
 
+/// Name of the file beside the page that replays the reaches of the figures. This crate only links to it: it is written by
+/// who knows the replay page, if the results have moments.
+pub const REPLAY_FILE: &str = "replay.html";
+
 /// A report, ready to be written.
 pub struct Written {
     /// `index.html`, and the folder `csv` beside it.

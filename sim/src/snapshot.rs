@@ -1,6 +1,7 @@
-//! Arm and clutter at one instant, as plain capsules for pictures.
+//! Arm and clutter at one instant, as plain capsules and blades for pictures.
 
-use underbrush_recording::{BodyShape, Category, Frame, Pose};
+use glam::DVec3;
+use underbrush_recording::{BodyPart, BodyShape, Category, Frame, Pose};
 
 use crate::geometry::{Capsule, engine_shape};
 use crate::simulation::Simulation;
@@ -10,10 +11,39 @@ use crate::simulation::Simulation;
 pub struct Snapshot {
     /// The shapes of the links, base first.
     pub arm: Vec<Capsule>,
-    /// The shapes of the objects with their categories; a bent leaf is a chain of thin ones.
-    pub objects: Vec<(Category, Vec<Capsule>)>,
+    /// The objects, in the order of the clutter.
+    pub objects: Vec<ObjectShapes>,
     /// The frame with the state of arm and skin.
     pub frame: Frame,
+}
+
+/// The shapes of one object.
+#[derive(Clone, Debug)]
+pub struct ObjectShapes {
+    /// Its category.
+    pub category: Category,
+    /// Its shapes, but for those of the blade.
+    pub capsules: Vec<Capsule>,
+    /// The blade of a leaf.
+    pub blade: Option<Blade>,
+}
+
+/// A thin blade that bends at hinges: rigid pieces, each of which begins where the one before it ends.
+#[derive(Clone, Debug)]
+pub struct Blade {
+    /// Width, m.
+    pub width_m: f64,
+    /// The pieces, from the foot to the tip.
+    pub pieces: Vec<BladePiece>,
+}
+
+/// A piece of a blade.
+#[derive(Clone, Copy, Debug)]
+pub struct BladePiece {
+    /// Its pose in the world frame: the origin at its lower hinge, z towards the tip, y across the blade.
+    pub pose_world: Pose,
+    /// Length, m.
+    pub length_m: f64,
 }
 
 impl Snapshot {
@@ -28,17 +58,16 @@ impl Snapshot {
         let placed = simulation.clutter().objects.iter().zip(&report.objects).enumerate();
         let objects = placed
             .map(|(index, (placed, state))| {
-                let shapes = if state.active {
-                    let bodies = simulation.structure(index).bodies.iter().zip(&state.body_pose_world);
-                    bodies
-                        .flat_map(|(body, pose)| body.parts.iter().map(move |part| (part, pose)))
-                        .filter_map(|(part, pose)| capsule(&part.shape, &(*pose * part.pose_body)))
-                        .collect()
+                let poses = if state.active {
+                    &state.body_pose_world
                 } else {
-                    let (outline, pose) = placed.outline();
-                    vec![Capsule::around(&outline, &pose)]
+                    simulation.rest_pose_world(index)
                 };
-                (placed.object.category(), shapes)
+                let bodies = simulation.structure(index).bodies.iter().zip(poses);
+                shapes(
+                    placed.object.category(),
+                    bodies.map(|(body, pose)| (body.parts.as_slice(), pose)),
+                )
             })
             .collect();
         Snapshot {
@@ -47,6 +76,38 @@ impl Snapshot {
             frame: frame.clone(),
         }
     }
+}
+
+/// The shapes of an object whose bodies have these parts and poses.
+fn shapes<'a>(category: Category, bodies: impl Iterator<Item = (&'a [BodyPart], &'a Pose)>) -> ObjectShapes {
+    let (mut capsules, mut pieces, mut width_m) = (Vec::new(), Vec::new(), 0.0);
+    for (parts, pose) in bodies {
+        if let Some(size_m) = blade_piece(parts) {
+            width_m = size_m.y;
+            pieces.push(BladePiece {
+                pose_world: *pose,
+                length_m: size_m.z,
+            });
+        } else {
+            let shapes = parts.iter();
+            capsules.extend(shapes.filter_map(|part| capsule(&part.shape, &(*pose * part.pose_body))));
+        }
+    }
+    ObjectShapes {
+        category,
+        capsules,
+        blade: (!pieces.is_empty()).then_some(Blade { width_m, pieces }),
+    }
+}
+
+/// The size of a piece of a blade: one thin box that begins at its hinge and stands along z.
+fn blade_piece(parts: &[BodyPart]) -> Option<DVec3> {
+    let [part] = parts else { return None };
+    let BodyShape::Box { size_m } = part.shape else {
+        return None;
+    };
+    let at_hinge = part.pose_body.position.abs_diff_eq(DVec3::Z * size_m.z / 2.0, 1e-9);
+    (size_m.x < 0.2 * size_m.y && at_hinge).then_some(size_m)
 }
 
 fn capsule(shape: &BodyShape, pose_world: &Pose) -> Option<Capsule> {

@@ -1,7 +1,7 @@
 //! `underbrush reach`: simulates one reach.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -45,6 +45,9 @@ pub struct Options {
     /// Write a picture to this file (SVG): the frame in which the most taxels read a force
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Write the reach as a moving picture in a loop to this file (animated SVG, at most 0.9 MB)
+    #[arg(long, value_name = "FILE.svg")]
+    animation: Option<PathBuf>,
     /// Patch of skin whose trials are counted [default: the first]
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
@@ -85,6 +88,14 @@ struct Goal {
     position_world_m: [f64; 3],
 }
 
+/// An animation is drawn from the moments of every tenth frame, 0.1 s apart.
+const MOMENT_FRAMES: usize = 10;
+
+fn is_svg(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("svg"))
+}
+
 /// Runs the reach.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let mut plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
@@ -104,13 +115,25 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         )?;
     }
     dataset::say_doubts([&plan.arm], &Shown);
+    if let Some(path) = options.animation.as_deref().filter(|path| !is_svg(path)) {
+        return Err(Failure::usage(format!(
+            "--animation {}: an animation is written as SVG; give a file name that ends in .svg",
+            path.display()
+        )));
+    }
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
+    let mut moments: Vec<Snapshot> = Vec::new();
+    let mut frames = 0;
     let recording = plan.run(options.index, &mut |simulation, frame| {
         let max_taxels = best.as_ref().map_or(0, |snapshot| snapshot.frame.taxels.len());
         if options.picture.is_some() && (best.is_none() || frame.taxels.len() > max_taxels) {
             best = Some(Snapshot::take(simulation, frame));
         }
+        if options.animation.is_some() && frames % MOMENT_FRAMES == 0 {
+            moments.push(Snapshot::take(simulation, frame));
+        }
+        frames += 1;
     })?;
     let wall_s = start.elapsed().as_secs_f64();
     // The recording is written first, so that a failure below does not lose it.
@@ -131,6 +154,22 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             &caption,
         );
         output::write_file(path, svg.as_bytes())?;
+    }
+    if let Some(path) = &options.animation {
+        let seconds = recording.frames.len() as f64 / recording.rate_hz;
+        let caption = format!(
+            "{}, seed {}, reach {}: {seconds:.0} s in a loop",
+            plan.scene.file.summary, options.seed, options.index
+        );
+        let categories = input::object_categories(&recording);
+        let svg = picture::animate(
+            &moments,
+            &recording.layout,
+            &categories,
+            &plan.scene.file.workspace,
+            &caption,
+        );
+        output::write_file(path, svg.unwrap_or_default().as_bytes())?;
     }
     output::remarks(audit::reach_warnings(&recording));
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);

@@ -73,7 +73,7 @@ struct Written {
 }
 
 /// Largest size of a single file, bytes. Choice: browsers refuse texts of more than about 500 MB, and nobody sends that.
-const MAX_FILE_BYTES: usize = 400_000_000;
+pub const MAX_FILE_BYTES: usize = 400_000_000;
 
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
@@ -81,11 +81,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         input::check_exists(path, "a data set (folder) or recording")?;
     }
     let judging = judging(&options)?;
-    let known = Known {
-        force_limit_n,
-        audit_warnings,
-    };
-    let source = Source::open(&options.inputs, known, judging)?;
+    let source = Source::open(&options.inputs, known(), judging)?;
     match &options.out {
         Some(path) => write(&source, &options.reaches, path, json),
         None => serve(source, options.port, !options.no_open, json),
@@ -112,6 +108,14 @@ fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
         },
         model,
     }))
+}
+
+/// What recordings do not say and the page shows.
+pub fn known() -> Known {
+    Known {
+        force_limit_n,
+        audit_warnings,
+    }
 }
 
 /// The force limit of a controller that ships.

@@ -1,17 +1,20 @@
 //! `underbrush reproduce`: runs an experiment, the paper's if no other is given, and writes its report.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use underbrush_classifier::Model;
+use underbrush_classifier::{HmmClassifier, Model};
 use underbrush_experiments::definition::Experiment;
+use underbrush_experiments::experiment::moments;
 use underbrush_experiments::plan::Plan;
 use underbrush_experiments::results::Results;
 use underbrush_experiments::session::Session;
 use underbrush_experiments::{audit, models, training};
 use underbrush_recording::disk::write_trials;
-use underbrush_report::Written;
+use underbrush_replay::{Held, Judging, Source, single_file};
+use underbrush_report::{REPLAY_FILE, Written};
 
+use super::replay;
 use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{interrupt, output};
@@ -83,12 +86,33 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let results = Results::of(&session)?;
     let summary = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(&out.join("summary.json"), &summary)?;
+    let moments = session.once(moments::run)?;
     let report = Written::of(&results);
     for file in &report.files {
         output::write_file(&out.join("report").join(&file.path), file.text.as_bytes())?;
     }
+    write_replay(&moments, &models.0, &out.join("report").join(REPLAY_FILE))?;
     output::result(json, &results, || {
         let page = out.join("report/index.html");
         format!("{}; report in {}", report.terminal, page.display())
     })
+}
+
+/// Writes the reaches whose moments the report shows as one file with the replay page, to which the report links.
+fn write_replay(moments: &moments::Outcome, models: &HmmClassifier, path: &Path) -> Result<(), Failure> {
+    let held = moments.all().map(|moment| Held {
+        recording: moment.recording.clone(),
+        judging: Some(Judging {
+            name: "model.json".into(),
+            model: Model::new(Box::new(models.clone())),
+            options: moment.options.clone(),
+        }),
+    });
+    let source = Source::of(held.collect(), replay::known())?;
+    let numbers: Vec<usize> = (0..source.reaches().len()).collect();
+    if numbers.is_empty() {
+        return Ok(());
+    }
+    let page = single_file(&source, &numbers, replay::MAX_FILE_BYTES)?;
+    output::write_file(path, page.as_bytes())
 }

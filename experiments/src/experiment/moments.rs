@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
-use underbrush_classifier::online::OnlineClassifier;
-use underbrush_recording::{Frame, SkinLayout};
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_recording::{Frame, Recording, SkinLayout};
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::error::ExperimentError;
@@ -24,6 +24,13 @@ pub struct Outcome {
     /// The moment of the first outlier reach.
     #[serde(skip)]
     pub outlier: Option<Moment>,
+}
+
+impl Outcome {
+    /// Both moments, the general reach first.
+    pub fn all(&self) -> impl Iterator<Item = &Moment> {
+        [&self.general, &self.outlier].into_iter().flatten()
+    }
 }
 
 /// Takes both snapshots.
@@ -58,6 +65,10 @@ pub struct Moment {
     pub scene: String,
     /// Which reach of the scene.
     pub reach_index: u64,
+    /// The whole reach.
+    pub recording: Recording,
+    /// How its taxels were judged.
+    pub options: OnlineOptions,
 }
 
 /// Runs a classified reach again and stops it when the most taxels are in contact. The moment is thus chosen by how
@@ -81,7 +92,7 @@ fn take(
     let layout = plan.arm.skin.layout.clone();
     let mut classifier = OnlineClassifier::new(models, &layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);
-    plan.run(shown.reach_index, &mut |simulation, frame| {
+    let recording = plan.run(shown.reach_index, &mut |simulation, frame| {
         if index <= chosen && fault.is_none() {
             match classifier.update(frame) {
                 Ok(judged) if index == chosen => {
@@ -108,6 +119,8 @@ fn take(
         verdicts,
         scene: shown.scene.clone(),
         reach_index: shown.reach_index,
+        recording,
+        options,
     }))
 }
 

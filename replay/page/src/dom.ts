@@ -49,12 +49,16 @@ export function choices<T extends string>(
 /** Gives a canvas the size of its place in CSS pixels, sharp on the screen, and its context with CSS pixels as units. */
 export function prepare(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
   const ratio = window.devicePixelRatio || 1;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  canvas.style.width = `${width}px`;
-  canvas.style.height = `${height}px`;
+  const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
   const context = canvas.getContext("2d");
   if (context === null) throw new Error("this browser cannot draw on a canvas");
+  // A new size makes a new canvas, which takes long.
+  if (canvas.width !== wide || canvas.height !== high) {
+    canvas.width = wide;
+    canvas.height = high;
+    canvas.style.width = `${width}px`;
+    canvas.style.height = `${height}px`;
+  } else context.reset();
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return context;
 }

@@ -235,7 +235,7 @@ class Page {
     this.#panes[0].show(state.frame, state, this.#palette, true);
     const second = this.#panes[1].loaded;
     if (second !== null) this.#panes[1].show(second.reach.frameAt(reach.time[state.frame]!), state, this.#palette, false);
-    for (const pane of this.#panes) if (pane.loaded !== null) pane.view?.render();
+    for (const pane of this.#panes) if (pane.loaded !== null) pane.view?.render(state.playing);
     document.body.dataset["frame"] = String(state.frame);
   }
 

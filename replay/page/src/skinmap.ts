@@ -30,6 +30,7 @@ export class SkinMap {
   readonly #height: number;
   #scale = 1;
   #cursor: number | null = null;
+  #drawn: { canvas: HTMLCanvasElement; palette: Palette } | null = null;
 
   constructor(
     readonly reach: Reach,
@@ -116,29 +117,15 @@ export class SkinMap {
     this.#scale = (width - MARGIN.left - MARGIN.right) / this.#width;
     const height = this.#height * this.#scale + MARGIN.top + MARGIN.bottom;
     const context = prepare(this.#canvas, width, height);
+    context.drawImage(this.#ground(palette, width, height), 0, 0, width, height);
     const ink = palette.variable("ink");
-    const edge = palette.variable("line");
-    context.font = "11px system-ui, sans-serif";
-    context.fillStyle = palette.variable("quiet");
-    context.fillText("▲ hand end", MARGIN.left, 12);
-    context.save();
-    context.translate(12, height - MARGIN.bottom);
-    context.rotate(-Math.PI / 2);
-    context.fillText(this.reach.header.patches[this.patch]!.grid === null ? "towards the wrist" : "towards the elbow", 0, 0);
-    context.restore();
-    const empty = palette.variable("cell");
     for (const cell of this.#cells) {
+      const shown = lookOf(cell.taxel);
+      if (shown.colour === null) continue;
       const [x, y] = this.centre(cell);
       const side = cell.size * this.#scale - 1;
-      const shown = lookOf(cell.taxel);
-      context.fillStyle = shown.colour ?? empty;
+      context.fillStyle = shown.colour;
       context.fillRect(x - side / 2, y - side / 2, side, side);
-      if (shown.colour === null) {
-        context.strokeStyle = edge;
-        context.lineWidth = 0.6;
-        context.strokeRect(x - side / 2, y - side / 2, side, side);
-        continue;
-      }
       const mark = shown.mark ?? (shown.stray ? "spurious" : null);
       if (mark !== null) {
         context.fillStyle = context.strokeStyle = shown.mark === null ? ink : palette.variable("panel");
@@ -161,6 +148,33 @@ export class SkinMap {
       context.lineWidth = wide;
       context.strokeRect(x - side / 2, y - side / 2, side, side);
     }
+  }
+
+  /** The map without forces: drawn anew only for another size or theme, because it has hundreds of cells. */
+  #ground(palette: Palette, width: number, height: number): HTMLCanvasElement {
+    const known = this.#drawn;
+    if (known !== null && known.palette === palette && known.canvas.width === this.#canvas.width) return known.canvas;
+    const canvas = element("canvas", {});
+    const context = prepare(canvas, width, height);
+    context.font = "11px system-ui, sans-serif";
+    context.fillStyle = palette.variable("quiet");
+    context.fillText("▲ hand end", MARGIN.left, 12);
+    context.save();
+    context.translate(12, height - MARGIN.bottom);
+    context.rotate(-Math.PI / 2);
+    context.fillText(this.reach.header.patches[this.patch]!.grid === null ? "towards the wrist" : "towards the elbow", 0, 0);
+    context.restore();
+    context.fillStyle = palette.variable("cell");
+    context.strokeStyle = palette.variable("line");
+    context.lineWidth = 0.6;
+    for (const cell of this.#cells) {
+      const [x, y] = this.centre(cell);
+      const side = cell.size * this.#scale - 1;
+      context.fillRect(x - side / 2, y - side / 2, side, side);
+      context.strokeRect(x - side / 2, y - side / 2, side, side);
+    }
+    this.#drawn = { canvas, palette };
+    return canvas;
   }
 
   /** Side of a taxel on the canvas, CSS pixels. */

@@ -12,7 +12,7 @@ const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 let browser;
 let server;
 before(async () => {
-  makeData();
+  await makeData();
   browser = await launch();
   server = await serve(file("mixed.parquet"), file("blind.parquet"), "--model", file("model.json"));
 });

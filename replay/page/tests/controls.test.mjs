@@ -3,12 +3,12 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, seek, serve, settle } from "./support.mjs";
+import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, says, seek, serve, settle } from "./support.mjs";
 
 let browser;
 let server;
 before(async () => {
-  makeData();
+  await makeData();
   browser = await launch();
   server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
 });
@@ -87,6 +87,22 @@ test("jumps to contacts, peaks, goals and mistakes", async () => {
   assert.deepEqual([await press("c"), await press("c"), await press("Shift+C")], [firsts[0], firsts[1], firsts[0]]);
   await page.getByRole("button", { name: "Next contact" }).click();
   assert.equal((await state(page)).frame, firsts[1]);
+  await page.getByRole("button", { name: "Previous contact" }).click();
+  assert.equal((await state(page)).frame, firsts[0]);
+  for (const [jump, key] of [["goal", "g"], ["peak", "p"], ["mistake", "m"]]) {
+    await press("Home");
+    const byKey = [await press(key), await press(key), await press(`Shift+${key.toUpperCase()}`)];
+    await press("Home");
+    const byMouse = [];
+    for (const name of [`Next ${jump}`, `Next ${jump}`, `Previous ${jump}`]) {
+      await page.getByRole("button", { name, exact: true }).click();
+      byMouse.push((await state(page)).frame);
+    }
+    assert.deepEqual(byMouse, byKey, jump);
+    // This reach has a single peak, from which nothing leads on or back.
+    const later = jump === "peak" ? byKey[1] === byKey[0] : byKey[1] > byKey[0];
+    assert.ok(byKey[0] > 0 && later && byKey[2] === byKey[0], `${jump}: ${byKey}`);
+  }
   await press("Home");
   const second = recording.goals[1].start_time_s;
   await press("g");
@@ -154,15 +170,16 @@ test("a taxel is chosen in all views at once", async () => {
   await map.hover({ position: { x, y } });
   await settle(page);
   const name = `forearm row ${Math.floor(strongest.index / 24)}, column ${strongest.index % 24}`;
-  assert.ok((await page.locator(".under").textContent()).startsWith(`${name}: ${strongest.force.toFixed(2)} N sensed`));
+  const under = await page.locator(".under").textContent();
+  assert.ok(under.startsWith(`${name}: `) && says(under, `${name}:`, strongest.force) && /: \d+\.\d\d N sensed/.test(under), under);
   await map.click({ position: { x, y } });
   await settle(page);
   assert.equal((await state(page)).taxel, strongest.taxel);
   const details = await page.locator("#details").textContent();
-  assert.ok(details.includes(name) && details.includes(`sensed force${strongest.force.toFixed(2)} N`), details);
+  assert.ok(details.includes(name) && says(details, "sensed force", strongest.force), details);
   assert.ok(details.includes("score of leaf") && details.includes("contact motion so far"), details);
   assert.ok(await page.locator('[data-plot="taxel"]').isVisible() && await page.locator('[data-plot="scores"]').isVisible());
-  assert.ok((await page.locator('[data-plot="taxel"] output').textContent()).includes(strongest.force.toFixed(2)));
+  assert.ok(says(await page.locator('[data-plot="taxel"] output').textContent(), "sensed", strongest.force));
   await page.waitForFunction((index) => location.hash.includes(`taxel=forearm.${index}`), strongest.index);
   // By keyboard: one taxel to the right on the map, then Enter.
   await map.focus();
@@ -224,6 +241,93 @@ test("reaches are listed, filtered, opened and compared", async () => {
   await finish(page);
 });
 
+/** Pins that a click on strips and plots goes to that time, that the choice of reach and its buttons open reaches, and that the
+ * tabs and rows of the lists work by keyboard. */
+test("strips, plots, reach buttons, tabs and links", async () => {
+  const page = await start();
+  const { duration, frames } = await page.evaluate(() => ({ duration: window.underbrushReplay.loaded().reach.duration, frames: window.underbrushReplay.loaded().reach.frames }));
+  for (const place of [".strips", '[data-plot="force"] .u-over']) {
+    const target = page.locator(place);
+    await target.scrollIntoViewIfNeeded();
+    const { width, height } = await target.boundingBox();
+    await target.click({ position: { x: width / 2, y: height / 2 } });
+    await settle(page);
+    const time = (await state(page)).frame / 100;
+    // The strips have the labels of their lines on the left.
+    const [left, right] = place === ".strips" ? [74, 10] : [0, 0];
+    const expected = ((width / 2 - left) / (width - left - right)) * duration;
+    assert.ok(Math.abs(time - expected) <= duration / 100, `${place}: ${time} s, not ${expected} s`);
+    await seek(page, 0);
+  }
+  await page.locator("#next-reach").click();
+  await ready(page, 1);
+  await page.locator("#previous-reach").click();
+  await ready(page, 0);
+  await page.locator("#reach").selectOption("2");
+  await ready(page, 2);
+  await page.locator("#reach").selectOption("0");
+  await ready(page, 0);
+  // By keyboard: to the tab of trials, into the table, and open its first trial.
+  await page.getByRole("tab", { name: "Reaches" }).focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.getByRole("tab", { name: "Contact trials" }).getAttribute("aria-selected"), "true");
+  const row = page.locator("#panel-trials tbody tr").first();
+  const [start_s, taxel] = await row.locator("th, td").allTextContents();
+  await row.getByRole("button").focus();
+  await page.keyboard.press("Enter");
+  await settle(page);
+  assert.ok((await page.locator("#clock").textContent()).startsWith(`${start_s} s`));
+  const details = await page.locator("#details").textContent();
+  assert.ok(details.includes(taxel), details);
+  // A link in the details: the end of the trial.
+  const end = page.locator("#details dd").filter({ hasText: "–" }).getByRole("button").nth(1);
+  const end_s = await end.textContent();
+  await end.click();
+  await settle(page);
+  assert.ok((await page.locator("#clock").textContent()).startsWith(end_s));
+  // The object that presses now is a link too.
+  const { recording, rows } = await readRecording("mixed.parquet");
+  assert.equal(rows.length, frames);
+  await seek(page, fullestFrame(recording, rows));
+  const object = page.locator('#details h3:has-text("Pressing now") + ul').getByRole("button").first();
+  const name = await object.textContent();
+  await object.click();
+  await settle(page);
+  assert.equal((await state(page)).object, Number(/ (\d+)$/.exec(name)[1]));
+  await finish(page);
+});
+
+/** Pins that the 3-D view turns when it is dragged, and zooms by the wheel and by the plus and minus keys. */
+test("the 3-D view can be dragged and zoomed", async () => {
+  const page = await start();
+  const box = await page.locator(".view").boundingBox();
+  /** Where two points of the world are on the screen, px. */
+  const places = () => page.evaluate(() => [[0.4, 0, 0], [0.6, 0, 0]].map((point) => window.underbrushReplay.drawn().project(point)));
+  const apart = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const before = await places();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 60, box.y + box.height / 2, { steps: 3 });
+  await page.mouse.up();
+  await settle(page);
+  const turned = await places();
+  assert.ok(Math.hypot(turned[0][0] - before[0][0], turned[0][1] - before[0][1]) > 2, "the view did not turn");
+  assert.deepEqual([(await state(page)).taxel, (await state(page)).object], [null, null], "a drag selected something");
+  await page.mouse.wheel(0, -300);
+  await page.waitForFunction((size) => {
+    const [a, b] = [[0.4, 0, 0], [0.6, 0, 0]].map((point) => window.underbrushReplay.drawn().project(point));
+    return Math.hypot(a[0] - b[0], a[1] - b[1]) > 1.02 * size;
+  }, apart(turned));
+  const zoomed = apart(await places());
+  await page.locator(".view").focus();
+  await page.keyboard.press("-");
+  const out = apart(await places());
+  await page.keyboard.press("+");
+  assert.ok(out < 0.97 * zoomed && apart(await places()) > 1.03 * out);
+  await finish(page);
+});
+
 /** Pins that an address brings back reach, moment, colours, view, rate and taxel, and that nonsense in it is ignored. */
 test("an address brings a finding back", async () => {
   const page = await start("#reach=1&t=4.21&colour=truth&view=side&rate=0.5&taxel=flipper.7");
@@ -253,5 +357,14 @@ test("theme and help", async () => {
   assert.ok(await page.getByRole("dialog").isVisible());
   await page.keyboard.press("Escape");
   assert.ok(await page.getByRole("dialog").isHidden());
+  await page.getByRole("button", { name: "Keys" }).click();
+  await page.getByRole("button", { name: "Close" }).click();
+  assert.ok(await page.getByRole("dialog").isHidden());
+  // The link before everything leads to the playback, from which the keys work.
+  await page.locator(".skip").focus();
+  await page.keyboard.press("Enter");
+  await page.keyboard.press("ArrowRight");
+  await settle(page);
+  assert.equal((await state(page)).frame, 1);
   await finish(page);
 });

@@ -9,7 +9,7 @@ import { file, finishAll, launch, makeData, open, program, ready, serve } from "
 
 let browser;
 before(async () => {
-  makeData();
+  await makeData();
   browser = await launch();
 });
 after(() => finishAll(browser));

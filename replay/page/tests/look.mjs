@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { SCENES, felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, serve, settle } from "./support.mjs";
 
 const folder = process.argv[2] ?? ".";
-makeData();
+await makeData();
 const browser = await launch();
 for (const scene of SCENES) {
   const { recording, rows } = await readRecording(`${scene}.parquet`);

@@ -1,11 +1,12 @@
 // Shared by the tests: recordings made by the program, the program as a server, and a browser.
 
-import { spawn, execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { execFile, execFileSync, spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { createInterface } from "node:readline";
 import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
 
 import { parquetReadObjects, parquetMetadata } from "hyparquet";
 import { compressors } from "hyparquet-compressors";
@@ -16,7 +17,7 @@ const PROGRAM = process.env.UNDERBRUSH ?? join(process.env.CARGO_TARGET_DIR ?? j
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const FLAGS = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-  "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+  "--disable-sync", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader",
 ];
 
 export const folder = process.env.REPLAY_DATA ?? mkdtempSync(join(tmpdir(), "underbrush-replay-"));
@@ -31,19 +32,26 @@ export function file(name) {
   return join(folder, name);
 }
 
-/** Makes recordings of the four scenes, a data set and a model, once for all tests. */
-export function makeData() {
-  try {
-    readFileSync(file("done"));
-    return;
-  } catch {
-    // They have to be made.
-  }
-  for (const scene of SCENES) program("reach", `scenes/${scene}.toml`, "--seed", 3, "--jobs", 1, "--out", file(`${scene}.parquet`));
-  program("reach", "scenes/mixed.toml", "--seed", 3, "--controller", "blind", "--jobs", 1, "--out", file("blind.parquet"));
-  program("generate", "scenes/leaf.toml", "scenes/trunk.toml", "--reaches", 1, "--seed", 1, "--jobs", 1, "--out", file("set"));
-  program("train", file("set"), "--out", file("model.json"), "--states", 3, "--jobs", 1);
+const run = promisify(execFile);
+
+/** Makes recordings of the four scenes, a data set and a model, once for all tests. A recording uses one core, so they are made
+ * side by side. */
+export async function makeData() {
+  if (existsSync(file("done"))) return;
+  const reach = (name, scene, ...more) => run(PROGRAM, ["reach", `scenes/${scene}.toml`, "--seed", "3", ...more, "--out", file(`${name}.parquet`)], { cwd: ROOT });
+  const model = async () => {
+    await run(PROGRAM, ["generate", "scenes/leaf.toml", "scenes/trunk.toml", "--reaches", "1", "--seed", "1", "--jobs", "1", "--out", file("set")], { cwd: ROOT });
+    await run(PROGRAM, ["train", file("set"), "--out", file("model.json"), "--states", "3", "--jobs", "1"], { cwd: ROOT });
+  };
+  await Promise.all([...SCENES.map((scene) => reach(scene, scene)), reach("blind", "mixed", "--controller", "blind"), model()]);
   writeFileSync(file("done"), "");
+}
+
+/** Whether a text has a number after a label that is this value to two decimals. */
+export function says(text, label, value) {
+  const found = new RegExp(`${label}[^\\d-]*(-?\\d+\\.\\d\\d)`).exec(text);
+  // The page holds numbers in single precision, which may round to the other side.
+  return found !== null && Math.abs(Number(found[1]) - value) <= 0.00501;
 }
 
 /** Servers that run. A failed test must not leave one behind, or the test process would wait for it. */

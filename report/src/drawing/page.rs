@@ -92,6 +92,11 @@ impl Page {
         );
     }
 
+    /// A paragraph that is a link to a file beside the page.
+    pub fn link(&mut self, address: &str, text: &str) {
+        let _ = writeln!(self.body, "<p><a href=\"{}\">{}</a></p>", escape(address), escape(text));
+    }
+
     /// The whole page.
     pub fn html(&self) -> String {
         let title = escape(&self.title);

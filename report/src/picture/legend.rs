@@ -31,7 +31,7 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout) -> V
             text: text.into(),
         });
     };
-    let categories: BTreeSet<Category> = snapshot.objects.iter().map(|(category, _)| *category).collect();
+    let categories: BTreeSet<Category> = snapshot.objects.iter().map(|object| object.category).collect();
     for category in categories {
         let (fill, name) = colour(category, looks);
         add(square(fill), name);

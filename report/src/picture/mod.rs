@@ -1,6 +1,8 @@
 //! Pictures of one moment of a reach, as SVG: arm, clutter and the taxels that feel something, from the side and from
-//! above. `draw` shows all of it, `close_ups` the surroundings of marked taxels.
+//! above. `draw` shows all of it, `close_ups` the surroundings of marked taxels, `animate` moments in a loop.
 
+mod animation;
+mod blade;
 mod close_up;
 mod legend;
 mod panel;
@@ -14,6 +16,7 @@ use underbrush_recording::{Category, SkinLayout};
 use underbrush_sim::scene::Workspace;
 use underbrush_sim::snapshot::Snapshot;
 
+pub use animation::animate;
 pub use close_up::{TaxelMark, close_ups};
 use panel::{PANELS, Panel, View};
 
@@ -45,7 +48,10 @@ pub fn draw(
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += legend::legend(&mut body, (snapshot, &looks), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    for (panel, view) in PANELS.iter().zip(views(snapshot, workspace, inner.1)) {
+    for (panel, view) in PANELS
+        .iter()
+        .zip(views(std::slice::from_ref(snapshot), workspace, inner.1))
+    {
         let size = view.size_px();
         let _ = writeln!(
             body,
@@ -64,17 +70,10 @@ pub fn draw(
     svg_document(WIDTH, height, FONT, caption, &body)
 }
 
-/// The view of each panel: arm, objects, goal and workspace, rounded out to 10 cm. Both panels have the same scale and the
-/// same x axis.
-fn views(snapshot: &Snapshot, workspace: &Workspace, width_px: f64) -> Vec<View> {
-    let capsules = snapshot
-        .arm
-        .iter()
-        .chain(snapshot.objects.iter().flat_map(|(_, capsules)| capsules));
-    let mut points: Vec<(DVec3, f64)> = capsules
-        .flat_map(|capsule| [(capsule.start, capsule.radius_m), (capsule.end, capsule.radius_m)])
-        .collect();
-    points.push((snapshot.frame.goal_position_world, 0.0));
+/// The view of each panel: arm, objects, goal and workspace at all these moments, rounded out to 10 cm. Both panels have the
+/// same scale and the same x axis.
+fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<View> {
+    let mut points: Vec<(DVec3, f64)> = snapshots.iter().flat_map(extent).collect();
     for (x, y) in [(0, 0), (1, 1)] {
         let corner = DVec3::new(workspace.x_m[x], workspace.y_m[y], workspace.table_height_m);
         points.push((corner, 0.0));
@@ -96,6 +95,23 @@ fn views(snapshot: &Snapshot, workspace: &Workspace, width_px: f64) -> Vec<View>
     let scale = (width_px / widest).min(MAX_HEIGHT / tallest);
     let view = |(corner, size_m)| View { corner, size_m, scale };
     bounds.into_iter().map(view).collect()
+}
+
+/// Points with the radius of what is around them, m, that a view of a moment must hold.
+fn extent(snapshot: &Snapshot) -> Vec<(DVec3, f64)> {
+    let objects = snapshot.objects.iter();
+    let capsules = snapshot.arm.iter().chain(objects.flat_map(|object| &object.capsules));
+    let ends = capsules.flat_map(|capsule| [(capsule.start, capsule.radius_m), (capsule.end, capsule.radius_m)]);
+    let blades = snapshot.objects.iter().filter_map(|object| object.blade.as_ref());
+    let pieces = blades.flat_map(|blade| {
+        let radius_m = blade.width_m / 2.0;
+        blade.pieces.iter().flat_map(move |piece| {
+            let end = piece.pose_world.transform_point(DVec3::Z * piece.length_m);
+            [(piece.pose_world.position, radius_m), (end, radius_m)]
+        })
+    });
+    let goal = (snapshot.frame.goal_position_world, 0.0);
+    ends.chain(pieces).chain([goal]).collect()
 }
 
 #[cfg(test)]

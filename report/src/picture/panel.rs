@@ -8,7 +8,7 @@ use underbrush_sim::geometry::Capsule;
 use underbrush_sim::scene::Workspace;
 use underbrush_sim::snapshot::Snapshot;
 
-use super::FONT;
+use super::{FONT, blade};
 use crate::category_looks::CategoryLooks;
 
 pub const ARM: &str = "#5b6b7b";
@@ -16,7 +16,7 @@ pub const GOAL: &str = "#1f4fd1";
 pub const TABLE: &str = "#e9dfd0";
 pub const TABLE_EDGE: &str = "#8a7355";
 /// The rim of a taxel that reports a force.
-const RIM: &str = "#ffd23f";
+pub const RIM: &str = "#ffd23f";
 
 /// Which two axes a panel shows, and from where.
 pub struct Panel {
@@ -61,6 +61,16 @@ impl View {
     pub fn size_px(&self) -> DVec2 {
         self.size_m * self.scale
     }
+}
+
+/// A shape of arm or clutter on a panel.
+pub struct Outline {
+    /// Position along the direction towards the viewer, m.
+    pub depth: f64,
+    /// The `d` of its path.
+    pub path: String,
+    /// The other attributes of its path.
+    pub style: String,
 }
 
 /// Fill and name of each category, told apart by lightness too.
@@ -155,26 +165,41 @@ impl Panel {
 
     /// Arm and objects, nearest to the viewer last.
     pub fn shapes(&self, svg: &mut String, view: &View, snapshot: &Snapshot, looks: &CategoryLooks) {
-        let mut shapes: Vec<(f64, String)> = Vec::new();
+        let mut shapes = self.outlines(view, snapshot, looks);
+        shapes.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+        for shape in shapes {
+            let _ = writeln!(svg, "<path d=\"{}\" {}/>", shape.path, shape.style);
+        }
+    }
+
+    /// Every shape of arm and objects as a path. Their number and order are the same for all snapshots of a reach.
+    pub fn outlines(&self, view: &View, snapshot: &Snapshot, looks: &CategoryLooks) -> Vec<Outline> {
         let depth = |capsule: &Capsule| self.depth(capsule.start + capsule.end) / 2.0;
-        for (category, capsules) in &snapshot.objects {
-            for capsule in capsules {
-                let block = *category == Category::BLOCK;
+        let mut outlines = Vec::new();
+        for object in &snapshot.objects {
+            let fill = colour(object.category, looks).0;
+            let block = object.category == Category::BLOCK;
+            for capsule in &object.capsules {
                 // Foam lies under everything.
                 let depth = if block { f64::NEG_INFINITY } else { depth(capsule) };
-                let min_thickness = if *category == Category::LEAF { 2.5 } else { 0.0 };
                 let opacity = if block { 0.45 } else { 0.9 };
-                shapes.push((
-                    depth,
-                    self.line(view, capsule, colour(*category, looks).0, min_thickness, opacity),
-                ));
+                outlines.push(self.line(view, capsule, fill, opacity, depth));
+            }
+            if let Some(blade) = &object.blade {
+                let middle = blade.pieces.iter().map(|piece| self.depth(piece.pose_world.position));
+                outlines.push(Outline {
+                    depth: middle.sum::<f64>() / blade.pieces.len() as f64,
+                    path: blade::path(self, view, blade),
+                    // Seen from the edge, a blade is a line.
+                    style: format!(
+                        "fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"2\" stroke-linejoin=\"round\" opacity=\"0.9\""
+                    ),
+                });
             }
         }
-        for capsule in &snapshot.arm {
-            shapes.push((depth(capsule), self.line(view, capsule, ARM, 0.0, 0.75)));
-        }
-        shapes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        svg.extend(shapes.into_iter().map(|(_, shape)| shape));
+        let arm = snapshot.arm.iter();
+        outlines.extend(arm.map(|capsule| self.line(view, capsule, ARM, 0.75, depth(capsule))));
+        outlines
     }
 
     /// The taxels that report a force, filled as what they touch, and the goal.
@@ -199,21 +224,17 @@ impl Panel {
         svg.push('\n');
     }
 
-    fn line(&self, view: &View, capsule: &Capsule, colour: &str, min_thickness: f64, opacity: f64) -> String {
+    /// A capsule as a thick line with round ends; a line without length is a disc.
+    fn line(&self, view: &View, capsule: &Capsule, colour: &str, opacity: f64, depth: f64) -> Outline {
         let (a, b) = (self.to_pixels(view, capsule.start), self.to_pixels(view, capsule.end));
-        let thickness = (2.0 * capsule.radius_m * view.scale).max(min_thickness);
-        if a.distance(b) < 1.0 {
-            let radius = thickness / 2.0;
-            return format!(
-                "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" fill=\"{colour}\" opacity=\"{opacity}\"/>\n",
-                a.x, a.y
-            );
+        let thickness = 2.0 * capsule.radius_m * view.scale;
+        Outline {
+            depth,
+            path: format!("M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y),
+            style: format!(
+                "fill=\"none\" stroke=\"{colour}\" stroke-width=\"{thickness:.1}\" stroke-linecap=\"round\" opacity=\"{opacity}\""
+            ),
         }
-        format!(
-            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{colour}\" \
-             stroke-width=\"{thickness:.1}\" stroke-linecap=\"round\" opacity=\"{opacity}\"/>\n",
-            a.x, a.y, b.x, b.y
-        )
     }
 
     /// Ticks, axis names and the title, around a view whose upper left corner is at `at`.

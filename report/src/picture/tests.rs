@@ -3,6 +3,7 @@
 use glam::DQuat;
 use underbrush_recording::{Frame, Patch, Pose, Taxel, TaxelReading};
 use underbrush_sim::geometry::Capsule;
+use underbrush_sim::snapshot::{Blade, BladePiece, ObjectShapes};
 use xml::reader::{EventReader, XmlEvent};
 
 use super::*;
@@ -12,6 +13,19 @@ fn capsule(start: [f64; 3], end: [f64; 3]) -> Capsule {
         start: start.into(),
         end: end.into(),
         radius_m: 0.04,
+    }
+}
+
+/// A leaf of two pieces of 0.3 m, the upper of which leans by this angle towards x, rad.
+fn blade(foot: DVec3, angle_rad: f64) -> Blade {
+    let upper = DQuat::from_scaled_axis(DVec3::Y * angle_rad);
+    let piece = |position, orientation| BladePiece {
+        pose_world: Pose { position, orientation },
+        length_m: 0.3,
+    };
+    Blade {
+        width_m: 0.05,
+        pieces: vec![piece(foot, DQuat::IDENTITY), piece(foot + DVec3::Z * 0.3, upper)],
     }
 }
 
@@ -59,8 +73,16 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
     let snapshot = Snapshot {
         arm: vec![capsule([0.0; 3], hand)],
         objects: vec![
-            (Category::TRUNK, vec![capsule([0.5, 0.1, -0.58], [0.5, 0.1, 0.0])]),
-            (Category::LEAF, vec![capsule([0.4, -0.2, -0.5], [0.4, -0.2, 0.1])]),
+            ObjectShapes {
+                category: Category::TRUNK,
+                capsules: vec![capsule([0.5, 0.1, -0.58], [0.5, 0.1, 0.0])],
+                blade: None,
+            },
+            ObjectShapes {
+                category: Category::LEAF,
+                capsules: Vec::new(),
+                blade: Some(blade([0.4, -0.2, -0.5].into(), 0.3)),
+            },
         ],
         frame,
     };
@@ -94,17 +116,13 @@ fn the_frame_holds_arm_and_scene() {
     ] {
         let (snapshot, _) = moment(hand, goal);
         let workspace = Workspace::default();
-        let views = views(&snapshot, &workspace, 500.0);
+        let views = views(std::slice::from_ref(&snapshot), &workspace, 500.0);
         for (panel, view) in PANELS.iter().zip(&views) {
             let size = view.size_px();
             assert!(size.x <= 500.01 && size.y <= MAX_HEIGHT + 0.01, "{view:?}");
             let corners =
                 [(0, 0), (1, 1)].map(|(x, y)| DVec3::new(workspace.x_m[x], workspace.y_m[y], workspace.table_height_m));
-            let ends = snapshot
-                .arm
-                .iter()
-                .chain(snapshot.objects.iter().flat_map(|object| &object.1));
-            let ends = ends.flat_map(|capsule| [capsule.start, capsule.end]);
+            let ends = extent(&snapshot).into_iter().map(|(point, _)| point);
             for point in ends.chain(corners).chain([DVec3::from(goal)]) {
                 let at = panel.to_pixels(view, point);
                 assert!(
@@ -143,4 +161,86 @@ fn every_mark_is_explained() {
         assert!(text.contains(mark), "no {mark:?} in {text}");
     }
     assert!(!text.contains("foam"), "{text}");
+}
+
+/// All numbers of a path's `d`.
+fn numbers(path: &str) -> Vec<f64> {
+    let split = |character: char| !(character.is_ascii_digit() || ".-".contains(character));
+    path.split(split).filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Pins that the outline of a leaf passes both edges of every hinge and is smooth there, and that an upright leaf is as wide as
+/// it is.
+#[test]
+fn a_leaf_is_a_smooth_curve_through_its_hinges() {
+    let (panel, foot) = (&PANELS[0], DVec3::new(0.4, 0.0, 0.0));
+    let view = View {
+        corner: DVec2::ZERO,
+        size_m: DVec2::ONE,
+        scale: 1000.0,
+    };
+    let path = blade::path(panel, &view, &blade(foot, 0.5));
+    // From the right the blade is seen from its edge: up and down along the same curve.
+    let points: Vec<DVec2> = numbers(&path)
+        .chunks(2)
+        .map(|pair| DVec2::new(pair[0], pair[1]))
+        .collect();
+    // The start, then per piece two control points and an end.
+    let hinge = panel.to_pixels(&view, foot + DVec3::Z * 0.3);
+    assert!(points[0].distance(panel.to_pixels(&view, foot)) < 0.1, "{path}");
+    assert!(points[3].distance(hinge) < 0.1, "{path}");
+    let (before, after) = ((points[3] - points[2]).normalize(), (points[4] - points[3]).normalize());
+    assert!(before.distance(after) < 0.01, "a corner at the hinge: {path}");
+    let expected = DVec2::new((0.25_f64).sin(), -(0.25_f64).cos());
+    assert!(
+        before.distance(expected) < 0.01,
+        "{before} is not the mean direction {expected}"
+    );
+    let tip = foot + DVec3::Z * 0.3 + DQuat::from_scaled_axis(DVec3::Y * 0.5) * (DVec3::Z * 0.3);
+    assert!(points[6].distance(panel.to_pixels(&view, tip)) < 0.1, "{path}");
+    let above = numbers(&blade::path(&PANELS[1], &view, &blade(foot, 0.5)));
+    let y: Vec<f64> = above.chunks(2).map(|pair| pair[1]).collect();
+    let width = y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
+    assert!((width - 50.0).abs() < 0.2, "{width} px");
+}
+
+/// Pins that an animation moves what moves, keeps still what does not, shows the taxels only while they feel something, and is
+/// well-formed.
+#[test]
+fn an_animation_shows_the_moments_in_turn() {
+    let (mut first, layout) = moment([0.8, 0.0, 0.2], [0.7, -0.2, -0.3]);
+    first.frame.taxels.clear();
+    let (second, _) = moment([0.6, 0.1, 0.2], [0.7, -0.2, -0.3]);
+    let objects = [Category::TRUNK];
+    let draw = |moments: &[Snapshot]| animate(moments, &layout, &objects, &Workspace::default(), "two moments");
+    let svg = draw(&[first.clone(), second]).unwrap();
+    assert!(words(&svg).contains("two moments"));
+    let animated = |style: &str| {
+        svg.lines()
+            .filter(|line| line.contains(style) && line.contains("<animate"))
+            .count()
+    };
+    let arm = format!("stroke=\"{}\"", panel::ARM);
+    assert_eq!(animated(&arm), 2, "the arm moves in both panels");
+    assert_eq!(
+        animated("stroke-width=\"2\" stroke-linejoin"),
+        0,
+        "the leaf stands still"
+    );
+    let dots: Vec<&str> = svg
+        .lines()
+        .filter(|line| line.contains(panel::RIM) && line.contains("<animate"))
+        .collect();
+    assert!(
+        !dots.is_empty() && dots.iter().all(|line| line.contains("values=\"M0 0;M")),
+        "{dots:?}"
+    );
+    let still = draw(&[first.clone(), first]).unwrap();
+    assert!(
+        !still
+            .lines()
+            .any(|line| line.contains(&arm) && line.contains("<animate")),
+        "nothing moves"
+    );
+    assert!(draw(&[]).is_none());
 }

@@ -9,19 +9,31 @@ use crate::category_looks::CategoryLooks;
 use crate::drawing::{Mark, slug};
 use crate::picture::{self, TaxelMark};
 use crate::report::Report;
-use crate::skin_map;
+use crate::{REPLAY_FILE, skin_map};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
-    let moments: Vec<&Moment> = [&outcome.general, &outcome.outlier].into_iter().flatten().collect();
-    if moments.is_empty() {
+    if outcome.all().next().is_none() {
         return;
     }
     report.section("moments", "moments of two reaches");
-    moments.into_iter().for_each(|moment| add_moment(report, moment));
+    for (place, moment) in outcome.all().enumerate() {
+        add_moment(report, moment, place);
+    }
 }
 
-fn add_moment(report: &mut Report, moment: &Moment) {
+/// The address of a moment on the replay page of the report's reaches.
+pub fn address(moment: &Moment, place: usize) -> String {
+    let time_s = moment.snapshot.frame.time_s;
+    // A name with other characters could end the address.
+    let plain = |name: &str| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));
+    let patch = moment.layout.patches.get(moment.patch).filter(|patch| plain(&patch.name));
+    let pressed = moment.verdicts.keys().find(|taxel| moment.pressed.contains(taxel));
+    let taxel = patch.zip(pressed).map_or(String::new(), |(patch, taxel)| format!("&taxel={}.{taxel}", patch.name));
+    format!("{REPLAY_FILE}#reach={place}&t={time_s:.2}&colour=verdict{taxel}")
+}
+
+fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let Some(patch) = moment.layout.patches.get(moment.patch) else {
         return;
     };
@@ -58,6 +70,7 @@ fn add_moment(report: &mut Report, moment: &Moment) {
         objects_in_words(&moment.snapshot, looks)
     );
     report.page.figure(&caption, &charts);
+    report.page.link(&address(moment, place), "Replay this moment in 3-D");
 }
 
 /// Which mark stands for which verdict.
@@ -97,7 +110,7 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
 
 /// Which colour the objects of each category in a picture have.
 fn objects_in_words(snapshot: &Snapshot, looks: &CategoryLooks) -> String {
-    let categories: std::collections::BTreeSet<Category> = snapshot.objects.iter().map(|object| object.0).collect();
+    let categories: std::collections::BTreeSet<Category> = snapshot.objects.iter().map(|object| object.category).collect();
     let colours = categories.into_iter().map(|category| match category {
         Category::BLOCK => "foam blocks sand-coloured".to_owned(),
         other => format!("{} {}", other.name(), looks.look(other.name()).colour_name),

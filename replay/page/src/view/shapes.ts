@@ -7,14 +7,14 @@ import type { Body, Pose, Reach, Shape } from "../reach.ts";
 
 /** The geometry of a shape, centred on its frame; cylinders and capsules along z, as in the data. */
 export function geometryOf(shape: Shape): BufferGeometry {
-  if (shape.sphere !== undefined) return new SphereGeometry(shape.sphere.radius_m, 20, 12);
+  if (shape.sphere !== undefined) return new SphereGeometry(shape.sphere.radius_m, 16, 10);
   if (shape.cylinder !== undefined) {
     const { radius_m, length_m } = shape.cylinder;
-    return new CylinderGeometry(radius_m, radius_m, length_m, 24).rotateX(Math.PI / 2);
+    return new CylinderGeometry(radius_m, radius_m, length_m, 20).rotateX(Math.PI / 2);
   }
   if (shape.capsule !== undefined) {
     const { radius_m, length_m } = shape.capsule;
-    return new CapsuleGeometry(radius_m, length_m, 6, 20).rotateX(Math.PI / 2);
+    return new CapsuleGeometry(radius_m, length_m, 4, 16).rotateX(Math.PI / 2);
   }
   if (shape.box !== undefined) return new BoxGeometry(...(shape.box.size_m as [number, number, number]));
   if (shape.hull !== undefined) return new ConvexGeometry(shape.hull.points_m.map((point) => new Vector3(...(point as [number, number, number]))));

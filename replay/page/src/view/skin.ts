@@ -1,8 +1,8 @@
-// The taxels on the arm, one instance each, coloured by force or category. They are not shaded, so that their colours are
+// The taxels on the arm, a small plate each, coloured by force or category. They are not shaded, so that their colours are
 // those of the legend.
 
 import {
-  BoxGeometry, Color, Group, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, Quaternion, RingGeometry, Vector3,
+  BufferAttribute, BufferGeometry, Color, Group, Matrix4, Mesh, MeshBasicMaterial, type Object3D, Quaternion, RingGeometry, Vector3,
 } from "three";
 
 import type { Reach } from "../reach.ts";
@@ -10,24 +10,48 @@ import { placeRow } from "./shapes.ts";
 
 /** Height of a taxel's plate above its place, m. */
 const LIFT_M = 0.0012;
-const THICKNESS_M = 0.001;
 
-/** Taxels of one patch, moved as a whole by the pose of its link. */
+/** Corners of a plate, two triangles. */
+const CORNERS = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]] as const;
+
+/** Taxels of one patch as one mesh, moved as a whole by the pose of its link. Instances of a plate would be drawn one by one
+ * where a processor draws. */
 class PatchSkin extends Group {
-  readonly plates: InstancedMesh;
+  readonly plates: Mesh<BufferGeometry, MeshBasicMaterial>;
 
   constructor(readonly reach: Reach, readonly patch: number) {
     super();
     const { first_taxel: first, taxels } = reach.header.patches[patch]!;
-    this.plates = new InstancedMesh(new BoxGeometry(1, 1, THICKNESS_M), new MeshBasicMaterial(), taxels);
-    this.plates.frustumCulled = false;
-    const matrix = new Matrix4();
-    for (let index = 0; index < taxels; index++) {
-      const side = 0.86 * Math.sqrt(reach.taxelArea[first + index]!);
-      matrix.compose(placeOf(reach, first + index, LIFT_M), turnOf(reach, first + index), new Vector3(side, side, 1));
-      this.plates.setMatrixAt(index, matrix);
+    const geometry = new BufferGeometry();
+    const positions = new Float32Array(12 * taxels);
+    const [matrix, corner, index] = [new Matrix4(), new Vector3(), [] as number[]];
+    for (let taxel = 0; taxel < taxels; taxel++) {
+      const side = 0.86 * Math.sqrt(reach.taxelArea[first + taxel]!);
+      matrix.compose(placeOf(reach, first + taxel, LIFT_M), turnOf(reach, first + taxel), new Vector3(side, side, 1));
+      CORNERS.forEach(([x, y], at) => corner.set(x, y, 0).applyMatrix4(matrix).toArray(positions, 12 * taxel + 3 * at));
+      index.push(...[0, 1, 2, 0, 2, 3].map((at) => 4 * taxel + at));
     }
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.setAttribute("color", new BufferAttribute(new Float32Array(12 * taxels), 3));
+    geometry.setIndex(index);
+    this.plates = new Mesh(geometry, new MeshBasicMaterial({ vertexColors: true }));
     this.add(this.plates);
+  }
+
+  /** Colours a taxel of the patch. */
+  paint(taxel: number, colour: Color): void {
+    const colours = this.plates.geometry.getAttribute("color") as BufferAttribute;
+    for (let at = 4 * taxel; at < 4 * taxel + 4; at++) colours.setXYZ(at, colour.r, colour.g, colour.b);
+    colours.needsUpdate = true;
+  }
+
+  /** Where the middle of a taxel of the patch is drawn, m, world frame, and in which colour. */
+  drawn(taxel: number): { position: number[]; colour: string } {
+    const { position, color } = this.plates.geometry.attributes as { position: BufferAttribute; color: BufferAttribute };
+    const [low, high] = [4 * taxel, 4 * taxel + 2].map((at) => new Vector3().fromBufferAttribute(position, at)) as [Vector3, Vector3];
+    this.updateWorldMatrix(true, false);
+    const middle = low.add(high).multiplyScalar(0.5).applyMatrix4(this.matrixWorld);
+    return { position: middle.toArray(), colour: `#${new Color().fromBufferAttribute(color, 4 * taxel).getHexString()}` };
   }
 }
 
@@ -49,6 +73,8 @@ export class Skin extends Group {
   readonly patches: PatchSkin[];
   readonly #ring = new Mesh(new RingGeometry(0.9, 1.15, 24), new MeshBasicMaterial({ depthTest: false, transparent: true }));
   readonly #colour = new Color();
+  /** The CSS colour that each taxel has. */
+  readonly #painted: string[] = [];
 
   constructor(readonly reach: Reach) {
     super();
@@ -65,10 +91,14 @@ export class Skin extends Group {
 
   /** Colours every taxel; `colourOf` gives a CSS colour. */
   paint(colourOf: (taxel: number) => string): void {
-    for (const { plates, patch } of this.patches) {
-      const { first_taxel: first, taxels } = this.reach.header.patches[patch]!;
-      for (let index = 0; index < taxels; index++) plates.setColorAt(index, this.#colour.set(colourOf(first + index)));
-      if (plates.instanceColor !== null) plates.instanceColor.needsUpdate = true;
+    for (const patch of this.patches) {
+      const { first_taxel: first, taxels } = this.reach.header.patches[patch.patch]!;
+      for (let index = 0; index < taxels; index++) {
+        const colour = colourOf(first + index);
+        if (this.#painted[first + index] === colour) continue;
+        this.#painted[first + index] = colour;
+        patch.paint(index, this.#colour.set(colour));
+      }
     }
   }
 
@@ -83,21 +113,15 @@ export class Skin extends Group {
     this.patches[this.reach.patchOf[taxel]!]!.add(this.#ring);
   }
 
-  /** The taxel of an instance. */
-  taxelOf(plates: InstancedMesh, instance: number): number | null {
-    const patch = this.patches.find((patch) => patch.plates === plates);
-    return patch === undefined ? null : this.reach.header.patches[patch.patch]!.first_taxel + instance;
+  /** The taxel of a triangle of a mesh, or null if the mesh is no skin. */
+  taxelOf(mesh: Object3D, triangle: number): number | null {
+    const patch = this.patches.find((patch) => patch.plates === mesh);
+    return patch === undefined ? null : this.reach.header.patches[patch.patch]!.first_taxel + Math.floor(triangle / 2);
   }
 
   /** Place of a taxel's plate and its colour, as they are drawn. */
   drawn(taxel: number): { position: number[]; colour: string } {
     const patch = this.patches[this.reach.patchOf[taxel]!]!;
-    const index = taxel - this.reach.header.patches[patch.patch]!.first_taxel;
-    const [matrix, colour] = [new Matrix4(), new Color()];
-    patch.plates.getMatrixAt(index, matrix);
-    patch.plates.getColorAt(index, colour);
-    patch.updateWorldMatrix(true, false);
-    const position = new Vector3().setFromMatrixPosition(matrix).applyMatrix4(patch.matrixWorld);
-    return { position: position.toArray(), colour: `#${colour.getHexString()}` };
+    return patch.drawn(taxel - this.reach.header.patches[patch.patch]!.first_taxel);
   }
 }

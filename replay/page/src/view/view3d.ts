@@ -1,7 +1,7 @@
 // The 3-D view of one reach: arm, skin, objects, contact forces, goal and path of the hand.
 
 import {
-  BufferAttribute, BufferGeometry, DirectionalLight, GridHelper, HemisphereLight, InstancedMesh, Line, LineBasicMaterial, Mesh,
+  BufferAttribute, BufferGeometry, DirectionalLight, GridHelper, HemisphereLight, Line, LineBasicMaterial, Mesh,
   MeshBasicMaterial, OctahedronGeometry, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -13,6 +13,7 @@ import { pushesAt } from "../series.ts";
 import type { CameraKind } from "../state.ts";
 import { Arrows } from "./arrows.ts";
 import { Bodies } from "./bodies.ts";
+import { Quality, drawsInSoftware } from "./quality.ts";
 import { Skin } from "./skin.ts";
 
 /** What is shown besides the reach and the frame. */
@@ -31,17 +32,8 @@ export interface Hit {
   object: number | null;
 }
 
-/** Frames that take longer than this lower the resolution, ms: 30 frames a second with room for the rest of the page. */
-const SLOW_MS = 24;
 /** A hand that is followed stays at this distance, m. */
 const HAND_DISTANCE_M = 0.75;
-
-/** Whether a processor draws, without the help of graphics hardware. Smooth edges would then cost four times the time. */
-function drawsInSoftware(): boolean {
-  const context = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
-  context?.getExtension("WEBGL_lose_context")?.loseContext();
-  return context === null;
-}
 
 export class View3D {
   readonly box: HTMLElement;
@@ -59,20 +51,25 @@ export class View3D {
   #reach: Reach | null = null;
   #frame = 0;
   #view: CameraKind | null = null;
-  #times: number[] = [];
-  #ratio = Math.min(window.devicePixelRatio || 1, 2);
+  readonly #quality: Quality;
+  /** Whether a pointer turns the view. */
+  #turning = false;
 
   /** Throws if the browser cannot make WebGL. */
   constructor(name: string, readonly redraw: () => void, picked: (hit: Hit) => void) {
     const label = `${name}. Drag to turn, scroll to zoom. With the keyboard: arrow keys turn, plus and minus zoom.`;
     const canvas = element("canvas", { tabindex: 0, role: "img", "aria-label": label, class: "view" });
-    const software = drawsInSoftware();
-    if (software) this.#ratio = Math.min(this.#ratio, 1);
-    this.#renderer = new WebGLRenderer({ canvas, antialias: !software, alpha: true, powerPreference: "high-performance" });
+    this.#quality = new Quality(drawsInSoftware());
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !this.#quality.software, alpha: true, powerPreference: "high-performance" });
     this.box = element("div", { class: "view-box" }, canvas, this.#labels);
     this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.addEventListener("change", redraw);
+    this.#controls.addEventListener("start", () => (this.#turning = true));
+    this.#controls.addEventListener("end", () => {
+      this.#turning = false;
+      redraw();
+    });
     this.#controls.maxDistance = 6;
     this.#controls.minDistance = 0.08;
     const sun = new DirectionalLight(0xffffff, 2.2);
@@ -123,9 +120,8 @@ export class View3D {
     ray.setFromCamera(at, this.#camera);
     const targets = [this.#bodies, this.#skin].filter((target) => target !== null);
     for (const found of ray.intersectObjects(targets, true)) {
-      if (found.object instanceof InstancedMesh) {
-        return { taxel: this.#skin?.taxelOf(found.object, found.instanceId ?? 0) ?? null, object: null };
-      }
+      const taxel = this.#skin?.taxelOf(found.object, found.faceIndex ?? 0) ?? null;
+      if (taxel !== null) return { taxel, object: null };
       const object: unknown = found.object.userData["object"];
       if (typeof object === "number") return { taxel: null, object };
       // A link: the skin on it lies a little above.
@@ -213,37 +209,29 @@ export class View3D {
     this.#controls.update();
   }
 
-  /** Draws. Called once per animation frame at most. */
-  render(): void {
+  /** Draws. Called once per animation frame at most; `playing` says that the next frame follows at once. */
+  render(playing: boolean): void {
     const { clientWidth: width, clientHeight: height } = this.box;
     if (width === 0 || height === 0) return;
-    const start = performance.now();
+    const moving = playing || this.#turning;
+    const ratio = this.#quality.ratio(moving);
     const size = this.#renderer.getSize(new Vector2());
-    if (size.x !== width || size.y !== height || this.#renderer.getPixelRatio() !== this.#ratio) {
-      this.#renderer.setPixelRatio(this.#ratio);
+    if (size.x !== width || size.y !== height || this.#renderer.getPixelRatio() !== ratio) {
+      this.#renderer.setPixelRatio(ratio);
       this.#renderer.setSize(width, height);
       this.#camera.aspect = width / height;
       // A narrow view keeps its width.
       this.#camera.fov = width > height ? 38 : Math.min(2 * Math.atan(Math.tan(0.33) * (height / width)) * (180 / Math.PI), 75);
       this.#camera.updateProjectionMatrix();
     }
-    this.#renderer.render(this.#scene, this.#camera);
+    const context = this.#renderer.getContext() as WebGL2RenderingContext;
+    this.#quality.measured(moving, context, () => this.#renderer.render(this.#scene, this.#camera));
     this.#arrows.placeLabels(this.#camera, width, height);
-    this.#adapt(performance.now() - start);
-  }
-
-  /** Lowers the resolution while frames take too long, as they do where a processor draws them. */
-  #adapt(time: number): void {
-    this.#times.push(time);
-    if (this.#times.length < 20) return;
-    const median = [...this.#times].sort((a, b) => a - b)[10]!;
-    this.#times = [];
-    if (median > SLOW_MS && this.#ratio > 0.5) this.#ratio = Math.max(0.5, this.#ratio * 0.75);
   }
 
   /** The picture as it is now, for print. */
   picture(): string {
-    this.render();
+    this.render(false);
     return this.#renderer.domElement.toDataURL("image/png");
   }
 
@@ -257,7 +245,8 @@ export class View3D {
       this.#renderer.render(this.#scene, this.#camera);
       const gl = this.#renderer.getContext();
       const out = new Uint8Array(4);
-      const [px, py] = [x * this.#ratio, (this.box.clientHeight - y) * this.#ratio];
+      const ratio = this.#renderer.getPixelRatio();
+      const [px, py] = [x * ratio, (this.box.clientHeight - y) * ratio];
       gl.readPixels(Math.floor(px), Math.floor(py), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, out);
       return [...out];
     };
