@@ -170,7 +170,7 @@ impl From<ReachError> for Failure {
     fn from(error: ReachError) -> Self {
         match error {
             ReachError::Input(input) => input.into(),
-            ReachError::EquilibriumAngles { .. } => Failure::run(error.to_string()),
+            ReachError::EquilibriumAngles { .. } | ReachError::Stopped => Failure::run(error.to_string()),
         }
     }
 }

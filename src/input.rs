@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use underbrush_experiments::contact_trials;
 use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
 use underbrush_recording::{Category, InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
-use crate::progress;
-pub use crate::trial_arguments::{TrialArguments, Unit, cut};
+use crate::progress::Shown;
+pub use crate::trial_arguments::TrialArguments;
 
 /// The only one of some paths.
 ///
@@ -55,26 +56,15 @@ pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
 /// Reads the trials of a data set, a recording or a table.
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     check_exists(path, "a data set (folder), recording or table of trials")?;
-    let cut = |recording: &Recording, first| {
-        let found = arguments.cut(recording, first);
-        found.map_err(|failure| failure.about(path))
-    };
+    let about = |failure: Failure| failure.about(path);
     if path.is_dir() {
         let dataset = Dataset::open(path)?;
-        let reaches = dataset.episodes().len();
-        let bar = progress::bar(reaches as u64, "reaches read");
-        let mut trials = Vec::new();
-        for episode in 0..reaches {
-            let mut found = cut(&dataset.read_reach(episode)?, trials.len() as u64)?;
-            // Reaches of different scenes may share an index, but the episode number is unique.
-            found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
-            trials.extend(found);
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        Ok(trials)
+        let found = contact_trials::of_dataset(&dataset, arguments.unit()?, &arguments.options(), &Shown);
+        found.map_err(|error| about(error.into()))
     } else if is_recording(path) {
-        cut(&read_recording(path)?, 0)
+        let recording = read_recording(path)?;
+        let found = contact_trials::of_recording(&recording, arguments.unit()?, &arguments.options(), 0);
+        found.map_err(|error| about(error.into()))
     } else {
         arguments.refuse_for_table(path)?;
         let mut trials = read_trials(path)?;

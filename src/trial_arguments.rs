@@ -4,14 +4,14 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use underbrush_classifier::touch::TouchOptions;
-use underbrush_classifier::trial::{Labels, TrialOptions, component_trials, taxel_trials};
-use underbrush_recording::{Recording, Trial};
+use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_experiments::contact_trials;
 
 use crate::failure::Failure;
 
 /// What a trial is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Unit {
+enum Unit {
     /// One taxel from contact to break (paper, section IV-D)
     Taxel,
     /// One connected component of taxels (paper, section IV-C)
@@ -111,15 +111,18 @@ impl TrialArguments {
         }
     }
 
-    /// The trials of one recording, numbered from `first`.
-    pub fn cut(&self, recording: &Recording, first: u64) -> Result<Vec<Trial>, Failure> {
-        let unit = self.by.unwrap_or(Unit::Taxel);
-        if self.no_wrap && unit == Unit::Taxel {
-            return Err(Failure::usage(
+    /// What a trial is made of.
+    ///
+    /// # Errors
+    /// If `--no-wrap` is given for taxels.
+    pub fn unit(&self) -> Result<contact_trials::Unit, Failure> {
+        match self.by.unwrap_or(Unit::Taxel) {
+            Unit::Taxel if self.no_wrap => Err(Failure::usage(
                 "--no-wrap applies to components only; add --by component, or leave --no-wrap out",
-            ));
+            )),
+            Unit::Taxel => Ok(contact_trials::Unit::Taxel),
+            Unit::Component => Ok(contact_trials::Unit::Component),
         }
-        cut(recording, unit, &self.options(), first)
     }
 
     /// Refuses options that do not apply to a table of trials.
@@ -191,21 +194,6 @@ impl TrialArguments {
             ))),
         }
     }
-}
-
-/// The trials of one recording, numbered from `first`.
-pub fn cut(recording: &Recording, by: Unit, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, Failure> {
-    let trials = match by {
-        Unit::Taxel => taxel_trials(recording, options)?,
-        Unit::Component => component_trials(recording, options)?,
-    };
-    Ok(trials
-        .into_iter()
-        .map(|found| Trial {
-            trial: first + found.trial.trial,
-            ..found.trial
-        })
-        .collect())
 }
 
 #[cfg(test)]

@@ -54,6 +54,16 @@ struct Audited<'a> {
     audit: &'a Audit,
 }
 
+/// The bounds that the audit of a reach exceeds, each as a sentence.
+pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
+    let exceeded = bounds(layout).filter_map(|bound| {
+        let value = (bound.field.get)(audit);
+        let name = bound.field.name;
+        (value > bound.max).then(|| format!("{name} is {value:.1e}; the bound is {:.1e}", bound.max))
+    });
+    exceeded.collect()
+}
+
 /// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value.
 pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
     let audited = episodes.iter().map(|episode| Audited {

@@ -13,7 +13,7 @@ use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::controller::ControllerKind;
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::reach::{MakeController, ReachPlan};
 use underbrush_sim::scene::Scene;
 
 use crate::controller_parameters::ControllerParameters;
@@ -38,6 +38,9 @@ pub struct Campaign {
     pub seed: u64,
     /// The controller; each scene's own if not given.
     pub controller: Option<ControllerKind>,
+    /// A user's own controller, instead of one that ships. A data set holds its name only, so it cannot be made again from
+    /// itself.
+    pub own_controller: Option<MakeController>,
     /// Verdicts for the controller, if it is to have any.
     pub verdicts: Option<VerdictControl>,
     /// The part of the reaches to run; all if not given.
@@ -90,6 +93,7 @@ impl Campaign {
             arms: BTreeMap::new(),
             seed: provenance.seed,
             controller: Some(controller),
+            own_controller: None,
             shard: provenance.shard,
         };
         for (index, stored) in provenance.scenes.iter().enumerate() {
@@ -130,11 +134,14 @@ impl Campaign {
         let missing = writer.missing()?;
         let count = progress.count("reaches", jobs.len() as u64, (jobs.len() - missing.len()) as u64);
         let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
-        let result: Result<(), CampaignError<DiskError>> = campaign::run(&plans, &to_run, |index, recording| {
-            writer.stage(missing[index], &recording)?;
-            count.reach(recording.goal_outcomes());
-            Ok(())
-        });
+        let result: Result<(), CampaignError<DiskError>> = {
+            let stage = |index: usize, recording: Recording| {
+                writer.stage(missing[index], &recording)?;
+                count.reach(recording.goal_outcomes());
+                Ok(())
+            };
+            campaign::run_until(&plans, &to_run, stage, &|| progress.is_stopped())
+        };
         drop(count);
         result?;
         Ok(Written::New(writer.finish()?))
@@ -151,12 +158,13 @@ impl Campaign {
     {
         let (plans, jobs) = (self.plans()?, self.jobs());
         let count = progress.count("reaches", jobs.len() as u64, 0);
-        let result = campaign::run(&plans, &jobs, |position, recording| {
+        let counted = |position: usize, recording: Recording| {
             let goals = recording.goal_outcomes();
             receive(position, recording)?;
             count.reach(goals);
             Ok(())
-        });
+        };
+        let result = campaign::run_until(&plans, &jobs, counted, &|| progress.is_stopped());
         drop(count);
         Ok(result?)
     }
@@ -186,6 +194,10 @@ impl Campaign {
             let plan = match self.arms.get(&scene.name) {
                 Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed)?,
                 None => ReachPlan::new(scene.clone(), controller, self.seed)?,
+            };
+            let plan = match self.own_controller.clone() {
+                Some(make) => plan.with_controller(move |arm| make(arm)),
+                None => plan,
             };
             match &self.verdicts {
                 Some(verdicts) => verdicts.applied_to(plan),
@@ -225,6 +237,12 @@ impl Campaign {
             return Err(ExperimentError::Request(format!(
                 "scenes {} and {} have arms with different skin; generate a data set for each",
                 first.scene.name, other.scene.name
+            )));
+        }
+        if self.own_controller.is_some() && ControllerKind::from_name(&first.controller_name()).is_ok() {
+            return Err(ExperimentError::Request(format!(
+                "the controller is called {}, which is the name of a controller that ships; give it a name of its own",
+                first.controller_name()
             )));
         }
         if let Some(other) = plans

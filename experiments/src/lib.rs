@@ -8,6 +8,7 @@
 pub mod accuracy;
 pub mod audit;
 pub mod cell;
+pub mod contact_trials;
 mod controller_parameters;
 pub mod dataset;
 pub mod definition;

@@ -109,6 +109,7 @@ pub fn campaign(
         arms,
         seed,
         controller: experiment.controller(),
+        own_controller: None,
         verdicts: None,
         shard: None,
     };

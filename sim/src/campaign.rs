@@ -52,13 +52,29 @@ pub fn run<E: std::error::Error + Send + 'static>(
     jobs: &[Job],
     receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
 ) -> Result<(), CampaignError<E>> {
+    run_until(plans, jobs, receive, &|| false)
+}
+
+/// As [`run`], but gives up all reaches that are running, and starts no more, when `stop` returns true. It is asked in every
+/// frame of every reach.
+///
+/// # Errors
+/// As [`run`], and [`ReachError::Stopped`].
+pub fn run_until<E: std::error::Error + Send + 'static>(
+    plans: &[ReachPlan],
+    jobs: &[Job],
+    receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<(), CampaignError<E>> {
     // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
     jobs.par_iter()
         .with_max_len(1)
         .enumerate()
         .try_for_each(|(position, job)| {
             let plan = &plans[job.plan];
-            let outcome = catch_unwind(AssertUnwindSafe(|| plan.run(job.reach_index, &mut |_, _| {})));
+            let outcome = catch_unwind(AssertUnwindSafe(|| {
+                plan.run_until(job.reach_index, &mut |_, _| {}, &stop)
+            }));
             let recording = outcome.map_err(|panic| CampaignError::Engine {
                 scene: plan.scene.name.clone(),
                 reach_index: job.reach_index,

@@ -9,6 +9,7 @@
 //! | contacts spread over taxels, and what the sensor makes of them | [`skin`], [`sensor`] |
 //! | equilibrium angles from what is felt | [`controller`] |
 //! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
+//! | a reach as an environment for an agent that learns | [`environment`] |
 
 pub mod arm;
 pub mod audit;
@@ -19,6 +20,7 @@ mod cone;
 pub mod contact;
 mod contact_log;
 pub mod controller;
+pub mod environment;
 pub mod geometry;
 mod newton;
 pub mod object;

@@ -6,11 +6,11 @@ use underbrush_recording::{Frame, GoalRecord, Outcome, Recording, SafetyStop};
 use crate::simulation::{LinkForce, Simulation};
 use back_off::Way;
 pub use error::ReachError;
-use log::{ReachLog, present_frame};
+use log::ReachLog;
 use monitor::Monitor;
 pub use plan::{MakeController, PlannedController, ReachPlan, WrapController};
 pub use rules::ReachRules;
-use steering::Steering;
+pub(crate) use steering::Steering;
 
 mod back_off;
 mod error;
@@ -25,9 +25,13 @@ mod tests;
 /// Watches a reach: called once in each frame.
 pub type Observer<'a> = dyn FnMut(&Simulation, &Frame) + 'a;
 
+/// Asked in each frame whether to give up the reach.
+pub type Stop<'a> = dyn Fn() -> bool + 'a;
+
 /// A reach under way.
 struct Reach<'a> {
     plan: &'a ReachPlan,
+    stop: &'a Stop<'a>,
     simulation: Simulation,
     steering: Steering,
     log: ReachLog,
@@ -43,10 +47,11 @@ struct Goal {
 }
 
 impl<'a> Reach<'a> {
-    fn new(plan: &'a ReachPlan, simulation: Simulation, reach_index: u64) -> Self {
+    fn new(plan: &'a ReachPlan, simulation: Simulation, reach_index: u64, stop: &'a Stop<'a>) -> Self {
         let steering = Steering::new(plan.controller.make(&plan.arm), &plan.arm);
         Reach {
             plan,
+            stop,
             log: ReachLog::new(plan, steering.controller_name(), reach_index, &simulation),
             steering,
             simulation,
@@ -106,12 +111,18 @@ impl<'a> Reach<'a> {
     ) -> Result<Outcome, ReachError> {
         let mut monitor = Monitor::new(rules, target_world);
         loop {
+            if (self.stop)() {
+                return Err(ReachError::Stopped);
+            }
             // The report of the last step is what the arm senses now.
             let report = self.simulation.report();
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
             let ended = monitor.observe(report.end_effector_pose_world.position, force_n);
-            let mut frame = present_frame(&self.simulation, self.steering.equilibrium_rad(), goal);
+            let equilibrium_rad = self.steering.equilibrium_rad();
+            let mut frame = self
+                .simulation
+                .frame(equilibrium_rad, goal.index as u16, goal.position_world);
             self.steering.observe(&frame);
             self.steering.control(&self.plan.arm, report, target_world)?;
             let equilibrium_rad = self.steering.equilibrium_rad();

@@ -131,6 +131,7 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
         arms: BTreeMap::new(),
         seed: options.seed,
         controller: options.controller,
+        own_controller: None,
         verdicts: verdicts(options)?,
         shard: options.shard,
     };

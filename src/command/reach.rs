@@ -7,6 +7,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions};
+use underbrush_experiments::contact_trials::{self, Unit};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
@@ -18,7 +19,7 @@ use underbrush_sim::scene::Scene;
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::failure::Failure;
-use crate::input::{self, Unit};
+use crate::input;
 use crate::output;
 use crate::progress::Shown;
 
@@ -183,7 +184,7 @@ impl Report {
         let patch = layout
             .chosen_patch(options.patch.as_deref())
             .map(|index| &layout.patches[index]);
-        let cut = |by| input::cut(recording, by, options, 0).map(|trials| trials.len());
+        let cut = |unit| contact_trials::of_recording(recording, unit, options, 0).map(|trials| trials.len());
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let forces = recording.contact_forces(None);
         Ok(Report {

@@ -8,10 +8,9 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::trial::TrialOptions;
+use underbrush_experiments::audit;
 use underbrush_recording::disk::remove_leftovers;
-use underbrush_recording::{Audit, SkinLayout};
 use underbrush_replay::{Judging, Known, Server, Source, single_file};
-use underbrush_sim::audit::bounds;
 use underbrush_sim::controller::ControllerKind;
 
 use super::decision_arguments::{DecisionArguments, Scores};
@@ -114,7 +113,7 @@ fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
 pub fn known() -> Known {
     Known {
         force_limit_n,
-        audit_warnings,
+        audit_warnings: audit::exceeded_bounds,
     }
 }
 
@@ -122,16 +121,6 @@ pub fn known() -> Known {
 fn force_limit_n(controller: &str) -> Option<f64> {
     let kind = ControllerKind::from_name(controller).ok()?;
     Some(kind.preset().force_limit_n)
-}
-
-/// The bounds that a reach exceeds.
-fn audit_warnings(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
-    let exceeded = bounds(layout).filter_map(|bound| {
-        let value = (bound.field.get)(audit);
-        let name = bound.field.name;
-        (value > bound.max).then(|| format!("{name} is {value:.1e}; the bound is {:.1e}", bound.max))
-    });
-    exceeded.collect()
 }
 
 fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {

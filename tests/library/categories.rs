@@ -34,6 +34,7 @@ fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
         arms: BTreeMap::new(),
         seed: 0,
         controller: None,
+        own_controller: None,
         verdicts: None,
         shard: None,
     };

@@ -34,7 +34,7 @@ pub use dataset::{
     SceneText, Shard,
 };
 pub use error::DiskError;
-pub use recording_file::{is_recording, read_recording, write_recording};
-pub use trials::{read_trials, write_trials};
+pub use recording_file::{is_recording, read_recording, recording_table, write_recording};
+pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;
 pub use whole_file::{remove_leftovers, write_file};

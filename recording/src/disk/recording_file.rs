@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use arrow_schema::Schema;
+use arrow_schema::{Schema, SchemaRef};
 use parquet::arrow::arrow_reader::ArrowReaderOptions;
 use parquet::errors::ParquetError;
 
@@ -16,7 +16,7 @@ use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open}
 use super::table::Columns;
 use super::truth_columns::{add_moves, add_taxel_truth, moved_columns, moved_fields, moves, taxel_columns};
 use super::{DiskError, seal};
-use crate::{InputError, Recording};
+use crate::{InputError, Recording, TrackPoint};
 
 /// Metadata key of the format's version.
 const FORMAT_KEY: &str = "underbrush.format";
@@ -45,6 +45,39 @@ fn without_frames(recording: &Recording) -> Recording {
     }
 }
 
+/// The columns of a recording.
+fn frame_schema(recording: &Recording) -> SchemaRef {
+    let mut columns = fields(&features(&recording.joint_names, &recording.layout));
+    columns.extend(fields(&truth_features(&recording.layout)));
+    columns.extend(moved_fields());
+    with_further_categories(Arc::new(Schema::new(columns)), &recording.further_categories())
+}
+
+/// Some frames of a checked recording as rows.
+fn frame_batch(
+    recording: &Recording,
+    schema: &SchemaRef,
+    moves: &[(usize, TrackPoint)],
+    first: usize,
+    count: usize,
+) -> Result<RecordBatch, ParquetError> {
+    let mut columns = frame_columns(recording, first, count, Numbering::default())?;
+    columns.extend(taxel_columns(recording, first, count)?);
+    columns.extend(moved_columns(moves, first, count));
+    Ok(RecordBatch::try_new(Arc::clone(schema), columns)?)
+}
+
+/// A recording in memory as a table with one row per frame: the columns of its file ([`write_recording`]).
+///
+/// # Errors
+/// [`DiskError::Unwritable`] for a recording that breaks a rule of its types.
+pub fn recording_table(recording: &Recording) -> Result<RecordBatch, DiskError> {
+    let place = Path::new("the recording");
+    check_recording(recording).map_err(|violation| violation.unwritable(place))?;
+    let (schema, moves) = (frame_schema(recording), moves(recording));
+    frame_batch(recording, &schema, &moves, 0, recording.frames.len()).map_err(DiskError::encode(place))
+}
+
 /// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
 ///
 /// The file gets its name only when it is complete, and contains its own hash. Its columns are those of a data set
@@ -59,10 +92,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let header = serde_json::to_string(&without_frames(recording))
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
-    let mut columns = fields(&features(&recording.joint_names, &recording.layout));
-    columns.extend(fields(&truth_features(&recording.layout)));
-    columns.extend(moved_fields());
-    let schema = with_further_categories(Arc::new(Schema::new(columns)), &recording.further_categories());
+    let schema = frame_schema(recording);
     let mut file = ParquetFile::create(
         path,
         Arc::clone(&schema),
@@ -75,13 +105,8 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     let moves = moves(recording);
     for first in (0..recording.frames.len()).step_by(ROWS_PER_BATCH) {
         let count = ROWS_PER_BATCH.min(recording.frames.len() - first);
-        let batch = || -> Result<RecordBatch, ParquetError> {
-            let mut columns = frame_columns(recording, first, count, Numbering::default())?;
-            columns.extend(taxel_columns(recording, first, count)?);
-            columns.extend(moved_columns(&moves, first, count));
-            Ok(RecordBatch::try_new(Arc::clone(&schema), columns)?)
-        };
-        file.write(&batch().map_err(DiskError::encode(path))?)?;
+        let batch = frame_batch(recording, &schema, &moves, first, count);
+        file.write(&batch.map_err(DiskError::encode(path))?)?;
     }
     file.close()
 }

@@ -8,6 +8,9 @@ pub enum ReachError {
     /// The scene is impossible for this draw.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The caller gave up the reach.
+    #[error("the reach was stopped before its end")]
+    Stopped,
     /// The controller returned the wrong number of equilibrium angles.
     #[error(
         "the controller {controller} returned {found} equilibrium angles for an arm with {expected} joints; return one \

@@ -2,7 +2,6 @@
 
 use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Recording};
 
-use super::Goal;
 use super::plan::ReachPlan;
 use super::steering::ControlCounts;
 use crate::arm::Arm;
@@ -10,25 +9,6 @@ use crate::audit::Auditor;
 use crate::body_log::BodyLog;
 use crate::contact_log::ContactLog;
 use crate::simulation::{Simulation, StepReport};
-
-/// The present frame, with these equilibrium angles.
-pub(super) fn present_frame(simulation: &Simulation, equilibrium_rad: &[f64], goal: Goal) -> Frame {
-    let report = simulation.report();
-    let surfaces = simulation.arm().skin.surfaces.iter();
-    Frame {
-        time_s: report.time_s(),
-        joint_angle_rad: report.joint_angle_rad(),
-        joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
-        equilibrium_angle_rad: equilibrium_rad.to_vec(),
-        joint_torque_nm: report.joint_torque_nm(),
-        end_effector_pose_world: report.end_effector_pose_world,
-        goal_position_world: goal.position_world,
-        goal_index: goal.index as u16,
-        patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),
-        contact_force_world: report.tactile.contact_force_world.clone(),
-        taxels: report.tactile.taxels.clone(),
-    }
-}
 
 /// The recording of a running reach.
 pub(super) struct ReachLog {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use underbrush_recording::{InputError, Recording};
 
-use super::{Observer, Reach, ReachError, ReachRules};
+use super::{Observer, Reach, ReachError, ReachRules, Stop};
 use crate::arm::{Arm, ArmAtStart};
 use crate::clutter::Clutter;
 use crate::controller::{Controller, ControllerKind, Preset};
@@ -177,6 +177,14 @@ impl ReachPlan {
     /// [`ReachError`] when the scene is impossible for this draw, or the controller returns the wrong number of angles. How
     /// the reach ends is data, never an error.
     pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, ReachError> {
-        Reach::new(self, self.simulation(reach_index)?, reach_index).run(observer)
+        self.run_until(reach_index, observer, &|| false)
+    }
+
+    /// As [`ReachPlan::run`], but gives up in the first frame in which `stop` returns true.
+    ///
+    /// # Errors
+    /// As [`ReachPlan::run`], and [`ReachError::Stopped`].
+    pub fn run_until(&self, reach_index: u64, observer: &mut Observer, stop: &Stop) -> Result<Recording, ReachError> {
+        Reach::new(self, self.simulation(reach_index)?, reach_index, stop).run(observer)
     }
 }

@@ -9,7 +9,7 @@ use crate::controller::{ControlStatus, Controller, ControllerInput, TaxelContact
 use crate::simulation::FrameReport;
 
 /// A controller and the equilibrium angles that it has set.
-pub(super) struct Steering {
+pub(crate) struct Steering {
     controller: Box<dyn Controller>,
     equilibrium_rad: Vec<f64>,
     counts: ControlCounts,
@@ -25,7 +25,7 @@ pub(super) struct ControlCounts {
 
 impl Steering {
     /// At the start of a reach, with the equilibrium angles in the arm's start posture.
-    pub(super) fn new(controller: Box<dyn Controller>, arm: &Arm) -> Self {
+    pub(crate) fn new(controller: Box<dyn Controller>, arm: &Arm) -> Self {
         Steering {
             controller,
             equilibrium_rad: arm.start_posture_rad(),
@@ -38,7 +38,7 @@ impl Steering {
     }
 
     /// Equilibrium angles φ, rad.
-    pub(super) fn equilibrium_rad(&self) -> &[f64] {
+    pub(crate) fn equilibrium_rad(&self) -> &[f64] {
         &self.equilibrium_rad
     }
 
@@ -55,7 +55,7 @@ impl Steering {
     ///
     /// # Errors
     /// [`ReachError::EquilibriumAngles`].
-    pub(super) fn control(
+    pub(crate) fn control(
         &mut self,
         arm: &Arm,
         report: &FrameReport,

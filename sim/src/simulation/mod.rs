@@ -6,8 +6,9 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{FRAME_PERIOD_S, Pose};
+use underbrush_recording::{FRAME_PERIOD_S, Frame, Pose};
 
 use crate::arm::Arm;
 use crate::clutter::Clutter;
@@ -111,6 +112,26 @@ impl Simulation {
     /// The report of the last frame.
     pub fn report(&self) -> &FrameReport {
         &self.state.report
+    }
+
+    /// The present state as a frame of a recording, with these equilibrium angles, rad, one for each joint, and on the way to
+    /// this goal of the end effector, m, world frame.
+    pub fn frame(&self, equilibrium_angle_rad: &[f64], goal_index: u16, goal_position_world: DVec3) -> Frame {
+        let report = self.report();
+        let surfaces = self.arm().skin.surfaces.iter();
+        Frame {
+            time_s: report.time_s(),
+            joint_angle_rad: report.joint_angle_rad(),
+            joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
+            equilibrium_angle_rad: equilibrium_angle_rad.to_vec(),
+            joint_torque_nm: report.joint_torque_nm(),
+            end_effector_pose_world: report.end_effector_pose_world,
+            goal_position_world,
+            goal_index,
+            patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),
+            contact_force_world: report.tactile.contact_force_world.clone(),
+            taxels: report.tactile.taxels.clone(),
+        }
     }
 
     /// The arm.

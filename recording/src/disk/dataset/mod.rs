@@ -24,6 +24,7 @@ mod peak_forces;
 mod plan;
 mod reader;
 mod row_groups;
+mod some_columns;
 mod staging;
 mod statistics;
 mod stop_columns;

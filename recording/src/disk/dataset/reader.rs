@@ -37,7 +37,7 @@ pub struct Dataset {
     checksums: Checksums,
     /// Files whose hashes have been checked.
     checked: Mutex<BTreeSet<String>>,
-    footers: Footers,
+    pub(super) footers: Footers,
 }
 
 /// An error if the files in a folder show that it is not a finished data set.
@@ -196,7 +196,7 @@ impl Dataset {
     }
 
     /// The path of a file of the set, to be read: its hash is checked the first time. All reading goes through here.
-    fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
+    pub(super) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
         let known = |checked: &BTreeSet<String>| checked.contains(name);
         if !known(&self.checked.lock().unwrap_or_else(PoisonError::into_inner)) {
             // Not under the lock: two threads may check a file twice, but none waits for another.
@@ -237,7 +237,7 @@ impl Dataset {
             });
         };
         let file = |table: &Table| self.file(&names::table(table, episode.chunk_index, episode.file_index));
-        let rows = |table: &Table| self.footers.rows(&file(table)?, index);
+        let rows = |table: &Table| self.footers.rows(&file(table)?, index, None);
         let mut recording = Recording {
             scene: episode.scene.clone(),
             controller: episode.controller.clone(),

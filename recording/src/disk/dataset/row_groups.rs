@@ -8,6 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use arrow_array::RecordBatch;
 use arrow_array::types::Int64Type;
+use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
@@ -37,6 +38,11 @@ impl EpisodeRows {
             path: &self.path,
             batch,
         })
+    }
+
+    /// The batches.
+    pub(in crate::disk) fn into_batches(self) -> Vec<RecordBatch> {
+        self.batches
     }
 
     /// The batches, for tests.
@@ -82,15 +88,24 @@ pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -
     (0..footer.num_row_groups()).filter(may_hold).collect()
 }
 
-/// Reads the rows of an episode from a file whose footer is known, and only from row groups that may hold any.
+/// Reads the rows of an episode from a file whose footer is known, and only from row groups that may hold any. With `columns`,
+/// reads only these and the column with the episode.
 pub(in crate::disk) fn read_rows(
     path: &Path,
     file: File,
     footer: ArrowReaderMetadata,
     episode: usize,
+    columns: Option<&[&str]>,
 ) -> Result<EpisodeRows, DiskError> {
     let groups = row_groups_of(footer.metadata(), episode);
-    let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
+    let mut builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
+    if let Some(columns) = columns {
+        let fields = builder.schema().fields().iter().enumerate();
+        let wanted =
+            fields.filter(|(_, field)| field.name() == EPISODE_COLUMN || columns.contains(&field.name().as_str()));
+        let mask = ProjectionMask::roots(builder.parquet_schema(), wanted.map(|(index, _)| index));
+        builder = builder.with_projection(mask);
+    }
     let mut batches = Vec::new();
     for batch in Batches::new(path, builder)? {
         let batch = batch?;
@@ -109,8 +124,8 @@ pub(in crate::disk) fn read_rows(
 }
 
 impl Footers {
-    /// The rows of an episode in a file.
-    pub(super) fn rows(&self, path: &Path, episode: usize) -> Result<EpisodeRows, DiskError> {
+    /// The rows of an episode in a file, with all columns or only some.
+    pub(super) fn rows(&self, path: &Path, episode: usize, columns: Option<&[&str]>) -> Result<EpisodeRows, DiskError> {
         let file = open_input(path)?;
         let known = self
             .known
@@ -126,6 +141,6 @@ impl Footers {
                 known.entry(path.to_path_buf()).or_insert(footer).clone()
             }
         };
-        read_rows(path, file, footer, episode)
+        read_rows(path, file, footer, episode, columns)
     }
 }

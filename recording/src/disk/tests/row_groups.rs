@@ -53,7 +53,7 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
         for episode in [0, 1, REACHES / 2, REACHES - 1] {
             let groups = row_groups_of(metadata, episode);
             assert_eq!(groups.len(), 1, "{}: reach {episode}", table.path);
-            let expected = read_rows(&path, File::open(&path).unwrap(), footer.clone(), episode).unwrap();
+            let expected = read_rows(&path, File::open(&path).unwrap(), footer.clone(), episode, None).unwrap();
             // A reach has at most three taxels per frame.
             let longest = 3 * recordings[REACHES - 1].frames.len();
             let rows = metadata.row_group(groups[0]).num_rows() as usize;
@@ -67,7 +67,7 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
             }
             let other = folder.path().join("spoiled.parquet");
             fs::write(&other, spoiled).unwrap();
-            let found = read_rows(&other, File::open(&other).unwrap(), footer.clone(), episode).unwrap();
+            let found = read_rows(&other, File::open(&other).unwrap(), footer.clone(), episode, None).unwrap();
             assert!(
                 found.count() > 0 && found.batches() == expected.batches(),
                 "{}",

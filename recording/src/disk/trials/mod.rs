@@ -124,6 +124,14 @@ pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Tri
     }
 }
 
+/// Trials in memory as a table with one row per sample: the columns of their file ([`write_trials`]).
+///
+/// # Errors
+/// [`DiskError::Encode`] if the table would be too large for Arrow.
+pub fn trial_table(trials: &[Trial]) -> Result<arrow_array::RecordBatch, DiskError> {
+    parquet_table::batch(trials)
+}
+
 fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
     let field = |name: &str| format!("trial {}, {name}", trial.trial);
     let new = numbers.insert(trial.trial);

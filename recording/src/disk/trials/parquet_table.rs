@@ -186,6 +186,13 @@ impl Columns {
     }
 }
 
+/// All trials as one batch.
+pub(super) fn batch(trials: &[Trial]) -> Result<RecordBatch, DiskError> {
+    let mut columns = Columns::default();
+    trials.iter().for_each(|trial| columns.push(trial));
+    columns.take(Path::new("the trials"))
+}
+
 /// Writes a table.
 pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
     let mut columns = Columns::default();

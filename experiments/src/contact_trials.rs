@@ -1,0 +1,61 @@
+//! Contact trials of recordings and data sets, by taxel or by component.
+
+use underbrush_classifier::trial::{TrialError, TrialOptions, component_trials, taxel_trials};
+use underbrush_recording::disk::Dataset;
+use underbrush_recording::{Recording, Trial};
+use underbrush_sim::reach::ReachError;
+
+use crate::error::ExperimentError;
+use crate::progress::Progress;
+
+/// What a trial is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// One taxel from contact to break (paper, section IV-D).
+    Taxel,
+    /// One connected component of taxels (paper, section IV-C).
+    Component,
+}
+
+/// The trials of one recording, numbered from `first`.
+///
+/// # Errors
+/// As [`taxel_trials`] and [`component_trials`].
+pub fn of_recording(
+    recording: &Recording,
+    unit: Unit,
+    options: &TrialOptions,
+    first: u64,
+) -> Result<Vec<Trial>, TrialError> {
+    let found = match unit {
+        Unit::Taxel => taxel_trials(recording, options)?,
+        Unit::Component => component_trials(recording, options)?,
+    };
+    let trials = found.into_iter().map(|contact| contact.trial).zip(first..);
+    Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
+}
+
+/// The trials of all reaches of a data set. Their reach is the number of the episode, because reaches of different scenes may
+/// share an index.
+///
+/// # Errors
+/// Those of reading the set, and of cutting a reach; [`ReachError::Stopped`] if the user ends it.
+pub fn of_dataset(
+    dataset: &Dataset,
+    unit: Unit,
+    options: &TrialOptions,
+    progress: &dyn Progress,
+) -> Result<Vec<Trial>, ExperimentError> {
+    let count = progress.count("reaches read", dataset.episodes().len() as u64, 0);
+    let mut trials = Vec::new();
+    for episode in 0..dataset.episodes().len() {
+        if progress.is_stopped() {
+            return Err(ReachError::Stopped.into());
+        }
+        let mut found = of_recording(&dataset.read_reach(episode)?, unit, options, trials.len() as u64)?;
+        found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
+        trials.extend(found);
+        count.advance();
+    }
+    Ok(trials)
+}

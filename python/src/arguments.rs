@@ -1,0 +1,106 @@
+//! Arguments that several functions take.
+
+use pyo3::prelude::*;
+use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_experiments::contact_trials::Unit;
+
+use crate::failure::Failure;
+
+/// The value that belongs to a name.
+///
+/// # Errors
+/// [`Failure::Input`] with the names that exist.
+pub fn named<T: Copy>(argument: &str, name: &str, known: &[(&str, T)]) -> Result<T, Failure> {
+    let found = known.iter().find(|(other, _)| *other == name);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+        Failure::argument(argument, format!("{name:?}"), names.join(", "), "choose one of them")
+    })
+}
+
+/// Features as a list, or as one text joined by commas.
+///
+/// # Errors
+/// [`Failure::Usage`] for an unknown or repeated feature.
+pub fn features(value: Option<&Bound<'_, PyAny>>) -> Result<Option<FeatureSet>, Failure> {
+    let Some(value) = value else { return Ok(None) };
+    let names: Vec<String> = match value.extract::<String>() {
+        Ok(text) => text.split([',', '+']).map(|name| name.trim().to_owned()).collect(),
+        Err(_) => value.extract().map_err(|_| {
+            Failure::argument(
+                "features",
+                value.to_string(),
+                "names of features",
+                "give a list such as [\"force\", \"motion\"]",
+            )
+        })?,
+    };
+    Ok(Some(FeatureSet::from_names(&names)?))
+}
+
+/// How trials are cut.
+///
+/// # Errors
+/// [`Failure::Input`] for an unknown name.
+pub fn cutting(
+    by: &str,
+    patch: Option<String>,
+    threshold_n: Option<f64>,
+    min_samples: usize,
+    labels: &str,
+    wrap: Option<bool>,
+) -> Result<(Unit, TrialOptions), Failure> {
+    let unit = named("by", by, &[("taxel", Unit::Taxel), ("component", Unit::Component)])?;
+    let labels = named(
+        "labels",
+        labels,
+        &[("contact", Labels::Contact), ("environment", Labels::Environment)],
+    )?;
+    let default = TrialOptions::default();
+    let options = TrialOptions {
+        patch,
+        threshold_n: threshold_n.unwrap_or(default.threshold_n),
+        min_samples,
+        wrap,
+        labels,
+        ..default
+    };
+    Ok((unit, options))
+}
+
+/// How scores become verdicts: `argmax`, `paper`, a margin in nats below which a verdict is uncertain, or a pair of them
+/// (uncertain below the first, a category above the second, an outlier in between). `None` is the model's own rule.
+///
+/// # Errors
+/// [`Failure::Input`] for anything else.
+pub fn decision(value: Option<&Bound<'_, PyAny>>, own: Option<&Decision>) -> Result<Decision, Failure> {
+    let Some(value) = value else {
+        return Ok(own.cloned().unwrap_or(Decision::argmax()));
+    };
+    let prior = own.map(|own| own.prior.clone()).unwrap_or_default();
+    let rule = if let Ok(name) = value.extract::<String>() {
+        named(
+            "decision",
+            &name,
+            &[("argmax", Rule::Argmax), ("paper", Decision::paper().rule)],
+        )?
+    } else if let Ok(margin) = value.extract::<f64>() {
+        Rule::UncertainBelow { margin }
+    } else if let Ok((uncertain_below, category_above)) = value.extract::<(f64, f64)>() {
+        Rule::OutlierBand {
+            uncertain_below,
+            category_above,
+        }
+    } else {
+        let allowed = "\"argmax\", \"paper\", a margin in nats, or a pair (uncertain below, category above)";
+        return Err(Failure::argument(
+            "decision",
+            value.to_string(),
+            allowed,
+            "choose one of them",
+        ));
+    };
+    Ok(Decision { prior, rule })
+}

@@ -1,0 +1,204 @@
+//! Numbers to NumPy arrays and back.
+//!
+//! Large results are lent: a [`Numbers`] keeps them, and NumPy views them through `__array_interface__` without a copy, read
+//! only, for as long as the array lives. Arguments are read through the buffer protocol, whatever their strides.
+
+use pyo3::buffer::{Element, PyBuffer};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyList, PyTuple};
+
+use crate::failure::Failure;
+
+/// The numbers of an array.
+pub enum Store {
+    /// Double precision.
+    F64(Vec<f64>),
+    /// Single precision.
+    F32(Vec<f32>),
+    /// Whole numbers.
+    I64(Vec<i64>),
+    /// Whole numbers.
+    I32(Vec<i32>),
+    /// Indices of objects.
+    I16(Vec<i16>),
+    /// Codes of categories.
+    I8(Vec<i8>),
+}
+
+macro_rules! stores {
+    ($($number:ty => $variant:ident, $code:literal;)*) => {
+        $(impl From<Vec<$number>> for Store {
+            fn from(numbers: Vec<$number>) -> Self {
+                Store::$variant(numbers)
+            }
+        })*
+
+        impl Store {
+            /// Address and type code of NumPy.
+            fn place(&self) -> (usize, &'static str) {
+                match self {
+                    $(Store::$variant(numbers) => (numbers.as_ptr() as usize, $code),)*
+                }
+            }
+
+            fn len(&self) -> usize {
+                match self {
+                    $(Store::$variant(numbers) => numbers.len(),)*
+                }
+            }
+        }
+    };
+}
+stores! {
+    f64 => F64, "f8";
+    f32 => F32, "f4";
+    i64 => I64, "i8";
+    i32 => I32, "i4";
+    i16 => I16, "i2";
+    i8 => I8, "i1";
+}
+
+/// Owner of the numbers that an array views. It never changes.
+#[pyclass(frozen, module = "underbrush._core")]
+pub struct Numbers {
+    store: Store,
+    shape: Vec<usize>,
+}
+
+#[pymethods]
+impl Numbers {
+    #[getter]
+    fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (address, code) = self.store.place();
+        let order = if cfg!(target_endian = "little") { '<' } else { '>' };
+        let interface = PyDict::new(py);
+        interface.set_item("version", 3)?;
+        interface.set_item("shape", PyTuple::new(py, &self.shape)?)?;
+        interface.set_item("typestr", format!("{order}{code}"))?;
+        // The flag says that nobody may write.
+        interface.set_item("data", (address, true))?;
+        Ok(interface)
+    }
+}
+
+/// A function of NumPy.
+fn numpy<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    let module = NUMPY.get_or_try_init(py, || PyModule::import(py, "numpy").map(Bound::unbind))?;
+    module.bind(py).getattr(name)
+}
+
+/// A read-only array that views these numbers, row after row.
+///
+/// # Errors
+/// If NumPy cannot be imported.
+pub fn lend<'py>(py: Python<'py>, numbers: impl Into<Store>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let store = numbers.into();
+    debug_assert_eq!(
+        store.len(),
+        shape.iter().product::<usize>(),
+        "numbers of an array of shape {shape:?}"
+    );
+    let shape = shape.to_vec();
+    numpy(py, "asarray")?.call1((Numbers { store, shape },))
+}
+
+/// A new array that the caller may write, with a copy of these numbers.
+///
+/// # Errors
+/// If NumPy cannot be imported.
+pub fn copy<'py, T: Element>(
+    py: Python<'py>,
+    numbers: &[T],
+    shape: &[usize],
+    dtype: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let array = numpy(py, "empty")?.call1((PyTuple::new(py, shape)?, dtype))?;
+    if !numbers.is_empty() {
+        PyBuffer::<T>::get(&array)?.copy_from_slice(py, numbers)?;
+    }
+    Ok(array)
+}
+
+/// An argument as finite numbers of a shape; `None` stands for any size.
+///
+/// # Errors
+/// [`Failure::Input`] names the argument, and what was expected.
+pub fn finite(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    shape: &[Option<usize>],
+) -> Result<(Vec<f64>, Vec<usize>), Failure> {
+    let (numbers, found) = numbers(value, name, shape)?;
+    if let Some(place) = numbers.iter().position(|number| !number.is_finite()) {
+        let found = format!("{} at position {place}", numbers[place]);
+        return Err(Failure::argument(
+            name,
+            found,
+            "finite numbers",
+            "replace NaN and infinity",
+        ));
+    }
+    Ok((numbers, found))
+}
+
+/// As [`finite`], but NaN and infinity are allowed.
+///
+/// # Errors
+/// As [`finite`].
+pub fn numbers(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    shape: &[Option<usize>],
+) -> Result<(Vec<f64>, Vec<usize>), Failure> {
+    let py = value.py();
+    let allowed = || {
+        let sizes = shape
+            .iter()
+            .map(|size| size.map_or("n".to_owned(), |size| size.to_string()));
+        format!("numbers of shape ({})", sizes.collect::<Vec<_>>().join(", "))
+    };
+    let array = numpy(py, "asarray")?.call1((value,)).and_then(|array| {
+        let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+        let is_number = matches!(kind.as_str(), "f" | "i" | "u" | "b");
+        if is_number {
+            numpy(py, "asarray")?.call1((array, "float64"))
+        } else {
+            Ok(array)
+        }
+    });
+    let Some((array, buffer)) = array.ok().and_then(|array| {
+        let buffer = PyBuffer::<f64>::get(&array).ok()?;
+        Some((array, buffer))
+    }) else {
+        let kind = value.get_type().name()?;
+        let found = match value.getattr("dtype") {
+            Ok(dtype) => format!("an array of {}", dtype.str()?),
+            Err(_) => format!("an object of type {kind}"),
+        };
+        return Err(Failure::argument(name, found, allowed(), "give an array of numbers"));
+    };
+    let found: Vec<usize> = array.getattr("shape")?.extract()?;
+    let fits = found.len() == shape.len()
+        && found
+            .iter()
+            .zip(shape)
+            .all(|(found, allowed)| allowed.is_none_or(|allowed| allowed == *found));
+    if !fits {
+        let sizes: Vec<String> = found.iter().map(usize::to_string).collect();
+        let found = format!("shape ({})", sizes.join(", "));
+        return Err(Failure::argument(name, found, allowed(), "give an array of this shape"));
+    }
+    Ok((buffer.to_vec(py)?, found))
+}
+
+/// A list of optional texts, as NumPy arrays hold them badly.
+pub fn texts<'py>(py: Python<'py>, texts: impl Iterator<Item = Option<String>>) -> PyResult<Bound<'py, PyList>> {
+    PyList::new(py, texts.collect::<Vec<_>>())
+}
+
+/// Adds the classes of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Numbers>()
+}

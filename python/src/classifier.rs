@@ -1,0 +1,196 @@
+//! Fitted classifiers of trials.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use underbrush_classifier::Model;
+use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::trial::TrialOptions;
+
+use crate::arguments::{decision, named};
+use crate::array;
+use crate::failure::Failure;
+use crate::json;
+use crate::online::Online;
+use crate::pool;
+use crate::skin::Skin;
+use crate::trials::Trials;
+
+/// A fitted classifier of trials, as a model file holds it.
+#[pyclass(frozen, name = "Model", module = "underbrush._core")]
+pub struct PyModel {
+    pub model: Model,
+}
+
+/// The kind of score of a name.
+///
+/// # Errors
+/// [`Failure::Input`] for an unknown name.
+pub fn score_kind(name: &str) -> Result<ScoreKind, Failure> {
+    named(
+        "score",
+        name,
+        &[("forward", ScoreKind::Forward), ("viterbi", ScoreKind::Viterbi)],
+    )
+}
+
+/// Scores as an array with a row for each trial.
+pub fn scores_array<'py>(py: Python<'py>, scores: Vec<Vec<f64>>, width: usize) -> PyResult<Bound<'py, PyAny>> {
+    let rows = scores.len();
+    array::lend(py, scores.concat(), &[rows, width])
+}
+
+#[pymethods]
+impl PyModel {
+    /// Read a model file.
+    #[staticmethod]
+    fn load(path: PathBuf) -> Result<Self, Failure> {
+        let model = Model::load(path)?;
+        Ok(PyModel { model })
+    }
+
+    /// A model from the text of its file.
+    #[staticmethod]
+    fn from_json(text: &str) -> Result<Self, Failure> {
+        let model = Model::from_json("the model", text)?;
+        Ok(PyModel { model })
+    }
+
+    /// The text of the model file.
+    fn to_json(&self) -> Result<String, Failure> {
+        Ok(self.model.save_string()?)
+    }
+
+    /// Write the model file.
+    fn save(&self, path: PathBuf) -> Result<(), Failure> {
+        let text = self.to_json()?;
+        Ok(underbrush_recording::disk::write_file(&path, text.as_bytes())?)
+    }
+
+    /// Kind of classifier.
+    #[getter]
+    fn classifier(&self) -> &'static str {
+        self.model.classifier.name()
+    }
+
+    /// The categories in alphabetical order: the order of all scores.
+    #[getter]
+    fn categories(&self) -> Vec<String> {
+        self.model.classifier.categories()
+    }
+
+    /// The features of each sample.
+    #[getter]
+    fn features(&self) -> Vec<&'static str> {
+        self.model.classifier.features().names()
+    }
+
+    /// How each category's model was trained; None for classifiers that are not trained iteratively.
+    #[getter]
+    fn training<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        json::to_python(py, &self.model.classifier.training())
+    }
+
+    /// Priors and thresholds of the model; None if it has none.
+    #[getter]
+    fn decision<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        json::to_python(py, &self.model.decision)
+    }
+
+    /// Where the model comes from.
+    #[getter]
+    fn provenance<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        json::to_python(py, &self.model.provenance)
+    }
+
+    /// The same model with another kind of score: "forward" or "viterbi". Only for hidden Markov models.
+    fn with_score(&self, score: &str) -> Result<Self, Failure> {
+        let kind = score_kind(score)?;
+        let mut copy = Self::from_json(&self.to_json()?)?;
+        copy.model.score_by(kind)?;
+        Ok(copy)
+    }
+
+    /// Scores of whole trials, nats: (trials, categories).
+    fn scores<'py>(&self, py: Python<'py>, trials: &Trials) -> Result<Bound<'py, PyAny>, Failure> {
+        let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
+        Ok(scores_array(py, scores, self.model.classifier.categories().len())?)
+    }
+
+    /// Scores after the first k samples of a trial, for ascending k from 1: (len(counts), categories).
+    fn scores_after<'py>(
+        &self,
+        py: Python<'py>,
+        trials: &Trials,
+        trial: usize,
+        counts: Vec<usize>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let length = trials.list.len();
+        let own = trials
+            .list
+            .get(trial)
+            .ok_or_else(|| Failure::index(trial as isize, length))?;
+        if !counts.is_sorted() || counts.first() == Some(&0) {
+            return Err(Failure::argument(
+                "counts",
+                format!("{counts:?}"),
+                "ascending numbers from 1",
+                "sort them",
+            ));
+        }
+        let scores = self.model.classifier.scores_after(own, &counts)?;
+        Ok(scores_array(py, scores, self.model.classifier.categories().len())?)
+    }
+
+    /// Verdict on each trial: a category, "uncertain" or "outlier".
+    #[pyo3(signature = (trials, *, decision = None))]
+    fn classify(
+        &self,
+        py: Python<'_>,
+        trials: &Trials,
+        decision: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Vec<String>, Failure> {
+        let decision = self::decision(decision, self.model.decision.as_ref())?;
+        let judge = decision.prepare(&self.model.classifier.categories())?;
+        let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
+        let verdict = |scores: &Vec<f64>| judge.verdict(judge.choose(scores)).name().to_owned();
+        Ok(scores.iter().map(verdict).collect())
+    }
+
+    /// Classify frame by frame.
+    #[pyo3(signature = (skin, patch = None, *, threshold_n = None, decision = None))]
+    fn online(
+        &self,
+        skin: &Skin,
+        patch: Option<String>,
+        threshold_n: Option<f64>,
+        decision: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Online, Failure> {
+        let options = OnlineOptions {
+            patch,
+            threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
+            decision: self::decision(decision, self.model.decision.as_ref())?,
+        };
+        let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
+        Ok(Online::of_contacts(classifier, self.categories(), skin))
+    }
+
+    fn __repr__(&self) -> String {
+        let categories = self.categories().join(", ");
+        format!(
+            "Model({}, features={}, {categories})",
+            self.classifier(),
+            self.features().join(",")
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        Ok((py.get_type::<PyModel>().getattr("from_json")?, (self.to_json()?,)))
+    }
+}
+
+/// Adds the class of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyModel>()
+}

@@ -1,0 +1,245 @@
+//! Environments for agents that learn, in the shapes that Gymnasium wants.
+
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Reward, Stepped};
+use underbrush_sim::reach::ReachPlan;
+
+use crate::arguments::named;
+use crate::array;
+use crate::failure::Failure;
+use crate::pool;
+use crate::scene::{controller_kind, scene};
+
+/// Some environments that step at once.
+#[pyclass(frozen, name = "Environments", module = "underbrush._core")]
+pub struct PyEnvironments {
+    state: Mutex<State>,
+    parts: Vec<Part>,
+    count: usize,
+    action_size: usize,
+    jobs: Option<usize>,
+}
+
+struct State {
+    environments: Environments,
+    /// A row for each environment.
+    observations: Vec<f32>,
+}
+
+/// What a call of an environment returns: the observations, and what each step gave by name.
+type Answer<'py> = (Bound<'py, PyAny>, Bound<'py, PyDict>);
+
+impl PyEnvironments {
+    fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
+        self.state.try_lock().map_err(|_| {
+            let text = "another thread is using these environments, or they failed before; make new ones";
+            Failure::Run(text.into())
+        })
+    }
+
+    fn answer<'py>(&self, py: Python<'py>, state: &State, stepped: &[Option<Stepped>]) -> Result<Answer<'py>, Failure> {
+        let size = state.observations.len() / self.count.max(1);
+        let observations = array::copy(py, &state.observations, &[self.count, size], "float32")?;
+        let info = PyDict::new(py);
+        let count = [self.count];
+        let numbers = |number: fn(&Stepped) -> f64| -> PyResult<Bound<'py, PyAny>> {
+            let column: Vec<f64> = stepped.iter().map(|own| own.as_ref().map_or(0.0, number)).collect();
+            array::copy(py, &column, &count, "float64")
+        };
+        info.set_item("reward", numbers(|own| own.reward)?)?;
+        info.set_item("distance_m", numbers(|own| own.distance_m)?)?;
+        info.set_item("sensed_force_n", numbers(|own| own.sensed_force_n)?)?;
+        info.set_item("contact_force_n", numbers(|own| own.contact_force_n)?)?;
+        info.set_item(
+            "terminated",
+            numbers(|own| f64::from(u8::from(own.terminated)))?.call_method1("astype", ("bool",))?,
+        )?;
+        info.set_item(
+            "truncated",
+            numbers(|own| f64::from(u8::from(own.truncated)))?.call_method1("astype", ("bool",))?,
+        )?;
+        info.set_item(
+            "reach_index",
+            numbers(|own| own.reach_index as f64)?.call_method1("astype", ("int64",))?,
+        )?;
+        let outcomes = stepped
+            .iter()
+            .map(|own| own.and_then(|own| own.outcome).map_or("", |outcome| outcome.name()));
+        info.set_item("outcome", outcomes.collect::<Vec<_>>())?;
+        Ok((observations, info))
+    }
+}
+
+#[pymethods]
+impl PyEnvironments {
+    #[new]
+    #[pyo3(signature = (scene, count = 1, seed = 0, *, controller = None, action = "equilibrium", frames_per_step = None,
+                        largest_change_rad = None, largest_waypoint_m = None, goals = None, time_limit_s = None,
+                        reward = None, jobs = None))]
+    #[allow(clippy::too_many_arguments, reason = "options by name")]
+    fn new(
+        scene: &Bound<'_, PyAny>,
+        count: usize,
+        seed: u64,
+        controller: Option<&str>,
+        action: &str,
+        frames_per_step: Option<u32>,
+        largest_change_rad: Option<f64>,
+        largest_waypoint_m: Option<f64>,
+        goals: Option<u32>,
+        time_limit_s: Option<f64>,
+        reward: Option<&Bound<'_, PyDict>>,
+        jobs: Option<usize>,
+    ) -> Result<Self, Failure> {
+        let default = EnvironmentOptions::default();
+        let options = EnvironmentOptions {
+            action: named("action", action, &ActionKind::NAMED)?,
+            frames_per_step: frames_per_step.unwrap_or(default.frames_per_step),
+            largest_change_rad: largest_change_rad.unwrap_or(default.largest_change_rad),
+            largest_waypoint_m: largest_waypoint_m.unwrap_or(default.largest_waypoint_m),
+            goals: goals.unwrap_or(default.goals),
+            time_limit_s: time_limit_s.unwrap_or(default.time_limit_s),
+            reward: self::reward(reward)?,
+        };
+        let kind = controller.map(controller_kind).transpose()?;
+        let plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
+        if !(1..=4096).contains(&count) {
+            return Err(Failure::argument(
+                "num_envs",
+                count.to_string(),
+                "1 to 4096",
+                "use fewer",
+            ));
+        }
+        let environments = Environments::new(&plan, &options, count)?;
+        Ok(PyEnvironments {
+            parts: environments.parts().to_vec(),
+            count,
+            action_size: environments.action_size(),
+            jobs,
+            state: Mutex::new(State {
+                observations: vec![0.0; count * environments.observation_size()],
+                environments,
+            }),
+        })
+    }
+
+    /// The parts of an observation: name, shape, first number, smallest and largest value.
+    #[getter]
+    fn parts(&self) -> Vec<(String, Vec<usize>, usize, f32, f32)> {
+        let part = |part: &Part| {
+            (
+                part.name.clone(),
+                part.shape.clone(),
+                part.first,
+                part.range[0],
+                part.range[1],
+            )
+        };
+        self.parts.iter().map(part).collect()
+    }
+
+    /// How many numbers an action has.
+    #[getter]
+    fn action_size(&self) -> usize {
+        self.action_size
+    }
+
+    /// Begin episodes: of all environments, or of those that the mask names.
+    #[pyo3(signature = (seeds = None, mask = None))]
+    fn reset<'py>(
+        &self,
+        py: Python<'py>,
+        seeds: Option<Vec<Option<u64>>>,
+        mask: Option<Vec<bool>>,
+    ) -> Result<Answer<'py>, Failure> {
+        let seeds = seeds.unwrap_or_else(|| vec![None; self.count]);
+        for (name, length) in [("seeds", Some(seeds.len())), ("mask", mask.as_ref().map(Vec::len))] {
+            if let Some(length) = length.filter(|length| *length != self.count) {
+                let found = format!("{length} for {} environments", self.count);
+                return Err(Failure::argument(
+                    name,
+                    found,
+                    "one for each environment",
+                    "give as many",
+                ));
+            }
+        }
+        let mut state = self.lock()?;
+        let own = &mut *state;
+        let stepped = pool::detached(py, self.jobs, || {
+            let which = |index: usize| mask.as_ref().is_none_or(|mask| mask[index]);
+            Ok(own.environments.reset(&seeds, which, &mut own.observations)?)
+        })?;
+        self.answer(py, &state, &stepped)
+    }
+
+    /// Take a step with each environment: one row of `actions` for each.
+    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> Result<Answer<'py>, Failure> {
+        let shape = [Some(self.count), Some(self.action_size)];
+        let (actions, _) = array::finite(actions, "action", &shape)?;
+        let mut state = self.lock()?;
+        let own = &mut *state;
+        let stepped = pool::detached(py, self.jobs, || {
+            Ok(own.environments.step(&actions, &mut own.observations)?)
+        })?;
+        let stepped: Vec<Option<Stepped>> = stepped.into_iter().map(Some).collect();
+        self.answer(py, &state, &stepped)
+    }
+}
+
+/// The weights of the reward, with those that are given.
+fn reward(given: Option<&Bound<'_, PyDict>>) -> Result<Reward, Failure> {
+    let mut reward = Reward::default();
+    for (name, value) in given.into_iter().flatten() {
+        let name: String = name.extract()?;
+        let place = match name.as_str() {
+            "progress_per_m" => &mut reward.progress_per_m,
+            "force_per_n_s" => &mut reward.force_per_n_s,
+            "free_force_n" => &mut reward.free_force_n,
+            "time_per_s" => &mut reward.time_per_s,
+            "reached" => &mut reward.reached,
+            "aborted" => &mut reward.aborted,
+            _ => {
+                let allowed = "progress_per_m, force_per_n_s, free_force_n, time_per_s, reached, aborted";
+                return Err(Failure::argument("reward", name, allowed, "choose one of them"));
+            }
+        };
+        *place = value.extract()?;
+    }
+    Ok(reward)
+}
+
+/// Environment steps a second of a loop without Python, for comparison: every action is 0.
+#[pyfunction]
+#[pyo3(signature = (scene, count, steps, seed = 0, jobs = None))]
+fn steps_per_second(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    count: usize,
+    steps: usize,
+    seed: u64,
+    jobs: Option<usize>,
+) -> Result<f64, Failure> {
+    let plan = Arc::new(ReachPlan::new(self::scene(scene)?, None, seed)?);
+    pool::detached(py, jobs, || {
+        let mut environments = Environments::new(&plan, &EnvironmentOptions::default(), count)?;
+        let mut observations = vec![0.0; count * environments.observation_size()];
+        let actions = vec![0.0; count * environments.action_size()];
+        environments.reset(&vec![None; count], |_| true, &mut observations)?;
+        let start = std::time::Instant::now();
+        for _ in 0..steps {
+            environments.step(&actions, &mut observations)?;
+        }
+        Ok((count * steps) as f64 / start.elapsed().as_secs_f64())
+    })
+}
+
+/// Adds the class and the function of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyEnvironments>()?;
+    module.add_function(wrap_pyfunction!(steps_per_second, module)?)
+}

@@ -1,0 +1,110 @@
+//! Evaluating classifiers of trials.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use serde::Serialize;
+use underbrush_classifier::estimator::{Classifier, Estimator};
+use underbrush_classifier::evaluate::{
+    AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
+};
+
+use crate::arguments::{decision, named};
+use crate::classifier::PyModel;
+use crate::failure::Failure;
+use crate::fitting::estimator_of;
+use crate::interrupt::Stop;
+use crate::json;
+use crate::pool;
+use crate::python_classifier::PythonClassifier;
+use crate::trials::Trials;
+
+/// The result, with the same keys as `underbrush evaluate --json`.
+#[derive(Serialize)]
+struct Results {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    folds: Option<Folds>,
+    #[serde(flatten)]
+    evaluation: Evaluation,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_samples: Option<Vec<AccuracyBySamples>>,
+}
+
+/// How trials are grouped into folds.
+fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {
+    let by = match group {
+        None => FoldBy::advised(&trials.list),
+        Some(name) => named(
+            "group",
+            name,
+            &[("position", FoldBy::Position), ("reach", FoldBy::Reach)],
+        )?,
+    };
+    Ok(Folds { count, by })
+}
+
+/// Cross-validate a classifier; or evaluate a model, or a classifier fitted to other trials, on trials with ground truth.
+#[pyfunction]
+#[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = 2, group = None, train = None, decision = None,
+                                       by_samples = false, jobs = None))]
+#[allow(clippy::too_many_arguments, reason = "options by name")]
+fn evaluate_trials<'py>(
+    py: Python<'py>,
+    trials: &Trials,
+    classifier: &Bound<'py, PyAny>,
+    folds: usize,
+    group: Option<&str>,
+    train: Option<&Trials>,
+    decision: Option<&Bound<'py, PyAny>>,
+    by_samples: bool,
+    jobs: Option<usize>,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    let list = &trials.list;
+    if let Ok(model) = classifier.cast::<PyModel>() {
+        let model = &model.get().model;
+        let decision = self::decision(decision, model.decision.as_ref())?;
+        let judged = pool::detached(py, jobs, || Ok(evaluate(model.classifier.as_ref(), list, &decision)?))?;
+        return json::to_python(py, &without_folds(judged));
+    }
+    let decision = self::decision(decision, None)?;
+    if !classifier.hasattr("fit_trials")? && classifier.hasattr("scores")? {
+        let raised = Arc::new(Stop::default());
+        let fitted = PythonClassifier::of(classifier, &raised)?;
+        let judged = pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?));
+        return json::to_python(py, &without_folds(judged.map_err(|failure| raised.reason(failure))?));
+    }
+    let (estimator, raised) = estimator_of(classifier)?;
+    let estimator: &dyn Estimator = estimator.as_ref();
+    let own = self::folds(trials, folds, group)?;
+    let judged = pool::detached(py, jobs, || match train {
+        Some(train) => {
+            let fitted: Box<dyn Classifier> = estimator.fit(&train.all())?;
+            Ok(without_folds(evaluate(fitted.as_ref(), list, &decision)?))
+        }
+        None => {
+            let evaluation = cross_validate(list, estimator, own, &decision)?;
+            let series = by_samples
+                .then(|| accuracy_by_samples(list, estimator, own))
+                .transpose()?;
+            Ok(Results {
+                folds: Some(own),
+                evaluation,
+                by_samples: series,
+            })
+        }
+    });
+    json::to_python(py, &judged.map_err(|failure| raised.reason(failure))?)
+}
+
+fn without_folds(evaluation: Evaluation) -> Results {
+    Results {
+        folds: None,
+        evaluation,
+        by_samples: None,
+    }
+}
+
+/// Adds the function of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(evaluate_trials, module)?)
+}

@@ -1,0 +1,203 @@
+//! Fitting classifiers to trials.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use underbrush_classifier::estimator::Estimator;
+use underbrush_classifier::evaluate::{Folds, HeldOut, ThresholdTargets};
+use underbrush_classifier::hmm::{InitialDistribution, Topology};
+use underbrush_classifier::recipe::Recipe;
+use underbrush_classifier::registry::{self, CLASSIFIERS};
+use underbrush_classifier::{HmmClassifier, Model};
+
+use crate::arguments::{features, named};
+use crate::classifier::{PyModel, score_kind};
+use crate::failure::Failure;
+use crate::interrupt::Stop;
+use crate::pool;
+use crate::python_classifier::PythonEstimator;
+use crate::trials::Trials;
+
+/// Name of the classifier whose options a recipe holds.
+const HMM: &str = "hmm";
+
+/// Options of a classifier.
+#[pyclass(frozen, module = "underbrush._core")]
+pub struct Options {
+    /// Name of the classifier.
+    pub classifier: &'static str,
+    features: Option<underbrush_classifier::feature::FeatureSet>,
+    recipe: Option<Recipe>,
+}
+
+impl Options {
+    /// The classifier with these options, not fitted yet.
+    pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
+        match (&self.recipe, registry::find(self.classifier)) {
+            (Some(recipe), _) => Ok(Box::new(recipe.clone())),
+            (None, Some(kind)) => Ok((kind.estimator)(self.features)),
+            (None, None) => Err(unknown(self.classifier)),
+        }
+    }
+}
+
+fn unknown(name: &str) -> Failure {
+    let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
+    Failure::argument("classifier", format!("{name:?}"), known, "choose one of them")
+}
+
+#[pymethods]
+impl Options {
+    #[new]
+    #[pyo3(signature = (classifier = HMM, *, features = None, recipe = None, states = None, topology = None, initial = None,
+                        score = None, iterations = None, tolerance = None, variance_floor = None, max_samples = None))]
+    #[allow(clippy::too_many_arguments, reason = "options by name")]
+    fn new(
+        classifier: &str,
+        features: Option<&Bound<'_, PyAny>>,
+        recipe: Option<&str>,
+        states: Option<usize>,
+        topology: Option<&str>,
+        initial: Option<&str>,
+        score: Option<&str>,
+        iterations: Option<usize>,
+        tolerance: Option<f64>,
+        variance_floor: Option<f64>,
+        max_samples: Option<usize>,
+    ) -> Result<Self, Failure> {
+        let kind = registry::find(classifier).ok_or_else(|| unknown(classifier))?;
+        let features = self::features(features)?;
+        if kind.name != HMM {
+            let given = [
+                ("recipe", recipe.is_some()),
+                ("states", states.is_some()),
+                ("topology", topology.is_some()),
+                ("initial", initial.is_some()),
+                ("score", score.is_some()),
+                ("iterations", iterations.is_some()),
+                ("tolerance", tolerance.is_some()),
+                ("variance_floor", variance_floor.is_some()),
+                ("max_samples", max_samples.is_some()),
+            ];
+            if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+                let found = format!("given for the classifier {}", kind.name);
+                return Err(Failure::argument(
+                    option,
+                    found,
+                    "only for the classifier hmm",
+                    "leave it out",
+                ));
+            }
+            return Ok(Options {
+                classifier: kind.name,
+                features,
+                recipe: None,
+            });
+        }
+        let mut own = match recipe {
+            None => Recipe::authors(),
+            Some(name) => match named("recipe", name, &[("authors", false), ("modern", true)])? {
+                false => Recipe::authors(),
+                true => Recipe::modern(),
+            },
+        };
+        own.states = states.unwrap_or(own.states);
+        own.features = features.unwrap_or(own.features);
+        let topologies = [("left-right", Topology::LeftToRight), ("ergodic", Topology::Ergodic)];
+        own.topology = topology.map_or(Ok(own.topology), |name| named("topology", name, &topologies))?;
+        let starts = [
+            ("uniform", InitialDistribution::Uniform),
+            ("first-state", InitialDistribution::FirstState),
+        ];
+        own.initial = initial.map_or(Ok(own.initial), |name| named("initial", name, &starts))?;
+        own.score = score.map_or(Ok(own.score), score_kind)?;
+        own.max_samples = max_samples.or(own.max_samples);
+        own.training.iterations = iterations.unwrap_or(own.training.iterations);
+        own.training.tolerance = tolerance.unwrap_or(own.training.tolerance);
+        own.training.variance_floor = variance_floor.unwrap_or(own.training.variance_floor);
+        Ok(Options {
+            classifier: kind.name,
+            features,
+            recipe: Some(own),
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Options({:?})", self.classifier)
+    }
+}
+
+/// Fit a classifier to trials. The same bits for any number of threads.
+#[pyfunction]
+#[pyo3(signature = (trials, options, *, start = None, false_positive_rate = None, outlier_prior = 0.05, jobs = None))]
+fn fit(
+    py: Python<'_>,
+    trials: &Trials,
+    options: &Options,
+    start: Option<&PyModel>,
+    false_positive_rate: Option<f64>,
+    outlier_prior: f64,
+    jobs: Option<usize>,
+) -> Result<PyModel, Failure> {
+    let estimator = || options.estimator();
+    let decision = || -> Result<_, Failure> {
+        let Some(false_positive_rate) = false_positive_rate else {
+            return Ok(None);
+        };
+        let targets = ThresholdTargets {
+            false_positive_rate,
+            outlier_prior,
+        };
+        let folds = Folds::for_thresholds(&trials.list);
+        let held_out = HeldOut::of(&trials.list, estimator()?.as_ref(), folds)?;
+        Ok(Some(held_out.choose_thresholds(&BTreeMap::new(), targets)?.decision))
+    };
+    let fitted = || match start {
+        None => Ok(Model::new(estimator()?.fit(&trials.all())?)),
+        Some(start) => {
+            let models = Model::from_json("the start model", &start.model.save_string()?)?.into_hmm()?;
+            let training = options
+                .recipe
+                .as_ref()
+                .map(|recipe| recipe.training)
+                .unwrap_or_default();
+            let (models, _) = HmmClassifier::train_from(models, &trials.list, &training)?;
+            Ok::<_, Failure>(Model::new(Box::new(models)))
+        }
+    };
+    let mut model = pool::detached(py, jobs, || {
+        let mut model = fitted()?;
+        model.decision = decision()?;
+        Ok(model)
+    })?;
+    let program = concat!("underbrush ", env!("CARGO_PKG_VERSION"));
+    model.provenance.insert("program".into(), program.into());
+    Ok(PyModel { model })
+}
+
+/// Names of the classifiers, with what each is.
+#[pyfunction]
+fn classifiers() -> Vec<(&'static str, &'static str)> {
+    CLASSIFIERS.iter().map(|kind| (kind.name, kind.summary)).collect()
+}
+
+/// An estimator from options, or from a Python classifier, and what it raised.
+///
+/// # Errors
+/// [`Failure::Input`] for anything else.
+pub fn estimator_of(value: &Bound<'_, PyAny>) -> Result<(Box<dyn Estimator>, Arc<Stop>), Failure> {
+    let raised = Arc::new(Stop::default());
+    let estimator: Box<dyn Estimator> = match value.cast::<Options>() {
+        Ok(options) => options.get().estimator()?,
+        Err(_) => Box::new(PythonEstimator::of(value, &raised)?),
+    };
+    Ok((estimator, raised))
+}
+
+/// Adds the class and the functions of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Options>()?;
+    module.add_function(wrap_pyfunction!(fit, module)?)?;
+    module.add_function(wrap_pyfunction!(classifiers, module)?)
+}

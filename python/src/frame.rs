@@ -1,0 +1,236 @@
+//! One frame: what arm and skin sense, and what truly touches them.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
+
+use crate::array;
+use crate::failure::Failure;
+use crate::skin::{Skin, patch_index};
+
+/// One sample of arm and skin at 100 Hz, with its ground truth.
+#[pyclass(frozen, name = "Frame", module = "underbrush._core")]
+pub struct PyFrame {
+    pub frame: Frame,
+    pub layout: Arc<SkinLayout>,
+}
+
+/// The seven numbers of a pose: x, y, z in m, and a quaternion x, y, z, w.
+pub fn pose_numbers(pose: &Pose) -> [f64; 7] {
+    let [x, y, z] = pose.position.to_array();
+    let [qx, qy, qz, qw] = pose.orientation.to_array();
+    [x, y, z, qx, qy, qz, qw]
+}
+
+/// The pose of seven numbers.
+pub fn pose_of(numbers: &[f64]) -> Pose {
+    Pose {
+        position: DVec3::new(numbers[0], numbers[1], numbers[2]),
+        orientation: DQuat::from_xyzw(numbers[3], numbers[4], numbers[5], numbers[6]),
+    }
+}
+
+impl PyFrame {
+    /// One number for each taxel of a patch.
+    fn of_taxels<T: Clone>(
+        &self,
+        patch: Option<&str>,
+        none: T,
+        number: fn(&TaxelReading) -> T,
+    ) -> Result<Vec<T>, Failure> {
+        let index = patch_index(&self.layout, patch)?;
+        let mut numbers = vec![none; self.layout.patches[index].taxels.len()];
+        let readings = self
+            .frame
+            .taxels
+            .iter()
+            .filter(|reading| usize::from(reading.patch) == index);
+        readings.for_each(|reading| numbers[usize::from(reading.taxel)] = number(reading));
+        Ok(numbers)
+    }
+}
+
+#[pymethods]
+impl PyFrame {
+    /// A frame of a robot of your own: what its skin senses, N, by patch, and the poses of the patches (7 numbers each),
+    /// which classifiers of contact motion need.
+    #[new]
+    #[pyo3(signature = (skin, time_s, sensed_force_n, patch_poses = None))]
+    fn new(
+        skin: &Skin,
+        time_s: f64,
+        sensed_force_n: &Bound<'_, PyDict>,
+        patch_poses: Option<&Bound<'_, PyDict>>,
+    ) -> Result<Self, Failure> {
+        let layout = Arc::clone(&skin.layout);
+        let mut taxels = Vec::new();
+        let mut by_patch: Vec<Option<Vec<f64>>> = vec![None; layout.patches.len()];
+        for (name, value) in sensed_force_n {
+            let name: String = name.extract()?;
+            let index = patch_index(&layout, Some(&name))?;
+            let count = layout.patches[index].taxels.len();
+            by_patch[index] = Some(array::finite(&value, &name, &[Some(count)])?.0);
+        }
+        for (patch, forces) in by_patch.iter().enumerate() {
+            for (taxel, force) in forces.iter().flatten().enumerate().filter(|(_, force)| **force != 0.0) {
+                taxels.push(TaxelReading {
+                    patch: patch as u16,
+                    taxel: taxel as u16,
+                    true_normal_force_n: 0.0,
+                    true_shear_force_n: [0.0; 2],
+                    sensed_force_n: *force,
+                    object: None,
+                });
+            }
+        }
+        let mut poses = vec![Pose::IDENTITY; layout.patches.len()];
+        for (name, value) in patch_poses.into_iter().flatten() {
+            let name: String = name.extract()?;
+            let index = patch_index(&layout, Some(&name))?;
+            poses[index] = pose_of(&array::finite(&value, &name, &[Some(7)])?.0);
+        }
+        if !time_s.is_finite() {
+            return Err(Failure::argument(
+                "time_s",
+                time_s.to_string(),
+                "a finite time",
+                "give seconds",
+            ));
+        }
+        let frame = Frame {
+            time_s,
+            joint_angle_rad: Vec::new(),
+            joint_velocity_rad_per_s: Vec::new(),
+            equilibrium_angle_rad: Vec::new(),
+            joint_torque_nm: Vec::new(),
+            end_effector_pose_world: Pose::IDENTITY,
+            goal_position_world: DVec3::ZERO,
+            goal_index: 0,
+            contact_force_world: vec![DVec3::ZERO; layout.patches.len()],
+            patch_pose_world: poses,
+            taxels,
+        };
+        Ok(PyFrame { frame, layout })
+    }
+
+    /// Time since the start of the reach, s.
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.frame.time_s
+    }
+
+    /// Joint angles, rad: (joints,).
+    #[getter]
+    fn joint_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = &self.frame.joint_angle_rad;
+        array::copy(py, numbers, &[numbers.len()], "float64")
+    }
+
+    /// Joint velocities, rad/s: (joints,).
+    #[getter]
+    fn joint_velocity_rad_per_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = &self.frame.joint_velocity_rad_per_s;
+        array::copy(py, numbers, &[numbers.len()], "float64")
+    }
+
+    /// Equilibrium angles of the joints' springs, rad: (joints,).
+    #[getter]
+    fn equilibrium_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = &self.frame.equilibrium_angle_rad;
+        array::copy(py, numbers, &[numbers.len()], "float64")
+    }
+
+    /// Joint torques without gravity compensation, Nm: (joints,).
+    #[getter]
+    fn joint_torque_nm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = &self.frame.joint_torque_nm;
+        array::copy(py, numbers, &[numbers.len()], "float64")
+    }
+
+    /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
+    #[getter]
+    fn end_effector_pose_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array::copy(py, &pose_numbers(&self.frame.end_effector_pose_world), &[7], "float64")
+    }
+
+    /// Current goal of the end effector, m, world frame: (3,).
+    #[getter]
+    fn goal_position_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array::copy(py, &self.frame.goal_position_world.to_array(), &[3], "float64")
+    }
+
+    /// Pose of the link under a patch, world frame: x, y, z in m, and a quaternion x, y, z, w.
+    #[pyo3(signature = (patch = None))]
+    fn patch_pose_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let index = patch_index(&self.layout, patch)?;
+        Ok(array::copy(
+            py,
+            &pose_numbers(&self.frame.patch_pose_world[index]),
+            &[7],
+            "float64",
+        )?)
+    }
+
+    /// What each taxel of a patch senses, N: (taxels,).
+    #[pyo3(signature = (patch = None))]
+    fn sensed_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let numbers = self.of_taxels(patch, 0.0, |reading| reading.sensed_force_n)?;
+        Ok(array::copy(py, &numbers, &[numbers.len()], "float64")?)
+    }
+
+    /// Ground truth: the normal force on each taxel of a patch before the sensor, N: (taxels,).
+    #[pyo3(signature = (patch = None))]
+    fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let numbers = self.of_taxels(patch, 0.0, |reading| reading.true_normal_force_n)?;
+        Ok(array::copy(py, &numbers, &[numbers.len()], "float64")?)
+    }
+
+    /// Ground truth: the object that presses hardest on each taxel of a patch, -1 for none: (taxels,).
+    #[pyo3(signature = (patch = None))]
+    fn object<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let numbers = self.of_taxels(patch, -1_i32, |reading| reading.object.map_or(-1, i32::from))?;
+        Ok(array::copy(py, &numbers, &[numbers.len()], "int32")?)
+    }
+
+    /// Ground truth: the sum of the contact forces on a patch, N, world frame: (3,).
+    #[pyo3(signature = (patch = None))]
+    fn contact_force_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let index = patch_index(&self.layout, patch)?;
+        Ok(array::copy(
+            py,
+            &self.frame.contact_force_world[index].to_array(),
+            &[3],
+            "float64",
+        )?)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Frame(time_s={}, {} taxels)",
+            self.frame.time_s,
+            self.frame.taxels.len()
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        let text = serde_json::to_string(&(&self.frame, &*self.layout));
+        let text = text.map_err(|error| Failure::Run(error.to_string()))?;
+        Ok((py.get_type::<PyFrame>().getattr("_from_json")?, (text,)))
+    }
+
+    #[staticmethod]
+    fn _from_json(text: &str) -> Result<Self, Failure> {
+        let read = serde_json::from_str(text);
+        let (frame, layout): (Frame, SkinLayout) = read.map_err(|error| Failure::Usage(error.to_string()))?;
+        let layout = Arc::new(layout);
+        Ok(PyFrame { frame, layout })
+    }
+}
+
+/// Adds the classes of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyFrame>()
+}

@@ -1,0 +1,218 @@
+//! Making data sets: progress, Ctrl-C, resuming.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+
+use pyo3::prelude::*;
+use pyo3::types::PyList;
+use underbrush_experiments::dataset::{Campaign, Written};
+use underbrush_experiments::verdict_controller::VerdictControl;
+use underbrush_experiments::{Counter, Progress};
+use underbrush_recording::GoalOutcomes;
+use underbrush_recording::disk::{Dataset, Shard};
+
+use crate::controller;
+use crate::dataset::PyDataset;
+use crate::failure::Failure;
+use crate::interrupt::{Stop, watched};
+use crate::scene::{controller_kind, scene};
+
+/// What a run has done so far.
+#[derive(Default)]
+struct Done {
+    things: AtomicU64,
+    total: AtomicU64,
+    goals: Mutex<GoalOutcomes>,
+    remarks: Mutex<Vec<String>>,
+}
+
+/// Passes the progress of a run on to a Python function, and asks whether the run should end.
+pub struct Reported {
+    done: Arc<Done>,
+    stop: Arc<Stop>,
+    callback: Option<Py<PyAny>>,
+}
+
+impl Reported {
+    /// Progress for this function, called as `callback(done, total, text)`.
+    pub fn new(stop: &Arc<Stop>, callback: Option<Py<PyAny>>) -> Self {
+        Reported {
+            done: Arc::default(),
+            stop: Arc::clone(stop),
+            callback,
+        }
+    }
+
+    /// Shows what is new: remarks as warnings, and the count.
+    pub fn show(&self, py: Python<'_>) -> PyResult<()> {
+        let remarks = self
+            .done
+            .remarks
+            .lock()
+            .map(|mut remarks| std::mem::take(&mut *remarks));
+        for remark in remarks.unwrap_or_default() {
+            py.import("warnings")?.call_method1("warn", (remark,))?;
+        }
+        let total = self.done.total.load(Ordering::Relaxed);
+        if let Some(callback) = self.callback.as_ref().filter(|_| total > 0) {
+            let goals = self
+                .done
+                .goals
+                .lock()
+                .map_or(String::new(), |goals| match goals.tried() {
+                    0 => String::new(),
+                    _ => goals.to_string(),
+                });
+            callback.call1(py, (self.done.things.load(Ordering::Relaxed), total, goals))?;
+        }
+        Ok(())
+    }
+}
+
+impl Progress for Reported {
+    fn stage(&self, _: &str) {}
+
+    fn remark(&self, text: &str) {
+        if let Ok(mut remarks) = self.done.remarks.lock() {
+            remarks.push(text.to_owned());
+        }
+    }
+
+    fn count(&self, _: &str, total: u64, done: u64) -> Box<dyn Counter> {
+        self.done.total.store(total, Ordering::Relaxed);
+        self.done.things.store(done, Ordering::Relaxed);
+        Box::new(Counted(Arc::clone(&self.done)))
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.is_set()
+    }
+}
+
+struct Counted(Arc<Done>);
+
+impl Counter for Counted {
+    fn advance(&self) {
+        self.0.things.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn reach(&self, goals: GoalOutcomes) {
+        if let Ok(mut sum) = self.0.goals.lock() {
+            *sum = [*sum, goals].into_iter().sum();
+        }
+        self.advance();
+    }
+}
+
+/// Simulate many reaches and write them as a data set.
+#[pyfunction]
+#[pyo3(signature = (scenes, reaches, out, *, seed = 0, controller = None, verdicts = None, resume = false, shard = None,
+                    progress = None, jobs = None))]
+#[allow(clippy::too_many_arguments, reason = "options by name")]
+fn generate(
+    py: Python<'_>,
+    scenes: &Bound<'_, PyAny>,
+    reaches: u64,
+    out: PathBuf,
+    seed: u64,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    resume: bool,
+    shard: Option<(u64, u64)>,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Result<PyDataset, Failure> {
+    let listed = match scenes.cast::<PyList>() {
+        Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
+        Err(_) => vec![scene(scenes)?],
+    };
+    let mut names: Vec<&str> = listed.iter().map(|scene| scene.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let found = format!("two scenes called {}", pair[0]);
+        return Err(Failure::argument(
+            "scenes",
+            found,
+            "scenes with names of their own",
+            "rename one of them",
+        ));
+    }
+    let shard = match shard {
+        None => None,
+        Some((number, count)) if (1..=count).contains(&number) => Some(Shard {
+            index: number - 1,
+            count,
+        }),
+        Some((number, count)) => {
+            let found = format!("({number}, {count})");
+            return Err(Failure::argument(
+                "shard",
+                found,
+                "(I, N) with 1 <= I <= N",
+                "count shards from 1",
+            ));
+        }
+    };
+    let stop = Arc::new(Stop::default());
+    let (kind, own) = match controller {
+        None => (None, None),
+        Some(object) => match object.extract::<String>() {
+            Ok(name) => (Some(controller_kind(&name)?), None),
+            Err(_) => (None, Some(controller::maker(object, &stop)?)),
+        },
+    };
+    let campaign = Campaign {
+        scenes: listed.into_iter().map(|scene| (scene, reaches)).collect(),
+        arms: BTreeMap::new(),
+        seed,
+        controller: kind,
+        own_controller: own,
+        verdicts: verdicts.as_deref().map(VerdictControl::load).transpose()?,
+        shard,
+    };
+    write(py, &campaign, &out, resume, &stop, progress, jobs)
+}
+
+/// Make a data set again from what it stores.
+#[pyfunction]
+#[pyo3(signature = (dataset, out, *, verdicts = None, resume = false, progress = None, jobs = None))]
+#[allow(clippy::too_many_arguments, reason = "options by name")]
+fn generate_again(
+    py: Python<'_>,
+    dataset: PathBuf,
+    out: PathBuf,
+    verdicts: Option<PathBuf>,
+    resume: bool,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Result<PyDataset, Failure> {
+    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let campaign = Campaign::of(&Dataset::open(dataset)?, verdicts)?;
+    write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)
+}
+
+fn write(
+    py: Python<'_>,
+    campaign: &Campaign,
+    out: &std::path::Path,
+    resume: bool,
+    stop: &Arc<Stop>,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Result<PyDataset, Failure> {
+    let reported = Reported::new(stop, progress);
+    let run = || Ok(campaign.write(out, resume, &reported)?);
+    let written = watched(py, jobs, stop, |py| reported.show(py), run)?;
+    reported.show(py)?;
+    match written {
+        Written::New(dataset) | Written::Before(dataset) => Ok(PyDataset::new(dataset)),
+    }
+}
+
+/// Adds the functions of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(generate, module)?)?;
+    module.add_function(wrap_pyfunction!(generate_again, module)?)
+}

@@ -1,0 +1,83 @@
+//! Ctrl-C while work runs without the interpreter's lock.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+
+use crate::failure::Failure;
+use crate::pool;
+
+/// How often signals are looked at.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Says to a run that it should end.
+#[derive(Default)]
+pub struct Stop {
+    flag: AtomicBool,
+    /// The exception that ends the run.
+    raised: Mutex<Option<PyErr>>,
+}
+
+impl Stop {
+    /// Whether the run should end.
+    pub fn is_set(&self) -> bool {
+        self.flag.load(Ordering::Relaxed)
+    }
+
+    /// Ends the run with this exception. Only the first one counts.
+    pub fn raise(&self, error: PyErr) {
+        if let Ok(mut raised) = self.raised.lock() {
+            raised.get_or_insert(error);
+        }
+        self.flag.store(true, Ordering::Relaxed);
+    }
+
+    /// The exception that ended the run, or else the failure of the run itself.
+    pub fn reason(&self, failure: Failure) -> Failure {
+        match self.raised.lock().ok().and_then(|mut raised| raised.take()) {
+            Some(error) => error.into(),
+            None => failure,
+        }
+    }
+}
+
+/// Runs work on the pool in another thread while this one looks for signals and calls `meanwhile`. If a signal handler or
+/// `meanwhile` raises, `stop` is set and the work is waited for, which then ends soon.
+///
+/// # Errors
+/// Those of the work, or the exception.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    jobs: Option<usize>,
+    stop: &Stop,
+    mut meanwhile: impl FnMut(Python<'_>) -> PyResult<()>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+    let receiver = Mutex::new(receiver);
+    let result = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            // The receiver is there until the result has come.
+            let _ = sender.send(pool::install(jobs, work));
+        });
+        loop {
+            let come = py.detach(|| match receiver.lock() {
+                Ok(receiver) => receiver.recv_timeout(PERIOD),
+                Err(_) => Err(std::sync::mpsc::RecvTimeoutError::Disconnected),
+            });
+            match come {
+                Ok(result) => return result,
+                Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+                Err(_) => return Err(Failure::Run("the working thread ended without a result".into())),
+            }
+            if !stop.is_set()
+                && let Err(error) = py.check_signals().and_then(|()| meanwhile(py))
+            {
+                stop.raise(error);
+            }
+        }
+    });
+    result.map_err(|failure| stop.reason(failure))
+}

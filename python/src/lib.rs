@@ -1,0 +1,57 @@
+//! The native module of the Python package `underbrush`. It converts arguments and results, and holds no physics and no
+//! statistics. Without the feature `extension` it is empty.
+#![cfg(feature = "extension")]
+
+use pyo3::prelude::*;
+
+mod arguments;
+mod array;
+mod classifier;
+mod controller;
+mod dataset;
+mod environment;
+mod evaluation;
+mod failure;
+mod fitting;
+mod frame;
+mod generate;
+mod interrupt;
+mod json;
+mod online;
+mod pool;
+mod python_classifier;
+mod reach;
+mod replay;
+mod scene;
+mod simulation;
+mod skin;
+mod table;
+mod touch;
+mod trials;
+mod validation;
+
+/// The native part of underbrush.
+#[pymodule(gil_used = true)]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)?;
+    scene::add_to(module)?;
+    skin::add_to(module)?;
+    frame::add_to(module)?;
+    simulation::add_to(module)?;
+    controller::add_to(module)?;
+    reach::add_to(module)?;
+    table::add_to(module)?;
+    dataset::add_to(module)?;
+    generate::add_to(module)?;
+    trials::add_to(module)?;
+    classifier::add_to(module)?;
+    fitting::add_to(module)?;
+    evaluation::add_to(module)?;
+    online::add_to(module)?;
+    touch::add_to(module)?;
+    environment::add_to(module)?;
+    validation::add_to(module)?;
+    replay::add_to(module)?;
+    array::add_to(module)
+}

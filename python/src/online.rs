@@ -1,0 +1,168 @@
+//! Verdicts frame by frame.
+
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::touch::{Touch, TouchClassifier};
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::SkinLayout;
+
+use crate::arguments;
+use crate::failure::Failure;
+use crate::frame::PyFrame;
+use crate::interrupt::Stop;
+use crate::python_classifier::PythonClassifier;
+use crate::skin::Skin;
+
+/// Gives a verdict on each taxel in contact, in every frame.
+#[pyclass(frozen, module = "underbrush._core")]
+pub struct Online {
+    state: Mutex<Kind>,
+    categories: Vec<String>,
+    layout: Arc<SkinLayout>,
+    /// What a Python classifier raised.
+    raised: Option<Arc<Stop>>,
+}
+
+enum Kind {
+    Contacts(Box<OnlineClassifier>),
+    Touch(Box<TouchClassifier>),
+}
+
+impl Online {
+    /// Verdicts of a classifier of trials.
+    pub fn of_contacts(classifier: OnlineClassifier, categories: Vec<String>, skin: &Skin) -> Self {
+        Online {
+            state: Mutex::new(Kind::Contacts(Box::new(classifier))),
+            categories,
+            layout: Arc::clone(&skin.layout),
+            raised: None,
+        }
+    }
+
+    /// Verdicts of a touch model.
+    pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
+        Online {
+            categories: classifier.model().categories().to_vec(),
+            state: Mutex::new(Kind::Touch(Box::new(classifier))),
+            layout: Arc::clone(&skin.layout),
+            raised: None,
+        }
+    }
+
+    fn lock(&self) -> Result<MutexGuard<'_, Kind>, Failure> {
+        self.state.try_lock().map_err(|error| match error {
+            TryLockError::WouldBlock => {
+                Failure::Run("another thread is using this classifier; give each stream of frames its own".into())
+            }
+            TryLockError::Poisoned(_) => Failure::Run("this classifier failed before; make a new one".into()),
+        })
+    }
+
+    fn named(&self, touch: Touch) -> &str {
+        match touch {
+            Touch::Nothing => "nothing",
+            Touch::Uncertain => "uncertain",
+            Touch::Unknown => "unknown",
+            Touch::Category(index) => self.categories.get(index).map_or("uncertain", String::as_str),
+        }
+    }
+}
+
+#[pymethods]
+impl Online {
+    /// The categories in the order of scores and probabilities.
+    #[getter]
+    fn categories(&self) -> Vec<String> {
+        self.categories.clone()
+    }
+
+    /// Take in the next frame. Returns a dictionary for each taxel in contact: taxel, samples, verdict and scores; of a touch
+    /// model: taxel, samples, contact, nothing (a probability), verdict and probabilities.
+    fn update<'py>(&self, py: Python<'py>, frame: &PyFrame) -> Result<Bound<'py, PyList>, Failure> {
+        if !Arc::ptr_eq(&frame.layout, &self.layout) && frame.layout != self.layout {
+            let allowed = "a frame of the skin that this classifier was made for";
+            return Err(Failure::argument(
+                "frame",
+                "a frame of another skin",
+                allowed,
+                "make a classifier for it",
+            ));
+        }
+        let mut state = self.lock()?;
+        let verdicts = PyList::empty(py);
+        match &mut *state {
+            Kind::Contacts(classifier) => {
+                for taxel in classifier.update(&frame.frame)? {
+                    let verdict = PyDict::new(py);
+                    verdict.set_item("taxel", taxel.taxel)?;
+                    verdict.set_item("samples", taxel.samples)?;
+                    verdict.set_item("verdict", taxel.verdict.name())?;
+                    let scores = PyDict::new(py);
+                    for (category, score) in self.categories.iter().zip(&taxel.scores) {
+                        scores.set_item(category, score)?;
+                    }
+                    verdict.set_item("scores", scores)?;
+                    verdicts.append(verdict)?;
+                }
+            }
+            Kind::Touch(classifier) => {
+                classifier.update(&frame.frame)?;
+                for taxel in classifier.taxels() {
+                    let verdict = PyDict::new(py);
+                    verdict.set_item("taxel", taxel.taxel)?;
+                    verdict.set_item("samples", taxel.samples)?;
+                    verdict.set_item("contact", classifier.regions()[taxel.region].contact)?;
+                    verdict.set_item("nothing", taxel.nothing)?;
+                    verdict.set_item("verdict", self.named(taxel.touch))?;
+                    let probabilities = PyDict::new(py);
+                    for (category, own) in self.categories.iter().zip(classifier.probabilities(taxel.region)) {
+                        probabilities.set_item(category, own)?;
+                    }
+                    verdict.set_item("probabilities", probabilities)?;
+                    verdicts.append(verdict)?;
+                }
+            }
+        }
+        match self.raised.as_ref().filter(|raised| raised.is_set()) {
+            Some(raised) => Err(raised.reason(Failure::Run("the Python classifier raised before".into()))),
+            None => Ok(verdicts),
+        }
+    }
+}
+
+/// Classify frame by frame with a classifier written in Python: an object with `categories` and `scores(trials)`.
+#[pyfunction]
+#[pyo3(signature = (classifier, skin, patch = None, *, threshold_n = None, decision = None))]
+fn online(
+    classifier: &Bound<'_, PyAny>,
+    skin: &Skin,
+    patch: Option<String>,
+    threshold_n: Option<f64>,
+    decision: Option<&Bound<'_, PyAny>>,
+) -> Result<Online, Failure> {
+    let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;
+    let options = OnlineOptions {
+        patch,
+        threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
+        decision: match decision {
+            None => Decision::argmax(),
+            some => arguments::decision(some, None)?,
+        },
+    };
+    let made = OnlineClassifier::new(&own, &skin.layout, &options)?;
+    let categories = underbrush_classifier::estimator::Classifier::categories(&own);
+    Ok(Online {
+        raised: Some(own.raised()),
+        ..Online::of_contacts(made, categories, skin)
+    })
+}
+
+/// Adds the class and the function of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Online>()?;
+    module.add_function(wrap_pyfunction!(online, module)?)
+}

@@ -1,0 +1,230 @@
+//! Classifiers written in Python, such as those of scikit-learn or PyTorch, where the libraries expect their own.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use serde_json::Value;
+use underbrush_classifier::ModelError;
+use underbrush_classifier::estimator::{Classifier, Estimator, OnlineScorer};
+use underbrush_classifier::feature::{FeatureSet, SampleFault};
+use underbrush_recording::{Sample, Trial};
+
+use crate::array;
+use crate::failure::Failure;
+use crate::interrupt::Stop;
+use crate::trials::Trials;
+
+/// An object with `fit_trials(trials)`, which returns a fitted classifier.
+pub struct PythonEstimator {
+    object: Py<PyAny>,
+    raised: Arc<Stop>,
+}
+
+/// What is said of an object without these methods.
+const ALLOWED: &str = "options of a classifier, a Model, or an object with fit_trials(trials) whose answer has categories and scores(trials)";
+
+impl PythonEstimator {
+    /// An estimator that keeps in `raised` what the object raises.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if the object has no `fit_trials`.
+    pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
+        if !object.hasattr("fit_trials")? {
+            let found = format!("an object of type {}", object.get_type());
+            let remedy = "wrap it, as underbrush.sklearn.FixedWindow does with classifiers of scikit-learn";
+            return Err(Failure::argument("classifier", found, ALLOWED, remedy));
+        }
+        Ok(PythonEstimator {
+            object: object.clone().unbind(),
+            raised: Arc::clone(raised),
+        })
+    }
+}
+
+impl Estimator for PythonEstimator {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+        Python::attach(|py| {
+            let fit = || -> Result<PythonClassifier, Failure> {
+                let fitted = self.object.bind(py).call_method1("fit_trials", (cloned(trials),))?;
+                PythonClassifier::of(&fitted, &self.raised)
+            };
+            match fit() {
+                Ok(classifier) => Ok(Box::new(classifier) as Box<dyn Classifier>),
+                Err(failure) => Err(kept(&self.raised, failure)),
+            }
+        })
+    }
+}
+
+fn cloned(trials: &[&Trial]) -> Trials {
+    Trials::new(trials.iter().map(|trial| (*trial).clone()).collect())
+}
+
+/// Keeps an exception for the caller, whose libraries do not know exceptions.
+fn kept(raised: &Stop, failure: Failure) -> ModelError {
+    let error = PyErr::from(failure);
+    let found = format!("the Python classifier raised {error}");
+    raised.raise(error);
+    ModelError::Mismatch {
+        found,
+        allowed: "a classifier that fits and scores trials".into(),
+    }
+}
+
+/// A fitted classifier: an object with `categories` and `scores(trials)`.
+#[derive(Debug)]
+pub struct PythonClassifier {
+    object: Arc<Py<PyAny>>,
+    categories: Vec<String>,
+    features: FeatureSet,
+    raised: Arc<Stop>,
+}
+
+impl std::fmt::Debug for Stop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Stop")
+    }
+}
+
+impl PythonClassifier {
+    /// A classifier that keeps in `raised` what the object raises.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if the object has no categories, or not in alphabetical order.
+    pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
+        let categories: Option<Vec<String>> = object.getattr("categories").ok().and_then(|own| own.extract().ok());
+        let categories = categories
+            .filter(|own| !own.is_empty() && own.is_sorted_by(|a, b| a < b))
+            .ok_or_else(|| {
+                let found = format!("an object of type {} without them", object.get_type());
+                let allowed = "a list of different names in alphabetical order";
+                Failure::argument(
+                    "categories",
+                    found,
+                    allowed,
+                    "give the fitted classifier such an attribute",
+                )
+            })?;
+        let features = crate::arguments::features(object.getattr("features").ok().as_ref())?;
+        Ok(PythonClassifier {
+            object: Arc::new(object.clone().unbind()),
+            categories,
+            features: features.unwrap_or(FeatureSet::FORCE),
+            raised: Arc::clone(raised),
+        })
+    }
+
+    /// What the object raised.
+    pub fn raised(&self) -> Arc<Stop> {
+        Arc::clone(&self.raised)
+    }
+}
+
+/// The scores that an object gives trials, one row for each.
+fn scores(object: &Py<PyAny>, trials: Trials, categories: usize) -> Result<Vec<Vec<f64>>, Failure> {
+    Python::attach(|py| {
+        let count = trials.list.len();
+        let answer = object.bind(py).call_method1("scores", (trials,))?;
+        let shape = [Some(count), Some(categories)];
+        let (numbers, _) = array::numbers(&answer, "the answer of scores", &shape)?;
+        if numbers.iter().any(|number| number.is_nan()) {
+            let allowed = "numbers; minus infinity for the impossible";
+            return Err(Failure::argument(
+                "the answer of scores",
+                "NaN",
+                allowed,
+                "correct the classifier",
+            ));
+        }
+        Ok(numbers.chunks_exact(categories).map(<[f64]>::to_vec).collect())
+    })
+}
+
+impl Classifier for PythonClassifier {
+    fn name(&self) -> &'static str {
+        "python"
+    }
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn categories(&self) -> Vec<String> {
+        self.categories.clone()
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        Box::new(PythonScorer {
+            object: Arc::clone(&self.object),
+            categories: self.categories.len(),
+            raised: Arc::clone(&self.raised),
+            samples: vec![Vec::new(); contacts],
+            scores: vec![vec![0.0; self.categories.len()]; contacts],
+            pushed: Vec::new(),
+        })
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        // It cannot be saved: a model file holds no Python objects.
+        Vec::new()
+    }
+
+    fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
+        let found = scores(&self.object, cloned(trials), self.categories.len());
+        found.map_err(|failure| kept(&self.raised, failure))
+    }
+}
+
+/// Scores of contacts under way. The object is asked once in each frame, for all contacts with a new sample.
+#[derive(Debug)]
+struct PythonScorer {
+    object: Arc<Py<PyAny>>,
+    categories: usize,
+    raised: Arc<Stop>,
+    samples: Vec<Vec<Sample>>,
+    scores: Vec<Vec<f64>>,
+    /// Contacts with a new sample.
+    pushed: Vec<usize>,
+}
+
+impl OnlineScorer for PythonScorer {
+    fn begin(&mut self, contact: usize) {
+        self.samples[contact].clear();
+    }
+
+    fn push(&mut self, contact: usize, sample: &Sample) -> Result<bool, SampleFault> {
+        self.samples[contact].push(*sample);
+        self.pushed.push(contact);
+        Ok(true)
+    }
+
+    fn advance(&mut self) {
+        let pushed = std::mem::take(&mut self.pushed);
+        if pushed.is_empty() {
+            return;
+        }
+        let trial = |contact: &usize| Trial {
+            trial: *contact as u64,
+            category: None,
+            reach: None,
+            patch: None,
+            taxel: None,
+            samples: self.samples[*contact].clone(),
+        };
+        let trials = Trials::new(pushed.iter().map(trial).collect());
+        match scores(&self.object, trials, self.categories) {
+            Ok(found) => {
+                for (contact, own) in pushed.iter().zip(found) {
+                    self.scores[*contact] = own;
+                }
+            }
+            Err(failure) => {
+                kept(&self.raised, failure);
+            }
+        }
+    }
+
+    fn scores(&self, contact: usize, scores: &mut [f64]) {
+        scores.copy_from_slice(&self.scores[contact]);
+    }
+}

@@ -1,0 +1,64 @@
+//! The replay page: reaches in the browser or in a cell of a notebook.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use underbrush_classifier::Model;
+use underbrush_classifier::online::OnlineOptions;
+use underbrush_classifier::trial::TrialOptions;
+use underbrush_experiments::audit;
+use underbrush_replay::{Judging, Known, Source, single_file};
+use underbrush_sim::controller::ControllerKind;
+
+use crate::failure::Failure;
+use crate::pool;
+
+/// Largest size of a page, bytes; the same bound as that of the command line.
+const MAX_PAGE_BYTES: usize = 400_000_000;
+
+/// The force limit of a controller that ships.
+fn force_limit_n(controller: &str) -> Option<f64> {
+    let kind = ControllerKind::from_name(controller).ok()?;
+    Some(kind.preset().force_limit_n)
+}
+
+/// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
+#[pyfunction]
+#[pyo3(signature = (paths, reaches = None, *, model = None, patch = None))]
+fn replay_page(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    reaches: Option<Vec<usize>>,
+    model: Option<PathBuf>,
+    patch: Option<String>,
+) -> Result<String, Failure> {
+    pool::detached(py, None, || {
+        let judging = |path: PathBuf| -> Result<Judging, Failure> {
+            let model = Model::load(&path)?;
+            Ok(Judging {
+                name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                options: OnlineOptions {
+                    patch,
+                    threshold_n: TrialOptions::default().threshold_n,
+                    decision: model
+                        .decision
+                        .clone()
+                        .unwrap_or(underbrush_classifier::decision::Decision::argmax()),
+                },
+                model,
+            })
+        };
+        let known = Known {
+            force_limit_n,
+            audit_warnings: audit::exceeded_bounds,
+        };
+        let source = Source::open(&paths, known, model.map(judging).transpose()?)?;
+        let all = (0..source.reaches().len()).collect();
+        Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
+    })
+}
+
+/// Adds the function of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(replay_page, module)?)
+}

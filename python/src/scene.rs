@@ -1,0 +1,254 @@
+//! Scenes: what could stand around the arm.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use underbrush_recording::InputError;
+use underbrush_report::picture;
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+use underbrush_sim::snapshot::Snapshot;
+
+use crate::array;
+use crate::failure::Failure;
+use crate::json;
+use crate::pool::guarded;
+
+macro_rules! shipped {
+    ($($name:literal: $path:literal,)*) => {
+        /// The scenes that ship, by name, with their text.
+        const SHIPPED: &[(&str, &str)] = &[$(($name, include_str!(concat!("../../scenes/", $path))),)*];
+    };
+}
+shipped! {
+    "leaf": "leaf.toml",
+    "trunk": "trunk.toml",
+    "mixed": "mixed.toml",
+    "outlier": "outlier.toml",
+    "bottle": "bottle.toml",
+    "leaf-clump": "engineered/leaf-clump.toml",
+    "leaf-right": "engineered/leaf-right.toml",
+    "leaf-row": "engineered/leaf-row.toml",
+    "leaf-stiff": "engineered/leaf-stiff.toml",
+    "leaf-tall": "engineered/leaf-tall.toml",
+    "trunk-gate": "engineered/trunk-gate.toml",
+    "trunk-post": "engineered/trunk-post.toml",
+    "trunk-right": "engineered/trunk-right.toml",
+    "trunk-row": "engineered/trunk-row.toml",
+    "trunk-thick": "engineered/trunk-thick.toml",
+}
+
+/// A scene: the ranges from which the clutter of every reach is drawn.
+#[pyclass(frozen, name = "Scene", module = "underbrush._core")]
+pub struct PyScene {
+    pub scene: Scene,
+}
+
+/// A picture (SVG), shown inline in a notebook.
+#[pyclass(frozen, module = "underbrush._core")]
+pub struct Picture {
+    /// The text of the picture.
+    #[pyo3(get)]
+    pub svg: String,
+}
+
+#[pymethods]
+impl Picture {
+    fn _repr_svg_(&self) -> &str {
+        &self.svg
+    }
+
+    /// Write the picture to a file.
+    fn save(&self, path: PathBuf) -> Result<(), Failure> {
+        Ok(underbrush_recording::disk::write_file(&path, self.svg.as_bytes())?)
+    }
+}
+
+/// A scene from a `Scene`, the name of one that ships, or the path of a file.
+///
+/// # Errors
+/// As [`Scene::load`].
+pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
+    if let Ok(scene) = value.cast::<PyScene>() {
+        return Ok(scene.get().scene.clone());
+    }
+    let path: PathBuf = value.extract().map_err(|_| {
+        let found = format!("an object of type {}", value.get_type());
+        let allowed = "a Scene, the name of a scene that ships, or the path of a scene file";
+        Failure::argument("scene", found, allowed, "give one of them")
+    })?;
+    let name = path.to_string_lossy();
+    match SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
+        Some((shipped, text)) => Ok(Scene::parse(format!("{shipped}.toml"), (*text).to_owned())?),
+        None if path.extension().is_none() && !path.exists() => {
+            let names: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
+            let allowed = format!("{}, or the path of a scene file", names.join(", "));
+            Err(Failure::argument("scene", name, allowed, "choose one of them"))
+        }
+        None => Ok(Scene::load(path)?),
+    }
+}
+
+/// The controller with a name.
+///
+/// # Errors
+/// [`Failure::Input`] for an unknown name.
+pub fn controller_kind(name: &str) -> Result<ControllerKind, Failure> {
+    ControllerKind::from_name(name).map_err(|_| {
+        let allowed = format!("{}, or a function of your own", ControllerKind::names().join(", "));
+        Failure::argument("controller", format!("{name:?}"), allowed, "choose one of them")
+    })
+}
+
+/// A drawing of a simulation at its present state.
+pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> Picture {
+    let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
+    let frame = simulation.frame(&plan.arm.start_posture_rad(), 0, goal);
+    let categories: Vec<_> = simulation
+        .clutter()
+        .objects
+        .iter()
+        .map(|placed| placed.object.category())
+        .collect();
+    let svg = picture::draw(
+        &Snapshot::take(simulation, &frame),
+        &plan.arm.skin.layout,
+        &categories,
+        &plan.scene.file.workspace,
+        caption,
+    );
+    Picture { svg }
+}
+
+/// Puts changes into a table: tables are merged, everything else is replaced.
+fn merge(table: &mut toml::Table, changes: toml::Table) {
+    for (key, change) in changes {
+        match (table.get_mut(&key), change) {
+            (Some(toml::Value::Table(own)), toml::Value::Table(change)) => merge(own, change),
+            (_, change) => {
+                table.insert(key, change);
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl PyScene {
+    #[new]
+    fn new(source: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+        Ok(PyScene { scene: scene(source)? })
+    }
+
+    /// A scene from the text of a scene file.
+    #[staticmethod]
+    #[pyo3(signature = (text, path = PathBuf::from("scene.toml")))]
+    fn parse(text: String, path: PathBuf) -> Result<Self, Failure> {
+        let scene = Scene::parse(path, text)?;
+        Ok(PyScene { scene })
+    }
+
+    /// Names of the scenes that ship.
+    #[staticmethod]
+    fn names() -> Vec<&'static str> {
+        SHIPPED.iter().map(|(name, _)| *name).collect()
+    }
+
+    /// Name of the scene: that of its file without the ending.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.scene.name
+    }
+
+    /// One sentence that says what the scene shows.
+    #[getter]
+    fn summary(&self) -> &str {
+        &self.scene.file.summary
+    }
+
+    /// The text of the scene file.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.scene.text
+    }
+
+    /// The keys of the scene file as a dictionary.
+    fn to_dict<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        json::to_python(py, &self.table()?)
+    }
+
+    /// The scene with some keys changed. Dictionaries are merged, everything else is replaced.
+    #[pyo3(signature = (changes, name = None))]
+    fn changed(&self, changes: &Bound<'_, PyDict>, name: Option<&str>) -> Result<Self, Failure> {
+        let py = changes.py();
+        let text: String = py.import("json")?.call_method1("dumps", (changes,))?.extract()?;
+        let refused = |found: String| {
+            let allowed = "a dictionary of the keys of a scene file";
+            Failure::argument("changes", found, allowed, "see scenes/README.md for the keys")
+        };
+        let changes: toml::Table = serde_json::from_str(&text).map_err(|error| refused(error.to_string()))?;
+        let mut table = self.table()?;
+        merge(&mut table, changes);
+        let text = toml::to_string(&table).map_err(|error| refused(error.to_string()))?;
+        let path = match name {
+            Some(name) => self.scene.path.with_file_name(format!("{name}.toml")),
+            None => self.scene.path.clone(),
+        };
+        let scene = Scene::parse(path, text)?;
+        Ok(PyScene { scene })
+    }
+
+    /// Draw arm and clutter at the start of a reach, from the side and from above.
+    #[pyo3(signature = (seed = 0, index = 0))]
+    fn draw(&self, py: Python<'_>, seed: u64, index: u64) -> Result<Picture, Failure> {
+        py.detach(|| {
+            guarded(|| {
+                let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
+                let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
+                Ok(drawn(&plan, &plan.simulation(index)?, &caption))
+            })
+        })
+    }
+
+    fn _repr_svg_(&self, py: Python<'_>) -> Result<String, Failure> {
+        Ok(self.draw(py, 0, 0)?.svg)
+    }
+
+    /// What stands around the arm in a reach, and its goals (m, world frame).
+    #[pyo3(signature = (seed = 0, index = 0))]
+    fn clutter<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyDict>, Failure> {
+        let clutter = guarded(|| Ok(ReachPlan::new(self.scene.clone(), None, seed)?.draw(index)?))?;
+        let objects: Vec<_> = clutter.objects.iter().map(|placed| placed.record()).collect();
+        let goals: Vec<f64> = clutter.goals.iter().flat_map(|goal| goal.to_array()).collect();
+        let found = PyDict::new(py);
+        found.set_item("objects", json::to_python(py, &objects)?)?;
+        found.set_item("goals", array::lend(py, goals, &[clutter.goals.len(), 3])?)?;
+        Ok(found)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Scene({:?}): {}", self.scene.name, self.scene.file.summary)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, PathBuf))> {
+        let parse = py.get_type::<PyScene>().getattr("parse")?;
+        Ok((parse, (self.scene.text.clone(), self.scene.path.clone())))
+    }
+}
+
+impl PyScene {
+    fn table(&self) -> Result<toml::Table, Failure> {
+        let parsed = toml::from_str(&self.scene.text);
+        parsed.map_err(|error| {
+            let path = &self.scene.path;
+            InputError::new(path, "scene", error.message(), "TOML", "correct the file").into()
+        })
+    }
+}
+
+/// Adds the classes of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyScene>()?;
+    module.add_class::<Picture>()
+}

@@ -1,0 +1,350 @@
+//! The simulation, step by step.
+
+use std::collections::HashSet;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+
+use glam::DVec3;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rayon::prelude::*;
+use underbrush_recording::SkinLayout;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::simulation::Simulation;
+
+use crate::array;
+use crate::failure::Failure;
+use crate::frame::PyFrame;
+use crate::pool::{self, guarded};
+use crate::scene::{self, Picture};
+use crate::skin::Skin;
+
+/// The arm in one draw of a scene, moved step by step.
+#[pyclass(frozen, name = "Simulation", module = "underbrush._core")]
+pub struct PySimulation {
+    plan: ReachPlan,
+    layout: Arc<SkinLayout>,
+    index: u64,
+    state: Mutex<State>,
+}
+
+struct State {
+    simulation: Simulation,
+    equilibrium_rad: Vec<f64>,
+}
+
+impl PySimulation {
+    /// The state, unless another thread is using it.
+    fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
+        match self.state.try_lock() {
+            Ok(state) => Ok(state),
+            // A panic of the engine leaves the state as it was at the start of a frame or within it: it cannot go on.
+            Err(TryLockError::Poisoned(_)) => Err(Failure::Run(
+                "the physics engine failed in this simulation; make a new one".into(),
+            )),
+            Err(TryLockError::WouldBlock) => Err(Failure::Run(
+                "another thread is using this simulation; give each thread a simulation of its own, or use step_many"
+                    .into(),
+            )),
+        }
+    }
+
+    fn angles(&self, value: &Bound<'_, PyAny>) -> Result<Vec<f64>, Failure> {
+        let joints = self.plan.arm.joints.len();
+        Ok(array::finite(value, "equilibrium_rad", &[Some(joints)])?.0)
+    }
+
+    fn frame(&self, state: &State) -> PyFrame {
+        let goal = state.simulation.clutter().goals.first().copied().unwrap_or(DVec3::ZERO);
+        PyFrame {
+            frame: state.simulation.frame(&state.equilibrium_rad, 0, goal),
+            layout: Arc::clone(&self.layout),
+        }
+    }
+}
+
+impl State {
+    fn step(&mut self, equilibrium_rad: Vec<f64>) {
+        self.simulation.step(&equilibrium_rad);
+        self.equilibrium_rad = equilibrium_rad;
+    }
+}
+
+#[pymethods]
+impl PySimulation {
+    #[new]
+    #[pyo3(signature = (scene, seed = 0, index = 0))]
+    fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, seed: u64, index: u64) -> Result<Self, Failure> {
+        let scene = scene::scene(scene)?;
+        py.detach(|| {
+            guarded(|| {
+                let plan = ReachPlan::new(scene, None, seed)?;
+                let simulation = plan.simulation(index)?;
+                let equilibrium_rad = plan.arm.start_posture_rad();
+                Ok(PySimulation {
+                    layout: Arc::new(plan.arm.skin.layout.clone()),
+                    index,
+                    state: Mutex::new(State {
+                        simulation,
+                        equilibrium_rad,
+                    }),
+                    plan,
+                })
+            })
+        })
+    }
+
+    /// Advance by one frame of 10 ms with the joints' springs at these equilibrium angles, rad.
+    fn step(&self, py: Python<'_>, equilibrium_rad: &Bound<'_, PyAny>) -> Result<PyFrame, Failure> {
+        let angles = self.angles(equilibrium_rad)?;
+        py.detach(|| {
+            guarded(|| {
+                // Within, so that a panic of the engine marks the state as unusable.
+                let mut state = self.lock()?;
+                state.step(angles);
+                Ok(self.frame(&state))
+            })
+        })
+    }
+
+    /// The present frame.
+    #[getter]
+    fn frame_now(&self) -> Result<PyFrame, Failure> {
+        Ok(self.frame(&*self.lock()?))
+    }
+
+    /// The present state as bytes, for `restore`.
+    fn save<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
+        Ok(PyBytes::new(py, &self.lock()?.simulation.save()?))
+    }
+
+    /// Continue from a state that a simulation of the same scene, seed and index saved, bit for bit as that one would.
+    fn restore(&self, state: &[u8]) -> Result<(), Failure> {
+        Ok(self.lock()?.simulation.load(state)?)
+    }
+
+    /// A copy that continues exactly as this one would.
+    fn copy(&self) -> Result<Self, Failure> {
+        let state = self.lock()?;
+        Ok(PySimulation {
+            plan: self.plan.clone(),
+            layout: Arc::clone(&self.layout),
+            index: self.index,
+            state: Mutex::new(State {
+                simulation: state.simulation.clone(),
+                equilibrium_rad: state.equilibrium_rad.clone(),
+            }),
+        })
+    }
+
+    /// The arm.
+    #[getter]
+    fn arm(&self) -> PyArm {
+        PyArm {
+            arm: self.plan.arm.clone(),
+        }
+    }
+
+    /// The skin.
+    #[getter]
+    fn skin(&self) -> Skin {
+        Skin {
+            layout: Arc::clone(&self.layout),
+        }
+    }
+
+    /// The goals of the reach, m, world frame: (goals, 3).
+    #[getter]
+    fn goals_world<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        let state = self.lock()?;
+        let goals = &state.simulation.clutter().goals;
+        let numbers: Vec<f64> = goals.iter().flat_map(|goal| goal.to_array()).collect();
+        Ok(array::lend(py, numbers, &[goals.len(), 3])?)
+    }
+
+    /// Ground truth: the largest force between one link and one object in the last frame, N.
+    #[getter]
+    fn largest_contact_force_n(&self) -> Result<f64, Failure> {
+        let state = self.lock()?;
+        Ok(state
+            .simulation
+            .report()
+            .tactile
+            .largest_force()
+            .map_or(0.0, |force| force.force_n))
+    }
+
+    /// Draw arm and clutter as they are now.
+    fn draw(&self) -> Result<Picture, Failure> {
+        let state = self.lock()?;
+        let time_s = state.simulation.report().time_s();
+        let caption = format!("{}: {time_s:.2} s after the start", self.plan.scene.file.summary);
+        Ok(scene::drawn(&self.plan, &state.simulation, &caption))
+    }
+
+    fn _repr_svg_(&self) -> Result<String, Failure> {
+        Ok(self.draw()?.svg)
+    }
+
+    fn __repr__(&self) -> String {
+        let name = &self.plan.scene.name;
+        format!("Simulation({name:?}, seed={}, index={})", self.plan.seed, self.index)
+    }
+}
+
+/// Step many simulations at once, over all cores: one row of `equilibrium_rad` for each.
+#[pyfunction]
+#[pyo3(signature = (simulations, equilibrium_rad, jobs = None))]
+fn step_many(
+    py: Python<'_>,
+    simulations: Vec<Py<PySimulation>>,
+    equilibrium_rad: &Bound<'_, PyAny>,
+    jobs: Option<usize>,
+) -> Result<Vec<PyFrame>, Failure> {
+    let Some(first) = simulations.first() else {
+        return Ok(Vec::new());
+    };
+    let joints = first.get().plan.arm.joints.len();
+    if let Some(other) = simulations
+        .iter()
+        .find(|other| other.get().plan.arm.joints.len() != joints)
+    {
+        let found = format!(
+            "arms with {joints} and with {} joints",
+            other.get().plan.arm.joints.len()
+        );
+        return Err(Failure::argument("simulations", found, "arms alike", "step them apart"));
+    }
+    let mut known = HashSet::new();
+    if !simulations
+        .iter()
+        .all(|simulation| known.insert(simulation.as_ptr() as usize))
+    {
+        return Err(Failure::argument(
+            "simulations",
+            "one of them twice",
+            "each once",
+            "copy() it",
+        ));
+    }
+    let shape = [Some(simulations.len()), Some(joints)];
+    let (angles, _) = array::finite(equilibrium_rad, "equilibrium_rad", &shape)?;
+    let simulations: Vec<&PySimulation> = simulations.iter().map(Py::get).collect();
+    pool::detached(py, jobs, || {
+        // None has moved if another thread uses one of them.
+        let states: Result<Vec<_>, Failure> = simulations.iter().map(|simulation| simulation.lock()).collect();
+        let mut states = states?;
+        let mut states: Vec<&mut State> = states.iter_mut().map(|state| &mut **state).collect();
+        let stepped = states.par_iter_mut().zip(angles.par_chunks(joints)).zip(&simulations);
+        Ok(stepped
+            .map(|((state, angles), simulation)| {
+                state.step(angles.to_vec());
+                simulation.frame(state)
+            })
+            .collect())
+    })
+}
+
+/// An arm: joints, links and skin.
+#[pyclass(frozen, name = "Arm", module = "underbrush._core")]
+pub struct PyArm {
+    pub arm: Arm,
+}
+
+impl PyArm {
+    /// One number for each joint.
+    fn of_joints<'py>(
+        &self,
+        py: Python<'py>,
+        number: fn(&underbrush_sim::arm::Joint) -> f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let numbers: Vec<f64> = self.arm.joints.iter().map(number).collect();
+        array::copy(py, &numbers, &[numbers.len()], "float64")
+    }
+}
+
+#[pymethods]
+impl PyArm {
+    /// Read an arm from its TOML file.
+    #[staticmethod]
+    fn load(path: std::path::PathBuf) -> Result<Self, Failure> {
+        Ok(PyArm { arm: Arm::load(path)? })
+    }
+
+    /// The right arm of the robot Cody, which ships.
+    #[staticmethod]
+    fn cody() -> Result<Self, Failure> {
+        Ok(PyArm { arm: Arm::cody()? })
+    }
+
+    /// Name of the arm.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.arm.name
+    }
+
+    /// Names of the joints.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.arm.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// The skin.
+    #[getter]
+    fn skin(&self) -> Skin {
+        Skin {
+            layout: Arc::new(self.arm.skin.layout.clone()),
+        }
+    }
+
+    /// Joint angles at the start of a reach, rad: (joints,).
+    #[getter]
+    fn start_posture_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_joints(py, |joint| joint.start_rad)
+    }
+
+    /// Stiffness of the joints' springs, Nm/rad: (joints,).
+    #[getter]
+    fn stiffness_nm_per_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_joints(py, |joint| joint.stiffness_nm_per_rad)
+    }
+
+    /// Limits of the joint angles that a controller observes, rad: (joints, 2).
+    #[getter]
+    fn limits_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers: Vec<f64> = self
+            .arm
+            .joints
+            .iter()
+            .flat_map(|joint| joint.controller_limits_rad)
+            .collect();
+        array::copy(py, &numbers, &[self.arm.joints.len(), 2], "float64")
+    }
+
+    /// Position of the end effector, m, world frame, and its Jacobian, m/rad, (3, joints), at these joint angles.
+    fn end_effector<'py>(
+        &self,
+        py: Python<'py>,
+        joint_angle_rad: &Bound<'py, PyAny>,
+    ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>), Failure> {
+        let joints = self.arm.joints.len();
+        let (angles, _) = array::finite(joint_angle_rad, "joint_angle_rad", &[Some(joints)])?;
+        let links = self.arm.forward_kinematics(&angles);
+        let position = self.arm.end_effector_pose(&links).position;
+        let jacobian = self.arm.position_jacobian(&links, self.arm.end_effector_link, position);
+        let rows: Vec<f64> = jacobian.transpose().iter().copied().collect();
+        let place = array::copy(py, &position.to_array(), &[3], "float64")?;
+        Ok((place, array::copy(py, &rows, &[3, joints], "float64")?))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Arm({:?}, {} joints)", self.arm.name, self.arm.joints.len())
+    }
+}
+
+/// Adds the classes and functions of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PySimulation>()?;
+    module.add_class::<PyArm>()?;
+    module.add_function(wrap_pyfunction!(step_many, module)?)
+}

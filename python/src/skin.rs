@@ -1,0 +1,110 @@
+//! Where the taxels are.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use underbrush_recording::{Patch, SkinLayout};
+
+use crate::array;
+use crate::failure::Failure;
+
+/// The skin of an arm: patches of taxels.
+#[pyclass(frozen, module = "underbrush._core")]
+pub struct Skin {
+    pub layout: Arc<SkinLayout>,
+}
+
+/// The index of a patch, by its name, or of the first one.
+///
+/// # Errors
+/// [`Failure::Input`] with the names that exist.
+pub fn patch_index(layout: &SkinLayout, name: Option<&str>) -> Result<usize, Failure> {
+    layout.chosen_patch(name).ok_or_else(|| {
+        let known: Vec<&str> = layout.patches.iter().map(|patch| patch.name.as_str()).collect();
+        let found = name.map_or("no patch on this skin".to_owned(), |name| format!("{name:?}"));
+        Failure::argument("patch", found, known.join(", "), "choose one of them")
+    })
+}
+
+impl Skin {
+    fn patch(&self, name: Option<&str>) -> Result<&Patch, Failure> {
+        Ok(&self.layout.patches[patch_index(&self.layout, name)?])
+    }
+}
+
+#[pymethods]
+impl Skin {
+    /// Read the skin from an arm file, or from a skin file alone.
+    #[staticmethod]
+    fn load(path: PathBuf) -> Result<Self, Failure> {
+        let layout = Arc::new(underbrush_sim::arm::load_layout(path)?);
+        Ok(Skin { layout })
+    }
+
+    /// Names of the patches.
+    #[getter]
+    fn patches(&self) -> Vec<String> {
+        self.layout.patches.iter().map(|patch| patch.name.clone()).collect()
+    }
+
+    /// Number of taxels of a patch.
+    #[pyo3(signature = (patch = None))]
+    fn taxels(&self, patch: Option<&str>) -> Result<usize, Failure> {
+        Ok(self.patch(patch)?.taxels.len())
+    }
+
+    /// Rows and columns of a patch, or None if its taxels form no grid. Taxel = row * columns + column.
+    #[pyo3(signature = (patch = None))]
+    fn grid(&self, patch: Option<&str>) -> Result<Option<(usize, usize)>, Failure> {
+        Ok(self.patch(patch)?.grid.map(|grid| (grid.rows, grid.columns)))
+    }
+
+    /// Centres of the taxels, m, in the frame of their link: (taxels, 3).
+    #[pyo3(signature = (patch = None))]
+    fn positions_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let taxels = &self.patch(patch)?.taxels;
+        let numbers: Vec<f64> = taxels.iter().flat_map(|taxel| taxel.position_link.to_array()).collect();
+        Ok(array::lend(py, numbers, &[taxels.len(), 3])?)
+    }
+
+    /// Outward unit normals of the taxels, in the frame of their link: (taxels, 3).
+    #[pyo3(signature = (patch = None))]
+    fn normals_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+        let taxels = &self.patch(patch)?.taxels;
+        let numbers: Vec<f64> = taxels.iter().flat_map(|taxel| taxel.normal_link.to_array()).collect();
+        Ok(array::lend(py, numbers, &[taxels.len(), 3])?)
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Skin>()
+            .is_ok_and(|other| other.get().layout == self.layout)
+    }
+
+    fn __repr__(&self) -> String {
+        let patches = self.layout.patches.iter();
+        let listed: Vec<String> = patches
+            .map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len()))
+            .collect();
+        format!("Skin({})", listed.join(", "))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        let text = serde_json::to_string(&*self.layout).map_err(|error| Failure::Run(error.to_string()))?;
+        Ok((py.get_type::<Skin>().getattr("_from_json")?, (text,)))
+    }
+
+    #[staticmethod]
+    fn _from_json(text: &str) -> Result<Self, Failure> {
+        let layout = serde_json::from_str(text).map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(Skin {
+            layout: Arc::new(layout),
+        })
+    }
+}
+
+/// Adds the classes of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Skin>()
+}

@@ -1,0 +1,61 @@
+//! The physics checks.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use underbrush_validation::{CHECKS, Check};
+
+use crate::failure::Failure;
+use crate::interrupt::{Stop, watched};
+use crate::json;
+
+/// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
+/// `underbrush validate --json` prints them.
+#[pyfunction]
+#[pyo3(signature = (only = None, *, tolerance_scale = 1.0, jobs = None))]
+fn validate<'py>(
+    py: Python<'py>,
+    only: Option<Vec<String>>,
+    tolerance_scale: f64,
+    jobs: Option<usize>,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    if !(0.0..=f64::MAX).contains(&tolerance_scale) {
+        let found = tolerance_scale.to_string();
+        return Err(Failure::argument(
+            "tolerance_scale",
+            found,
+            "a number, zero or more",
+            "use 1",
+        ));
+    }
+    for name in only.iter().flatten() {
+        if !CHECKS.iter().any(|check| check.name == name) {
+            return Err(Failure::argument(
+                "only",
+                format!("{name:?}"),
+                checks().join(", "),
+                "choose some of them",
+            ));
+        }
+    }
+    let chosen = |check: &&Check| {
+        only.as_ref()
+            .is_none_or(|only| only.iter().any(|name| name == check.name))
+    };
+    let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
+    let stop = Arc::new(Stop::default());
+    let run = || Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));
+    json::to_python(py, &watched(py, jobs, &stop, |_| Ok(()), run)?)
+}
+
+/// Names of the physics checks.
+#[pyfunction]
+fn checks() -> Vec<&'static str> {
+    CHECKS.iter().map(|check| check.name).collect()
+}
+
+/// Adds the functions of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(validate, module)?)?;
+    module.add_function(wrap_pyfunction!(checks, module)?)
+}

@@ -1,0 +1,143 @@
+"""Data sets: arrays without a copy, tables, pickling."""
+
+import pickle
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas
+import polars
+import pyarrow
+import pytest
+
+import underbrush as ub
+from underbrush._core import Numbers
+
+TACTILE = "observation.tactile.forearm"
+
+
+def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
+    """Pins that every column of every reach, and of the whole set, holds what another reader finds in the Parquet files."""
+    files = polars.read_parquet(f"{data.path}/data/**/*.parquet")
+    for name in data.column_names:
+        expected = files[name].to_numpy()
+        assert np.array_equal(data.column(name), expected), name
+        first = files.filter(polars.col("episode_index") == 2)[name].to_numpy()
+        assert np.array_equal(data[2].column(name), first), name
+    assert data.column(TACTILE).dtype == np.float64
+    single = data.column(TACTILE, "float32")
+    assert single.dtype == np.float32 and np.array_equal(single, files[TACTILE].to_numpy().astype(np.float32))
+
+
+def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
+    """Pins that an array is a view without a copy: it owns nothing, its base holds the numbers, nobody can write, and it
+    outlives the reach."""
+    reach = data[0]
+    force = reach.sensed_force_n("forearm")
+    assert force.shape == (len(reach), data.skin.taxels("forearm")) and force.dtype == np.float32
+    base = force.base
+    while isinstance(base, np.ndarray):
+        base = base.base
+    assert isinstance(base, Numbers) and not force.flags.owndata and not force.flags.writeable
+    assert force.__array_interface__["data"][0] == base.__array_interface__["data"][0]
+    with pytest.raises(ValueError, match="read-only"):
+        force[0, 0] = 1.0
+    assert reach.sensed_force_n("forearm") is force
+    total = force.sum()
+    del reach
+    assert force.sum() == total
+
+
+def test_ground_truth_is_apart(data: ub.Dataset) -> None:
+    """Pins that the frames hold no ground truth, that a reach finds it, and that it agrees with its table."""
+    assert not [name for name in data.column_names if name.startswith("truth")]
+    reach = data[0]
+    true = reach.true_normal_force_n("forearm", "float64")
+    table = data.table("truth/taxels", reach=0).to_polars()
+    patch = table.filter(polars.col("patch") == "forearm")
+    assert patch.height > 0
+    expected = np.zeros_like(true)
+    expected[patch["frame_index"].to_numpy(), patch["taxel"].to_numpy()] = patch["normal_force_n"].to_numpy()
+    assert np.array_equal(true, expected)
+
+
+def test_tables_reach_other_libraries(data: ub.Dataset, trials: ub.Trials) -> None:
+    """Pins that Polars, pyarrow and pandas read tables through Arrow's C stream interface with the same content."""
+    table = data.table("truth/contacts")
+    frame = polars.DataFrame(table)
+    assert frame.height == len(table) == sum(episode["contacts"] for episode in data.episodes)
+    assert frame.equals(polars.from_arrow(pyarrow.table(table)))
+    assert list(table.to_pandas().columns) == table.column_names
+    samples = trials.to_polars()
+    assert samples.height == int(trials.lengths.sum())
+    assert isinstance(trials.to_pandas(), pandas.DataFrame)
+    assert np.array_equal(samples["force_n"].to_numpy(), np.concatenate([trial.force_n for trial in trials]))
+
+
+def test_a_data_set_is_a_sequence(data: ub.Dataset) -> None:
+    """Pins length, indices from both ends, slices, and the end of iteration."""
+    assert len(data) == 8
+    assert data[-1].seed_and_index == data[7].seed_and_index
+    assert [reach.scene for reach in data[3:5]] == ["leaf-quick", "trunk-quick"]
+    assert len(list(data)) == 8
+    with pytest.raises(IndexError):
+        data[8]
+    assert "leaf-quick" in data._repr_html_()
+
+
+def test_pickled_sets_and_reaches_read_the_same_files(data: ub.Dataset) -> None:
+    """Pins that a pickled data set, and a reach of it, read the same data."""
+    again, reach = pickle.loads(pickle.dumps(data)), pickle.loads(pickle.dumps(data[1]))
+    assert again.path == data.path and np.array_equal(reach.time_s, data[1].time_s)
+
+
+def test_unknown_names_are_refused(data: ub.Dataset) -> None:
+    """Pins that unknown columns, tables, patches and data types are refused with those that exist."""
+    for call, text in (
+        (lambda: data.column("force"), TACTILE),
+        (lambda: data[0].column("force"), TACTILE),
+        (lambda: data.table("truth"), "truth/taxels"),
+        (lambda: data[0].sensed_force_n("hand"), "forearm"),
+        (lambda: data.column(TACTILE, "int8"), "float32"),
+        (lambda: data[0].column("truth.moved_pose"), "table"),
+    ):
+        with pytest.raises(ub.InputError, match=text):
+            call()
+
+
+def test_damage_is_found(data: ub.Dataset, tmp_path: Path) -> None:
+    """Pins that a changed byte of a table, and a set that is gone, are errors with the file's name and no crash."""
+    folder = tmp_path / "copy"
+    shutil.copytree(data.path, folder)
+    copy = ub.Dataset(folder)
+    copy.verify()
+    path = next(folder.glob("data/**/*.parquet"))
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(bytes(content))
+    with pytest.raises(ub.InputError, match=path.name):
+        copy.column(TACTILE)
+    with pytest.raises(ub.InputError, match=path.name):
+        copy.verify()
+    shutil.rmtree(folder)
+    with pytest.raises((ub.InputError, ub.RunError)):
+        ub.Dataset(folder)
+    with pytest.raises((ub.InputError, ub.RunError)):
+        copy[0].time_s
+
+
+def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
+    """Pins what a loader of PyTorch takes: float32 arrays of one length with labels, and frames that may be changed."""
+    pairs = ub.TrialDataset(trials, samples=30)
+    assert pairs.categories == ["leaf", "trunk"] and len(pairs) == len(trials)
+    array, label = pairs[0]
+    assert array.shape == (30, 1) and array.dtype == np.float32
+    assert pairs.categories[label] == trials[0].category
+    assert np.array_equal(array[:20, 0], trials[0].force_n[:20].astype(np.float32))
+    frames = ub.FrameDataset(data, [TACTILE, "action"])
+    assert len(frames) == len(data.column("time_s"))
+    last = frames[-1]
+    last[TACTILE][0] = 1.0
+    assert np.array_equal(last["action"], data.column("action", "float32")[-1])
+    with pytest.raises(IndexError):
+        frames[len(frames)]

@@ -1,0 +1,131 @@
+"""Making data sets: progress, Ctrl-C, resuming, controllers that fail."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import quick
+
+import underbrush as ub
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_set_equals_that_of_the_command_line(tmp_path: Path, data: ub.Dataset, command) -> None:  # type: ignore[no-untyped-def]
+    """Pins that a data set from Python is the same, byte for byte, as one from the command line, and one made again from itself."""
+    files = []
+    for name in ("leaf", "trunk"):
+        files.append(tmp_path / f"{name}-quick.toml")
+        files[-1].write_text(quick(name).text)
+    command("generate", *files, "--reaches", 4, "--seed", 1, "--out", tmp_path / "cli")
+    assert contents(tmp_path / "cli") == contents(data.path)
+    again = ub.generate_again(data.path, tmp_path / "again", progress=False)
+    assert contents(again.path) == contents(data.path)
+
+
+def test_progress_is_reported(tmp_path: Path) -> None:
+    """Pins that a progress function sees the count rise to the total, on the calling thread."""
+    seen, threads = [], set()
+
+    def progress(done: int, total: int, text: str) -> None:
+        seen.append((done, total, text))
+        threads.add(threading.get_ident())
+
+    ub.generate(quick("leaf"), 3, tmp_path / "set", seed=2, progress=progress, jobs=1)
+    counts = [done for done, _, _ in seen]
+    assert counts == sorted(counts) and seen[-1][:2] == (3, 3) and "of 3 goals reached" in seen[-1][2]
+    assert threads == {threading.get_ident()}
+
+
+def test_an_interrupted_set_is_resumed(tmp_path: Path) -> None:
+    """Pins that Ctrl-C ends a run soon, keeps finished reaches, leaves a set that reads as unfinished, and that resuming
+    gives the bytes of a run that was not interrupted."""
+    scene, out = quick("mixed"), tmp_path / "set"
+
+    def progress(done: int, total: int, text: str) -> None:
+        if done >= 2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        ub.generate(scene, 6, out, seed=4, progress=progress, jobs=2)
+    with pytest.raises(ub.InputError, match="unfinished"):
+        ub.Dataset(out)
+    with pytest.raises(ub.InputError, match="unfinished"):
+        ub.generate(scene, 6, out, seed=4, progress=False)
+    staged = {path: path.stat().st_mtime_ns for path in (out / "incomplete").rglob("*.parquet")}
+    assert len(staged) >= 2
+    resumed = ub.generate(scene, 6, out, seed=4, progress=False, resume=True)
+    whole = ub.generate(scene, 6, tmp_path / "whole", seed=4, progress=False)
+    assert contents(resumed.path) == contents(whole.path)
+    assert len(ub.generate(scene, 6, out, seed=4, progress=False, resume=True)) == 6
+
+
+def test_a_failing_controller_leaves_the_set_sound(tmp_path: Path) -> None:
+    """Pins that a controller that raises in a later reach ends the run with its exception, that finished reaches are kept, and
+    that the set is finished once the controller is mended."""
+    scene, out = quick("leaf"), tmp_path / "set"
+    broken = True
+
+    class Fragile:
+        name = "fragile"
+
+        def __init__(self, arm: ub.Arm) -> None:
+            self.calls = 0
+
+        def __call__(self, given: ub.ControllerInput) -> np.ndarray:
+            self.calls += 1
+            if broken and given.goal_position_world[0] > 0 and self.calls == 8:
+                raise ZeroDivisionError("in the eighth call")
+            return given.equilibrium_angle_rad
+
+    with pytest.raises(ZeroDivisionError, match="eighth"):
+        ub.generate(scene, 2, out, seed=1, controller=Fragile, progress=False, jobs=1)
+    broken = False
+    done = ub.generate(scene, 2, out, seed=1, controller=Fragile, progress=False, jobs=1, resume=True)
+    assert len(done) == 2 and done[0].controller == "fragile"
+    done.verify()
+
+
+def test_shards_make_the_whole(tmp_path: Path) -> None:
+    """Pins that two shards hold the reaches of the whole set, and that bad shards are refused."""
+    whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
+    parts = [ub.generate(quick("leaf"), 2, tmp_path / str(part), seed=3, shard=(part, 2), progress=False) for part in (1, 2)]
+    assert [len(part) for part in parts] == [1, 1]
+    for part, reach in zip(parts, whole, strict=True):
+        assert np.array_equal(part[0].column("action"), reach.column("action"))
+    with pytest.raises(ub.InputError, match="I <= N"):
+        ub.generate(quick("leaf"), 2, tmp_path / "none", shard=(3, 2), progress=False)
+    with pytest.raises(ub.InputError, match="names of their own"):
+        ub.generate([quick("leaf"), quick("leaf")], 1, tmp_path / "none", progress=False)
+    with pytest.raises(ub.InputError, match="threads"):
+        ub.generate(quick("leaf"), 1, tmp_path / "none", progress=False, jobs=0)
+    assert not (tmp_path / "none").exists()
+
+
+def test_an_interpreter_that_is_killed_leaves_a_set_to_resume(tmp_path: Path) -> None:
+    """Pins that a process that is killed in the middle leaves a set that reads as unfinished and can be finished."""
+    out = tmp_path / "set"
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[2]); from conftest import quick; import underbrush as ub;"
+        "ub.generate(quick('leaf'), 6, sys.argv[1], seed=9, progress=False, jobs=1)"
+    )
+    words = [sys.executable, "-c", program, str(out), str(Path(__file__).parent)]
+    process = subprocess.Popen(words)
+    waited = time.monotonic() + 120
+    while not list((out / "incomplete").rglob("*.parquet")) and time.monotonic() < waited and process.poll() is None:
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    with pytest.raises(ub.InputError):
+        ub.Dataset(out)
+    assert len(ub.generate(quick("leaf"), 6, out, seed=9, progress=False, resume=True)) == 6

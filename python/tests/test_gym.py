@@ -1,0 +1,146 @@
+"""Gymnasium environments."""
+
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from conftest import quick
+from gymnasium.utils.env_checker import check_env
+
+import underbrush as ub
+
+SCENE = quick("leaf")
+
+
+def actions(steps: int, count: int = 1) -> np.ndarray:
+    return np.random.default_rng(5).uniform(-1, 1, (steps, count, 7)).astype(np.float32)
+
+
+def same(first: dict[str, np.ndarray], second: dict[str, np.ndarray]) -> bool:
+    return first.keys() == second.keys() and all(np.array_equal(first[name], second[name]) for name in first)
+
+
+@pytest.mark.parametrize("action", ["equilibrium", "waypoint"])
+def test_check_env(action: str) -> None:
+    """Pins that the environment obeys the conventions of Gymnasium, without a warning."""
+    env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, action=action, disable_env_checker=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    images = {name: space.shape for name, space in env.observation_space.items() if "sensed" in name}
+    assert images["sensed_force_n.forearm"] == (16, 24)
+
+
+def test_vector_numbers_are_single_numbers() -> None:
+    """Pins that a vector environment gives the numbers of single ones with seeds that follow each other, for one thread and for
+    two, also across the end of an episode."""
+    options: dict[str, Any] = {"scene": SCENE, "time_limit_s": 0.6}
+    steps = actions(40, 3)
+    singles = [gymnasium.make("underbrush/Reach-v0", **options) for _ in range(3)]
+    for jobs in (1, 2):
+        many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=3, jobs=jobs, **options)
+        observations, _ = many.reset(seed=11)
+        ended = [False] * 3
+        first = [env.reset(seed=11 + index)[0] for index, env in enumerate(singles)]
+        for index in range(3):
+            assert same({name: own[index] for name, own in observations.items()}, first[index])
+        ends = 0
+        for row in steps:
+            observations, rewards, terminated, truncated, info = many.step(row)
+            for index, env in enumerate(singles):
+                if ended[index]:
+                    expected, single_info = env.reset()
+                    own = (0.0, False, False)
+                    ends += 1
+                else:
+                    expected, *own, single_info = env.step(row[index])
+                assert same({name: part[index] for name, part in observations.items()}, expected)
+                assert (rewards[index], terminated[index], truncated[index]) == tuple(own)
+                assert info["contact_force_n"][index] == single_info["contact_force_n"]
+                ended[index] = bool(own[1] or own[2])
+        assert ends >= 3
+        many.close()
+
+
+def test_truth_is_in_info_only() -> None:
+    """Pins the keys of observations and of info: ground truth is not observed."""
+    env = gymnasium.make("underbrush/Reach-v0", scene=SCENE)
+    observation, info = env.reset(seed=1)
+    assert set(observation) == {
+        "joint_angle_rad",
+        "joint_velocity_rad_per_s",
+        "equilibrium_angle_rad",
+        "joint_torque_nm",
+        "end_effector_position_world",
+        "goal_position_world",
+        "sensed_force_n.forearm",
+        "sensed_force_n.flipper",
+    }
+    assert set(info) == {"distance_m", "sensed_force_n", "contact_force_n", "reach_index", "outcome"}
+    way = observation["goal_position_world"] - observation["end_effector_position_world"]
+    assert np.linalg.norm(way) == pytest.approx(info["distance_m"], abs=1e-6)
+
+
+def test_episodes_follow_the_seed() -> None:
+    """Pins that a seed begins its reaches anew, that resets without one go on, and that episodes end by their limit."""
+    env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, time_limit_s=0.2)
+    first = [env.reset(seed=3)[1], env.reset()[1], env.reset()[1]]
+    assert [info["reach_index"] for info in first] == [0, 1, 2]
+    assert env.reset(seed=3)[1] == first[0]
+    still = np.zeros(7, np.float32)
+    results = [env.step(still) for _ in range(5)]
+    assert [found[3] for found in results] == [False] * 4 + [True] and results[-1][4]["outcome"] == "timed_out"
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.unwrapped.step(still)
+
+
+def test_the_waypoint_controller_reaches_goals() -> None:
+    """Pins that waypoints towards the goal bring the hand there: the episode ends as reached, with its reward."""
+    env = gymnasium.make("underbrush/Reach-v0", scene=_free(), action="waypoint", time_limit_s=20.0)
+    observation, _ = env.reset(seed=0)
+    total, ended = 0.0, False
+    while not ended:
+        way = observation["goal_position_world"] - observation["end_effector_position_world"]
+        observation, reward, terminated, truncated, info = env.step(np.clip(way * 10, -1, 1).astype(np.float32))
+        total, ended = total + reward, terminated or truncated
+    assert info["outcome"] == "reached" and total > 5
+
+
+def _free() -> ub.Scene:
+    text = 'summary = "Free space"\ngoals = { count = 1, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n'
+    return ub.Scene.parse(text, "free.toml")
+
+
+def test_masked_resets() -> None:
+    """Pins that a reset with a mask begins only the episodes that it names."""
+    many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, scene=SCENE)
+    many.reset(seed=1)
+    before = many.step(actions(1, 2)[0])[0]
+    after, info = many.reset(options={"reset_mask": np.array([False, True])})
+    assert same({name: own[0] for name, own in before.items()}, {name: own[0] for name, own in after.items()})
+    assert info["reach_index"][1] == 1
+
+
+def test_bad_use_is_refused() -> None:
+    """Pins that bad options, shapes and NaN are refused with what is allowed."""
+    for options, text in (
+        ({"goals": 2}, "fewer goals"),
+        ({"action": "torque"}, "waypoint"),
+        ({"reward": {"speed": 1.0}}, "progress_per_m"),
+        ({"frames_per_step": 0}, "frames_per_step"),
+        ({"controller": "none"}, "cody-2013"),
+    ):
+        with pytest.raises(ub.InputError, match=text):
+            gymnasium.make("underbrush/Reach-v0", scene=SCENE, **options)
+    many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, scene=SCENE)
+    many.reset(seed=0)
+    with pytest.raises(ub.InputError, match=r"shape \(3, 7\)"):
+        many.step(np.zeros((3, 7), np.float32))
+    with pytest.raises(ub.InputError, match="NaN"):
+        many.step(np.full((2, 7), np.nan, np.float32))
+    with pytest.raises(ub.InputError, match="seeds"):
+        many.reset(seed=[1])
+    with pytest.raises(ub.InputError, match="4096"):
+        gymnasium.make_vec("underbrush/Reach-v0", num_envs=0, scene=SCENE)

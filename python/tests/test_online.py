@@ -1,0 +1,120 @@
+"""Verdicts frame by frame."""
+
+import pickle
+
+import numpy as np
+import pytest
+from sklearn.linear_model import LogisticRegression
+
+import underbrush as ub
+from underbrush.sklearn import FixedWindow
+
+
+def stream(online: ub.Online, reach: ub.Reach) -> list[list[dict]]:
+    return [online.update(reach.frame(index)) for index in range(len(reach))]
+
+
+def test_online_scores_are_those_of_trials(data: ub.Dataset) -> None:
+    """Pins that after k samples of a contact the scores equal, bit for bit, those of the first k samples of its trial; and
+    that whatever a stream says of its last sample is what the model says of the trial."""
+    trials = data.trials()
+    model = ub.fit(trials, states=4)
+    reach = data[0]
+    own = reach.trials()
+    contacts = {trial.taxel: place for place, trial in enumerate(own)}
+    checked = 0
+    found = stream(model.online(data.skin, "forearm"), reach)
+    for frame, time_s in zip(found, reach.time_s, strict=True):
+        for taxel in frame:
+            place = contacts[taxel["taxel"]]
+            if own[place].time_s[0] <= time_s <= own[place].time_s[-1]:
+                expected = model.scores_after(own, place, [taxel["samples"]])[0]
+                assert [taxel["scores"][name] for name in model.categories] == list(expected)
+                checked += 1
+    assert checked > 50
+
+
+def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
+    """Pins that frames built from arrays, as of a real robot, give the verdicts of the recorded frames, also after pickling."""
+    model = ub.fit(data.trials(), states=4, features="force,motion")
+    reach = data[1]
+    recorded, built = model.online(data.skin), model.online(data.skin)
+    felt = 0
+    for index in range(len(reach)):
+        frame = reach.frame(index)
+        own = ub.Frame(
+            data.skin,
+            frame.time_s,
+            {name: frame.sensed_force_n(name) for name in data.skin.patches},
+            {name: frame.patch_pose_world(name) for name in data.skin.patches},
+        )
+        verdicts = recorded.update(frame)
+        assert built.update(pickle.loads(pickle.dumps(own))) == verdicts
+        felt += len(verdicts)
+    assert felt > 0
+
+
+def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
+    """Pins that a classifier of scikit-learn gives, in a stream, the scores that it gives itself for the samples so far."""
+    trials = data.trials(min_samples=5)
+    fitted = FixedWindow(LogisticRegression(max_iter=300), samples=10).fit_trials(trials)
+    reach = data[2]
+    online = ub.online(fitted, data.skin, "forearm")
+    own = reach.trials()
+    contacts = {trial.taxel: place for place, trial in enumerate(own)}
+    checked = 0
+    for frame, time_s in zip(stream(online, reach), reach.time_s, strict=True):
+        for taxel in frame:
+            trial = own[contacts[taxel["taxel"]]]
+            if trial.time_s[0] <= time_s <= trial.time_s[-1]:
+                so_far = ub.Trials.from_sequences([trial.force_n[: taxel["samples"]]])
+                assert np.allclose([taxel["scores"][name] for name in fitted.categories], fitted.scores(so_far)[0])
+                checked += 1
+    assert checked > 50
+
+
+def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
+    """Pins that the exception of a Python classifier arrives in the frame where it is raised."""
+
+    class Broken:
+        categories = ["leaf", "trunk"]
+
+        def scores(self, given: ub.Trials) -> np.ndarray:
+            raise LookupError("no scores")
+
+    online = ub.online(Broken(), data.skin)
+    with pytest.raises(LookupError, match="no scores"):
+        stream(online, data[0])
+
+
+def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:  # type: ignore[no-untyped-def]
+    """Pins that a touch model fitted from Python is the command line's file, that it is saved and pickled whole, and that its
+    probabilities of known categories add up to 1."""
+    model = ub.TouchModel.fit(list(data))
+    command("train", data.path, "--classifier", "touch", "--out", tmp_path / "touch.json")
+    assert model.to_json() == (tmp_path / "touch.json").read_text()
+    reach = data[0]
+    first = stream(model.online(data.skin), reach)
+    assert stream(pickle.loads(pickle.dumps(model)).online(data.skin), reach) == first
+    taxels = [taxel for frame in first for taxel in frame]
+    assert taxels and all(sum(own["probabilities"].values()) == pytest.approx(1.0) for own in taxels)
+    assert {own["verdict"] for own in taxels} <= {"nothing", "leaf", "trunk", "uncertain", "unknown"}
+    assert model.evaluate([reach])
+    with pytest.raises(ub.InputError, match="two reaches"):
+        ub.TouchModel.fit([reach])
+
+
+def test_bad_frames_are_refused(data: ub.Dataset) -> None:
+    """Pins that a frame of another skin, of a wrong shape or with NaN is refused."""
+    model = ub.fit(data.trials(), states=2)
+    other = ub.Skin._from_json('{"patches": []}')
+    with pytest.raises(ub.InputError, match="another skin"):
+        model.online(data.skin).update(ub.Frame(other, 0.0, {}))
+    with pytest.raises(ub.InputError, match=r"shape \(3\)"):
+        ub.Frame(data.skin, 0.0, {"forearm": np.zeros(3)})
+    with pytest.raises(ub.InputError, match="NaN"):
+        ub.Frame(data.skin, 0.0, {"forearm": np.full(384, np.nan)})
+    with pytest.raises(ub.InputError, match="hand"):
+        model.online(data.skin, "hand")
+    with pytest.raises(ub.InputError, match="finite time"):
+        ub.Frame(data.skin, float("nan"), {})

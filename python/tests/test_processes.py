@@ -1,0 +1,72 @@
+"""Several threads and processes."""
+
+import multiprocessing
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import quick
+
+import underbrush as ub
+
+
+def reach_of(seed: int) -> tuple[int, float]:
+    found = ub.reach(quick("leaf"), seed=seed)
+    return len(found), float(found.sensed_force_n("forearm").sum())
+
+
+def scores_of(given: tuple[ub.Model, ub.Trials]) -> np.ndarray:
+    model, trials = given
+    return model.scores(trials)
+
+
+@pytest.mark.parametrize("method", ["spawn", "fork"])
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
+def test_processes_give_the_same(method: str, trials: ub.Trials) -> None:
+    """Pins that processes, spawned or forked after threads were used here, simulate and score the same, and do not hang."""
+    model = ub.fit(trials, states=3)
+    expected = [reach_of(seed) for seed in (1, 2)]
+    with multiprocessing.get_context(method).Pool(2) as pool:
+        assert pool.map_async(reach_of, [1, 2]).get(timeout=120) == expected
+        (scores,) = pool.map_async(scores_of, [(model, trials)]).get(timeout=120)
+    assert np.array_equal(scores, model.scores(trials))
+
+
+def test_the_interpreter_runs_meanwhile(trials: ub.Trials) -> None:
+    """Pins that other Python threads run while a model is fitted: the lock is not held. They would not run once."""
+    ticks, done = [], threading.Event()
+
+    def tick() -> None:
+        while not done.is_set():
+            ticks.append(1)
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    before = len(ticks)
+    ub.fit(trials, states=10, tolerance=0.0, iterations=40, jobs=1)
+    after = len(ticks)
+    done.set()
+    thread.join()
+    assert after - before > 2
+
+
+def test_threads_may_share_what_does_not_change(data: ub.Dataset, trials: ub.Trials) -> None:
+    """Pins that threads that read one data set and score with one model get the numbers of one thread."""
+    model = ub.fit(trials, states=3)
+    expected = model.scores(trials)
+    columns = [reach.column("action").copy() for reach in data]
+    wrong: list[str] = []
+
+    def work() -> None:
+        for index, reach in enumerate(ub.Dataset(data.path)):
+            if not np.array_equal(data[index].column("action"), columns[index]) or len(reach) != len(columns[index]):
+                wrong.append(f"reach {index}")
+        if not np.array_equal(model.scores(trials), expected):
+            wrong.append("scores")
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert wrong == []

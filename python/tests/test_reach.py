@@ -1,0 +1,131 @@
+"""Reaches and controllers."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import quick
+
+import underbrush as ub
+
+
+def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path: Path) -> None:
+    """Pins that a reach with the shipped controller called through Python is the same file, byte for byte, as with the
+    controller itself."""
+    scene = quick("mixed")
+    for name in ("cody-2013", "ijrr-foliage"):
+
+        def made(arm: ub.Arm, name: str = name) -> ub.ShippedController:
+            return ub.ShippedController(arm, name)
+
+        class Twin:
+            def __init__(self, arm: ub.Arm) -> None:
+                self.own = made(arm)
+                self.name, self.rate_hz = self.own.name, self.own.rate_hz
+
+            def __call__(self, given: ub.ControllerInput) -> np.ndarray:
+                assert given.end_effector_jacobian.shape == (3, 7)
+                assert given.contact_jacobian.shape == (len(given.contact_force_n), 3, 7)
+                return self.own(given)
+
+        files = [tmp_path / f"{name}-{kind}.parquet" for kind in ("rust", "python")]
+        # The rules that end a reach belong to the scene's controller, which both name.
+        own = scene.changed({"controller": name})
+        ub.reach(own, seed=3).save(files[0])
+        ub.reach(own, seed=3, controller=Twin).save(files[1])
+        assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_an_own_controller_moves_the_hand() -> None:
+    """Pins that a controller in ten lines of NumPy reaches a goal in free space, and that its name is recorded."""
+    scene = ub.Scene.parse('summary = "Free space"\ngoals = { count = 1, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n', "free.toml")
+
+    def straight(given: ub.ControllerInput) -> np.ndarray:
+        error = given.goal_position_world - given.end_effector_pose_world[:3]
+        step = error * min(1.0, 0.02 / max(float(np.linalg.norm(error)), 1e-9))
+        jacobian = given.end_effector_jacobian
+        return given.equilibrium_angle_rad + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + 1e-3 * np.eye(3), step)
+
+    found = ub.reach(scene, controller=straight)
+    assert (found.outcome, found.controller) == ("reached", "straight")
+    assert found.equilibrium_angle_rad.shape == (len(found), 7)
+
+
+def test_a_controller_that_raises_ends_the_reach() -> None:
+    """Pins that an exception of a controller arrives with its traceback, and that a bad answer is named."""
+
+    def broken(_: ub.ControllerInput) -> np.ndarray:
+        raise KeyError("no such key")
+
+    with pytest.raises(KeyError, match="no such key") as error:
+        ub.reach("leaf", controller=broken)
+    assert any(entry.name == "broken" for entry in error.traceback)
+    answers = {"shape (6)": np.zeros(6), "NaN": np.full(7, np.nan), "NoneType": None}
+    for found, answer in answers.items():
+        with pytest.raises(ub.InputError) as refused:
+            ub.reach("leaf", controller=lambda _, answer=answer: answer)
+        assert found in str(refused.value)
+    with pytest.raises(ub.InputError, match="cody-2013"):
+        ub.reach("leaf", controller="no-such")
+    with pytest.raises(ub.InputError, match="ControllerInput"):
+        ub.reach("leaf", controller=3)  # type: ignore[arg-type]
+
+
+def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:
+    """Pins that every reach of a data set has a controller of its own, made with the arm; that the set records its name; and
+    that it is the same set for any number of threads."""
+
+    class Counter:
+        name = "still"
+        made: list[str] = []
+
+        def __init__(self, arm: ub.Arm) -> None:
+            self.calls = 0
+            self.made.append(arm.name)
+
+        def __call__(self, given: ub.ControllerInput) -> np.ndarray:
+            self.calls += 1
+            # Depends on how often this one was called.
+            return given.equilibrium_angle_rad + 1e-3 * np.sin(self.calls)
+
+    scene = ub.Scene("leaf").changed({"goals": {"count": 1, "retries": 0, "patience_s": 0.5}}, name="still")
+    sets = [ub.generate(scene, 3, tmp_path / str(jobs), controller=Counter, progress=False, jobs=jobs) for jobs in (1, 2)]
+    assert len(Counter.made) >= 6 and set(Counter.made) == {"cody"}
+    for column in ("action", "observation.state", "observation.tactile.forearm"):
+        assert np.array_equal(sets[0].column(column), sets[1].column(column))
+    assert [reach.controller for reach in sets[0]] == ["still"] * 3
+    assert sets[0].provenance["controller"] == "still"
+    with pytest.raises(ub.InputError, match="name of its own"):
+        Counter.name = "cody-2013"
+        ub.generate(scene, 1, tmp_path / "named", controller=Counter, progress=False)
+
+
+def test_reaches_are_saved_and_pickled(tmp_path: Path) -> None:
+    """Pins that a reach that is written and read, or pickled, is the same in every column and in its ground truth."""
+    reach = ub.reach(quick("mixed"), seed=1)
+    reach.save(tmp_path / "reach.parquet")
+    for other in (ub.Reach.load(tmp_path / "reach.parquet"), pickle.loads(pickle.dumps(reach))):
+        assert other.frames.to_polars().equals(reach.frames.to_polars())
+        assert (other.goals, other.objects, other.contacts) == (reach.goals, reach.objects, reach.contacts)
+    assert reach.seed_and_index == (1, 0)
+    frame = reach.frame(-1)
+    assert frame.time_s == reach.time_s[-1]
+    assert np.array_equal(frame.sensed_force_n("forearm").astype(np.float32), reach.sensed_force_n("forearm")[-1])
+    with pytest.raises(IndexError):
+        reach.frame(len(reach))
+
+
+def test_a_reach_equals_that_of_the_command_line(tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+    """Pins that a reach from Python is the same file as one from the command line."""
+    command("reach", _scene_file(tmp_path), "--seed", 5, "--out", tmp_path / "cli.parquet")
+    ub.reach(tmp_path / "leaf-quick.toml", seed=5).save(tmp_path / "python.parquet")
+    assert (tmp_path / "cli.parquet").read_bytes() == (tmp_path / "python.parquet").read_bytes()
+
+
+def _scene_file(folder: Path) -> Path:
+    path = folder / "leaf-quick.toml"
+    path.write_text(quick("leaf").text)
+    return path

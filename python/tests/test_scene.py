@@ -1,0 +1,74 @@
+"""Scenes: loading, changing, drawing, refusing."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import underbrush as ub
+
+
+def test_shipped_scenes_are_those_of_the_repository() -> None:
+    """Pins that every scene that ships loads by its name, with the text of its file."""
+    folder = Path(__file__).parents[2] / "scenes"
+    files = {path.stem: path for path in [*folder.glob("*.toml"), *folder.glob("engineered/*.toml")]}
+    assert sorted(ub.Scene.names()) == sorted(files)
+    for name, path in files.items():
+        assert ub.Scene(name).text == path.read_text()
+        assert ub.Scene(path).text == ub.Scene(name).text
+
+
+def test_changes_are_merged() -> None:
+    """Pins that a change of one key leaves its neighbours, and that a new name makes another scene."""
+    scene = ub.Scene("mixed")
+    changed = scene.changed({"goals": {"count": 2}}, name="two")
+    assert (changed.name, changed.to_dict()["goals"]["count"]) == ("two", 2)
+    assert changed.to_dict()["goals"]["patience_s"] == scene.to_dict()["goals"]["patience_s"]
+    assert len(changed.clutter(seed=3)["goals"]) == 2
+    assert scene.changed({"goals": {"count": 2}}).name == "mixed"
+
+
+def test_pictures_are_svg(tmp_path: Path) -> None:
+    """Pins that a scene and a simulation draw themselves as SVG, which a notebook shows."""
+    scene = ub.Scene("leaf")
+    assert scene._repr_svg_().lstrip().startswith("<svg")
+    scene.draw(seed=2).save(tmp_path / "leaf.svg")
+    assert (tmp_path / "leaf.svg").read_text() == scene.draw(seed=2).svg
+    assert "<svg" in ub.Simulation(scene, seed=2).draw().svg
+
+
+def test_clutter_is_drawn_by_seed() -> None:
+    """Pins that the same seed and index draw the same clutter, and others another."""
+    scene = ub.Scene("mixed")
+    first, again, other = scene.clutter(1, 0), scene.clutter(1, 0), scene.clutter(1, 1)
+    assert first["objects"] == again["objects"] != other["objects"]
+    assert np.array_equal(first["goals"], again["goals"])
+    kinds = {found["kind"] for found in first["objects"]}
+    assert {"leaf", "trunk", "foam_block"} <= kinds
+
+
+def test_bad_scenes_are_refused_with_their_place(tmp_path: Path) -> None:
+    """Pins that an error names file, line, field, what was found, what is allowed and the remedy."""
+    path = tmp_path / "bad.toml"
+    path.write_text('summary = "x"\n[[objects.leaf]]\ncount = 5\nwidth_m = { uniform = [0.02, -0.05] }\n')
+    with pytest.raises(ub.InputError) as found:
+        ub.Scene(path)
+    error = found.value
+    assert (error.file, error.line, error.field) == (str(path), 4, "objects.leaf[0].width_m")
+    assert error.found == "{ uniform = [0.02, -0.05] }"
+    assert error.allowed == "the lower bound first" and error.remedy
+    assert isinstance(error, ValueError) and str(path) in str(error)
+    copied = pickle.loads(pickle.dumps(error))
+    assert (str(copied), copied.line, copied.remedy) == (str(error), 4, error.remedy)
+    with pytest.raises(ub.InputError, match="leaf-clump"):
+        ub.Scene("no-such-scene")
+    with pytest.raises(ub.InputError, match="scene"):
+        ub.Scene(3)  # type: ignore[arg-type]
+
+
+def test_scenes_are_pickled() -> None:
+    """Pins that a scene survives pickling with its text and name."""
+    scene = ub.Scene("leaf").changed({"goals": {"count": 1}}, name="one")
+    copied = pickle.loads(pickle.dumps(scene))
+    assert (copied.text, copied.name) == (scene.text, scene.name)

@@ -1,0 +1,121 @@
+"""The simulation, step by step."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import underbrush as ub
+
+STEP = 0.002
+
+
+def angles(simulation: ub.Simulation, step: int) -> np.ndarray:
+    start = simulation.arm.start_posture_rad
+    return start + 0.2 * np.sin(STEP * step * (1 + np.arange(len(start))))
+
+
+def state(frame: ub.Frame) -> tuple[bytes, bytes, bytes]:
+    return frame.joint_angle_rad.tobytes(), frame.sensed_force_n().tobytes(), frame.contact_force_world().tobytes()
+
+
+def test_a_saved_state_continues_bit_for_bit() -> None:
+    """Pins that a restored simulation, and a copy, continue with the same bits."""
+    first = ub.Simulation("mixed", seed=1)
+    for step in range(40):
+        first.step(angles(first, step))
+    saved, copied = first.save(), first.copy()
+    expected = [state(first.step(angles(first, step))) for step in range(40, 60)]
+    assert [state(copied.step(angles(copied, step))) for step in range(40, 60)] == expected
+    other = ub.Simulation("mixed", seed=1)
+    other.restore(saved)
+    assert [state(other.step(angles(other, step))) for step in range(40, 60)] == expected
+    with pytest.raises(ub.InputError, match="another arm, clutter"):
+        ub.Simulation("mixed", seed=2).restore(saved)
+    with pytest.raises(ub.InputError, match="not a saved state"):
+        other.restore(b"nothing")
+
+
+def test_many_at_once_equal_one_by_one() -> None:
+    """Pins that simulations stepped together, with one and with two threads, give the bits of each alone."""
+    alone = [ub.Simulation("leaf", seed=seed) for seed in range(3)]
+    expected = [[state(own.step(angles(own, step))) for own in alone] for step in range(25)]
+    for jobs in (None, 1, 2):
+        together = [ub.Simulation("leaf", seed=seed) for seed in range(3)]
+        for step in range(25):
+            rows = np.array([angles(own, step) for own in together])
+            assert [state(frame) for frame in ub.step_many(together, rows, jobs=jobs)] == expected[step]
+    with pytest.raises(ub.InputError, match="twice"):
+        ub.step_many([alone[0], alone[0]], np.zeros((2, 7)))
+    assert ub.step_many([], np.zeros((0, 7))) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "found"),
+    [
+        (np.zeros(6), r"shape \(6\)"),
+        (np.zeros((1, 7)), r"shape \(1, 7\)"),
+        (np.full(7, np.nan), "NaN"),
+        (np.full(7, np.inf), "inf"),
+        (np.array(["a"] * 7), "array of <U1"),
+        (np.zeros(7, complex), "array of complex128"),
+        ("angles", "type"),
+        (None, "type"),
+    ],
+)
+def test_bad_angles_are_refused(value: object, found: str) -> None:
+    """Pins that angles of a wrong shape or type, and NaN, are named with what was expected, and that nothing moves."""
+    simulation = ub.Simulation("leaf", seed=1)
+    with pytest.raises(ub.InputError, match=found) as error:
+        simulation.step(value)  # type: ignore[arg-type]
+    assert error.value.field == "equilibrium_rad" and error.value.allowed
+    assert simulation.frame_now.time_s == 0
+
+
+def test_any_array_of_numbers_will_do() -> None:
+    """Pins that arrays that are not contiguous, of other number types, in other byte order, and lists give the same step."""
+    wanted = np.round(ub.Arm.cody().start_posture_rad, 1).astype(np.float32).astype(np.float64)
+    spread = np.zeros((7, 3))
+    spread[:, 1] = wanted
+    backwards = wanted[::-1].copy()[::-1]
+    read_only = wanted.copy()
+    read_only.setflags(write=False)
+    given = [wanted, spread[:, 1], backwards, wanted.astype(np.float32), wanted.astype(">f8"), wanted.tolist(), read_only]
+    found = {state(ub.Simulation("leaf", seed=1).step(own)) for own in given}
+    assert len(found) == 1
+
+
+def test_two_threads_cannot_step_one_simulation() -> None:
+    """Pins that a simulation that another thread is stepping refuses to step, and that it goes on afterwards."""
+    simulation = ub.Simulation("mixed", seed=1)
+    refused, stepped = [], []
+    start = threading.Barrier(4)
+
+    def work() -> None:
+        start.wait()
+        for _ in range(60):
+            try:
+                simulation.step(simulation.arm.start_posture_rad)
+                stepped.append(1)
+            except ub.RunError as error:
+                refused.append(str(error))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert refused and all("another thread" in text for text in refused)
+    # Every frame was stepped by one thread: time counts those that were not refused.
+    assert simulation.frame_now.time_s == pytest.approx(0.01 * len(stepped))
+    assert len(stepped) + len(refused) == 240
+
+
+def test_the_jacobian_is_that_of_the_end_effector() -> None:
+    """Pins the Jacobian of an arm against differences of the position, to the error of central differences."""
+    arm = ub.Arm.cody()
+    angles = arm.start_posture_rad + 0.1
+    _, jacobian = arm.end_effector(angles)
+    step = 1e-6
+    for joint in range(len(angles)):
+        moved = np.eye(len(angles))[joint] * step
+        difference = (arm.end_effector(angles + moved)[0] - arm.end_effector(angles - moved)[0]) / (2 * step)
+        assert np.allclose(difference, jacobian[:, joint], atol=1e-8)

@@ -1,0 +1,152 @@
+"""The estimators of scikit-learn, and its classifiers where underbrush expects its own."""
+
+import numpy as np
+import pytest
+from sklearn.linear_model import LogisticRegression
+from sklearn.model_selection import GridSearchCV, GroupKFold, cross_val_score
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import FunctionTransformer
+from sklearn.svm import LinearSVC
+from sklearn.utils.estimator_checks import check_estimator
+
+import underbrush as ub
+from underbrush import sklearn as ours
+
+ESTIMATORS = [
+    ours.HiddenMarkovClassifier(states=3),
+    ours.NearestNeighboursClassifier(),
+    ours.NaiveBayesClassifier(),
+    ours.EchoStateClassifier(),
+    ours.LogisticClassifier(),
+    ours.LogisticTaxelClassifier(),
+]
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS, ids=lambda own: type(own).__name__)
+def test_check_estimator(estimator: object) -> None:
+    """Pins that an estimator obeys the conventions of scikit-learn, as its own checks see them."""
+    results = check_estimator(estimator, on_fail=None)
+    failed = [(found["check_name"], str(found["exception"])) for found in results if found["status"] == "failed"]
+    assert failed == []
+    assert sum(found["status"] == "passed" for found in results) > 40
+
+
+@pytest.mark.parametrize("name", ["hmm", "naive-bayes", "logistic", "logistic-taxel", "echo-state-network", "nearest-neighbours"])
+def test_scores_are_those_of_the_model(name: str, trials: ub.Trials) -> None:
+    """Pins that an estimator fitted to trials, to sequences and to padded rows gives, bit for bit, the scores of the model."""
+    estimator = next(type(own) for own in ESTIMATORS if own._classifier == name)(features="force")
+    expected = ub.fit(trials, name, features="force").scores(trials)
+    y = np.array(trials.categories)
+    assert np.array_equal(estimator.fit_trials(trials).score_samples(trials), expected)
+    sequences = trials.sequences()
+    assert np.array_equal(estimator.fit_sequences(sequences, y).score_samples(sequences), expected)
+    rows = trials.padded()
+    found = estimator.fit(rows, y)
+    assert np.array_equal(found.score_samples(rows), expected)
+    assert np.allclose(found.predict_proba(rows).sum(axis=1), 1.0)
+    assert list(found.predict(rows)) == [found.classes_[row.argmax()] for row in expected]
+
+
+def test_model_selection_works(trials: ub.Trials) -> None:
+    """Pins that estimators work in cross_val_score with grouped folds, GridSearchCV and Pipeline."""
+    rows, y, groups = trials.padded(samples=60), np.array(trials.categories), np.array(trials.reaches)
+    own = ours.HiddenMarkovClassifier(states=3, iterations=10)
+    scores = cross_val_score(own, rows, y, groups=groups, cv=GroupKFold(2))
+    assert scores.shape == (2,) and (scores > 0.4).all()
+    search = GridSearchCV(own, {"states": [2, 4]}, cv=2, scoring="balanced_accuracy").fit(rows, y)
+    assert search.best_params_["states"] in (2, 4)
+    pipeline = make_pipeline(FunctionTransformer(lambda forces: forces * 2.0), own).fit(rows, y)
+    assert pipeline.predict(rows).shape == y.shape
+
+
+def test_labels_may_be_anything() -> None:
+    """Pins that labels that are numbers, or have the names of categories that are never fitted, come back as they were."""
+    rng = np.random.default_rng(1)
+    rows = np.concatenate([rng.normal(1.0, 0.1, (20, 8)), rng.normal(5.0, 0.1, (20, 8))])
+    for labels in ([3, 1], ["outlier", "block"], [True, False], ["z", "a"]):
+        y = np.repeat(labels, 20)
+        found = ours.HiddenMarkovClassifier(states=2).fit(rows, y).predict(rows)
+        assert found.dtype == y.dtype and (found == y).all()
+
+
+def test_padding_is_at_the_end() -> None:
+    """Pins that NaN within a trial, a trial of NaN only, and infinity are refused with the row."""
+    rows = np.ones((4, 5)) * np.arange(1, 5)[:, np.newaxis]
+    y = ["a", "a", "b", "b"]
+    for place, text in (((1, 2), "row 1"), ((2, slice(None)), "row 2")):
+        bad = rows.copy()
+        bad[place] = np.nan
+        with pytest.raises(ValueError, match=text):
+            ours.HiddenMarkovClassifier().fit(bad, y)
+    rows[0, 0] = np.inf
+    with pytest.raises(ValueError, match="infinity"):
+        ours.HiddenMarkovClassifier().fit(rows, y)
+
+
+def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
+    """Pins that a classifier of scikit-learn is cross-validated on the folds of underbrush with the verdicts that it gives
+    itself on these folds."""
+    window = ours.FixedWindow(LogisticRegression(max_iter=500), samples=20)
+    found = ub.evaluate(trials, window, folds=2, group="position")
+    names, fold = np.array(trials.categories), np.array([own["fold"] for own in found["predictions"]])
+    rows = window._rows(trials)
+    for part in (0, 1):
+        fitted = LogisticRegression(max_iter=500).fit(rows[fold != part], names[fold != part])
+        expected = fitted.predict(rows[fold == part])
+        own = [p["verdict"] for p, inside in zip(found["predictions"], fold == part, strict=True) if inside]
+        assert [verdict["category"] for verdict in own] == list(expected)
+    assert 0 < found["accuracy"] <= 1 and found["majority_baseline"] > 0
+    fitted = window.fit_trials(trials)
+    assert ub.evaluate(trials, fitted)["accuracy"] >= found["accuracy"] - 0.2
+    assert ub.evaluate(trials, ours.FixedWindow(LinearSVC()), train=trials)["accuracy"] > 0.5
+
+
+def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
+    """Pins that the exception of a Python classifier arrives, whether it is raised in fitting or in scoring."""
+
+    class Broken:
+        categories = ["leaf", "trunk"]
+
+        def __init__(self, where: str) -> None:
+            self.where = where
+
+        def fit_trials(self, _: ub.Trials) -> "Broken":
+            if self.where == "fit":
+                raise LookupError("in fitting")
+            return self
+
+        def scores(self, given: ub.Trials) -> np.ndarray:
+            if self.where == "nan":
+                return np.full((len(given), 2), np.nan)
+            if self.where == "shape":
+                return np.zeros((len(given), 3))
+            raise LookupError("in scoring")
+
+    for where, kind, text in (
+        ("fit", LookupError, "in fitting"),
+        ("score", LookupError, "in scoring"),
+        ("nan", ub.InputError, "NaN"),
+        ("shape", ub.InputError, "shape"),
+    ):
+        with pytest.raises(kind, match=text):
+            ub.evaluate(trials, Broken(where))
+
+
+def test_hmmlearn_agrees(trials: ub.Trials) -> None:
+    """Pins that forward and Viterbi scores agree with hmmlearn's for the same models, to 1e-9 of their size."""
+    from hmmlearn.hmm import GaussianHMM
+
+    import json
+
+    model = ub.fit(trials, states=6, features="force,motion")
+    file = json.loads(model.to_json())
+    sequences = trials.sequences("force,motion")
+    for column, name in enumerate(model.categories):
+        own = file["models"][name]
+        peer = GaussianHMM(n_components=6, covariance_type="full")
+        peer.startprob_, peer.transmat_ = np.array(own["initial"]), np.array(own["transition"])
+        peer.means_, peer.covars_ = np.array(own["mean"]), np.array(own["covariance"])
+        for kind, score in (("forward", peer.score), ("viterbi", lambda rows: peer.decode(rows)[0])):
+            expected = np.array([score(rows) for rows in sequences])
+            found = model.with_score(kind).scores(trials)[:, column]
+            assert np.allclose(found, expected, rtol=1e-9, atol=1e-9), (name, kind, np.abs(found - expected).max())

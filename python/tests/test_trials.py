@@ -1,0 +1,118 @@
+"""Trials and models of them."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import underbrush as ub
+
+
+def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+    """Pins that trials from Python are those that the command line writes, and that both write the same table."""
+    options = ["--labels", "environment", "--min-samples", 20]
+    command("trials", data.path, *options, "--out", tmp_path / "cli.csv")
+    trials.save(tmp_path / "python.csv")
+    assert (tmp_path / "cli.csv").read_bytes() == (tmp_path / "python.csv").read_bytes()
+    assert ub.Trials.load(tmp_path / "cli.csv") == trials
+    component = data.trials(by="component")
+    command("trials", data.path, "--by", "component", "--out", tmp_path / "component.csv")
+    assert ub.Trials.load(tmp_path / "component.csv") == component
+
+
+def test_trials_are_a_sequence(trials: ub.Trials) -> None:
+    """Pins length, indices, slices, lists of numbers and truth values, and that padded rows are the sequences."""
+    assert len(trials) == len(trials.categories) == len(trials.reaches) == len(trials.lengths)
+    long = trials[trials.lengths > 50]
+    assert 0 < len(long) < len(trials) and all(len(trial) > 50 for trial in long)
+    assert trials[[2, 0]][0].number == trials[2].number
+    assert len(trials[1:4]) == 3 and trials[-1].number == trials[len(trials) - 1].number
+    assert pickle.loads(pickle.dumps(trials)) == trials
+    padded = trials.padded(samples=40)
+    assert padded.shape == (len(trials), 40)
+    for row, sequence, length in zip(padded, trials.sequences(), trials.lengths, strict=True):
+        assert np.array_equal(row[~np.isnan(row)], sequence[:40, 0]) and len(sequence) == length
+    both = trials.sequences("force,motion")[0]
+    assert np.array_equal(both, np.stack([trials[0].force_n, trials[0].motion_m], axis=1))
+    for index in (len(trials), -len(trials) - 1):
+        with pytest.raises(IndexError):
+            trials[index]
+    with pytest.raises(ub.InputError, match="one for each trial"):
+        trials[[True]]
+
+
+@pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
+def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+    """Pins, for every classifier, that the model file, the scores and the evaluation from Python are bit for bit those of the
+    command line; and that a saved and a pickled model give the same scores."""
+    table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
+    trials.save(table)
+    command("train", table, "--classifier", name, "--out", file)
+    model = ub.fit(trials, name)
+    assert model.to_json() == file.read_text()
+    scores = model.scores(trials)
+    rows = command("score", file, table)["scores"]
+    expected = [-np.inf if row["log_likelihood"] is None else row["log_likelihood"] for row in rows]
+    assert np.array_equal(scores.T.ravel(), expected)
+    model.save(tmp_path / "python.json")
+    for other in (ub.Model.load(tmp_path / "python.json"), pickle.loads(pickle.dumps(model))):
+        assert np.array_equal(other.scores(trials), scores)
+    assert ub.evaluate(trials, ub.Options(name)) == command("evaluate", table, "--classifier", name)
+
+
+def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+    """Pins that options of hidden Markov models and thresholds arrive: the model files are the same."""
+    table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
+    trials.save(table)
+    options = ["--states", 5, "--recipe", "modern", "--features", "force,motion", "--max-samples", 60]
+    command("train", table, *options, "--iterations", 20, "--false-positive-rate", 0.2, "--out", file)
+    model = ub.fit(
+        trials, states=5, recipe="modern", features="force,motion", max_samples=60, iterations=20, false_positive_rate=0.2
+    )
+    assert model.to_json() == file.read_text()
+    verdicts = model.classify(trials)
+    assert set(verdicts) <= {"leaf", "trunk", "uncertain", "outlier"}
+    assert model.classify(trials, decision="argmax") != verdicts or "uncertain" not in verdicts
+    further = ub.fit(trials, start=model, iterations=3)
+    assert not np.array_equal(further.scores(trials), model.scores(trials))
+
+
+def test_bad_options_are_refused(trials: ub.Trials) -> None:
+    """Pins that options that do not exist, do not apply or are out of range are refused by name."""
+    for call, text in (
+        (lambda: ub.fit(trials, "svm"), "nearest-neighbours"),
+        (lambda: ub.fit(trials, "naive-bayes", states=3), "only for the classifier hmm"),
+        (lambda: ub.fit(trials, states=0), "states"),
+        (lambda: ub.fit(trials, recipe="best"), "authors"),
+        (lambda: ub.fit(trials, features="colour"), "colour"),
+        (lambda: ub.fit(trials, features=3), "features"),
+        (lambda: ub.fit(trials.with_categories([None] * len(trials))), "none of"),
+        (lambda: ub.evaluate(trials, ub.Options(), folds=1), "fold"),
+        (lambda: ub.evaluate(trials, ub.Options(), group="colour"), "position, reach"),
+        (lambda: ub.evaluate(trials, 3), "fit_trials"),  # type: ignore[arg-type]
+        (lambda: ub.fit(trials).classify(trials, decision="best"), "argmax"),
+        (lambda: ub.fit(trials).classify(trials, decision=(5.0, 1.0)), "thresholds"),
+        (lambda: ub.fit(trials, "naive-bayes").with_score("forward"), "hidden Markov"),
+        (lambda: data_with("labels")(trials), "labels"),
+        (lambda: ub.Trials.from_sequences([[1.0, np.nan]]), "sequence 0"),
+        (lambda: ub.Trials.from_sequences([[1.0], []]), "sequence 1"),
+        (lambda: ub.Trials.from_sequences([np.zeros((3, 2))]), "shape"),
+        (lambda: ub.Trials.from_sequences([[1.0]], ["leaf", "trunk"]), "categories"),
+    ):
+        with pytest.raises(ub.InputError, match=text):
+            call()
+
+
+def data_with(option: str):  # type: ignore[no-untyped-def]
+    def call(_: ub.Trials) -> None:
+        ub.reach(ub.Scene("leaf").changed({"goals": {"count": 1}}), seed=1).trials(**{option: "no-such"})
+
+    return call
+
+
+def test_results_do_not_depend_on_threads(trials: ub.Trials) -> None:
+    """Pins that fitting and evaluating give the same bits with one thread and with two."""
+    one, two = (ub.fit(trials, states=4, jobs=jobs).to_json() for jobs in (1, 2))
+    assert one == two
+    assert ub.evaluate(trials, ub.Options(states=4), jobs=1) == ub.evaluate(trials, ub.Options(states=4), jobs=2)

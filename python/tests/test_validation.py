@@ -1,0 +1,35 @@
+"""Physics checks and the replay page."""
+
+from pathlib import Path
+
+import pytest
+
+import underbrush as ub
+
+
+def test_checks_pass_and_can_fail() -> None:
+    """Pins that a check passes, and that with a tolerance of 0 it fails."""
+    name = next(name for name in ub.checks() if "leaf" in name)
+    (passed,) = ub.validate([name])
+    assert passed["name"] == name and passed["verdict"] == "pass" and passed["comparisons"]
+    (failed,) = ub.validate([name], tolerance_scale=0.0)
+    assert failed["verdict"] == "fail"
+    with pytest.raises(ub.InputError, match=name):
+        ub.validate(["no-such"])
+    with pytest.raises(ub.InputError, match="zero or more"):
+        ub.validate([name], tolerance_scale=-1.0)
+
+
+def test_the_replay_page_holds_the_reach(data: ub.Dataset, tmp_path: Path) -> None:
+    """Pins that the page of a data set, and of a reach in memory, is one HTML file with the reaches inside."""
+    page = ub.replay(data, [0, 1])
+    page.save(tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text()
+    assert text.count('id="underbrush-reach-') == 2 and "<iframe" in page._repr_html_()
+    one = ub.replay(ub.Reach.load(_saved(data, tmp_path)))
+    assert one.html.count('id="underbrush-reach-') == 1
+
+
+def _saved(data: ub.Dataset, folder: Path) -> Path:
+    data[0].save(folder / "reach.parquet")
+    return folder / "reach.parquet"

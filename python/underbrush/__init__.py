@@ -1,0 +1,85 @@
+"""A physics testbed that makes synthetic incidental-contact data and classifies it taxel by taxel.
+
+A compliant arm wearing tactile skin reaches through simulated foliage. What its skin feels is recorded with ground truth,
+and classifiers learn to tell what each taxel touches. Quantities are in SI units, which their names end with; vectors are
+in the frame that their name ends with. ``docs/python.md`` is the guide.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+
+from ._core import (
+    Arm,
+    ControllerInput,
+    Dataset,
+    Frame,
+    Model,
+    Online,
+    Options,
+    Picture,
+    Reach,
+    Scene,
+    ShippedController,
+    Simulation,
+    Skin,
+    Table,
+    TouchModel,
+    Trial,
+    Trials,
+    __version__,
+    checks,
+    classifiers,
+    evaluate,
+    online,
+    reach,
+    step_many,
+    validate,
+)
+from ._data import FrameDataset, TrialDataset
+from ._errors import InputError, RunError
+from ._generate import generate, generate_again
+from ._replay import Page, replay
+from ._train import fit
+
+__all__ = [
+    "Arm",
+    "ControllerInput",
+    "Dataset",
+    "Frame",
+    "FrameDataset",
+    "InputError",
+    "Model",
+    "Online",
+    "Options",
+    "Page",
+    "Picture",
+    "Reach",
+    "RunError",
+    "Scene",
+    "ShippedController",
+    "Simulation",
+    "Skin",
+    "Table",
+    "TouchModel",
+    "Trial",
+    "TrialDataset",
+    "Trials",
+    "__version__",
+    "checks",
+    "classifiers",
+    "evaluate",
+    "fit",
+    "generate",
+    "generate_again",
+    "online",
+    "reach",
+    "replay",
+    "step_many",
+    "validate",
+]
+
+if importlib.util.find_spec("gymnasium") is not None:
+    from ._register import register
+
+    register()

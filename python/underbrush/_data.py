@@ -1,0 +1,86 @@
+"""Map-style data sets, as ``torch.utils.data.DataLoader`` takes them. They need no torch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+
+
+class TrialDataset:
+    """Trials as pairs of an array and the number of a category.
+
+    Parameters
+    ----------
+    trials : Trials
+        Trials with categories.
+    categories : list of str, optional
+        The categories in the order of their numbers; those of the trials, sorted, by default.
+    features : str or list of str
+        Features of each sample.
+    samples : int, optional
+        Cut or pad (with the last sample) every trial to this length, so that trials can be batched.
+    """
+
+    def __init__(
+        self,
+        trials: _core.Trials,
+        categories: Sequence[str] | None = None,
+        *,
+        features: str | Sequence[str] = "force",
+        samples: int | None = None,
+    ) -> None:
+        known = sorted({name for name in trials.categories if name is not None})
+        self.categories = list(categories) if categories is not None else known
+        numbers = {name: number for number, name in enumerate(self.categories)}
+        kept = [place for place, name in enumerate(trials.categories) if name in numbers]
+        chosen = trials[kept]
+        self.labels = [numbers[name] for name in chosen.categories if name is not None]
+        self.sequences = chosen.sequences(features)
+        self.samples = samples
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+    def __getitem__(self, index: int) -> tuple[NDArray[np.float32], int]:
+        """An array (samples, features) of float32, and the number of its category."""
+        sequence = self.sequences[index].astype(np.float32)
+        if self.samples is not None:
+            sequence = sequence[: self.samples]
+            missing = self.samples - len(sequence)
+            sequence = np.concatenate([sequence, np.repeat(sequence[-1:], missing, axis=0)])
+        return sequence, self.labels[index]
+
+
+class FrameDataset:
+    """Frames of a data set as dictionaries of arrays, one by one over all reaches. Columns are read when they are first needed.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    columns : list of str
+        Columns of the frames, such as ``observation.tactile.forearm``.
+    """
+
+    def __init__(self, dataset: _core.Dataset, columns: Sequence[str]) -> None:
+        self.dataset = dataset
+        self.columns = list(columns)
+        self._arrays: dict[str, NDArray[np.float32]] = {}
+        self._length = sum(int(episode["frames"]) for episode in dataset.episodes)
+
+    def __len__(self) -> int:
+        return self._length
+
+    def _array(self, name: str) -> NDArray[np.float32]:
+        if name not in self._arrays:
+            self._arrays[name] = self.dataset.column(name, "float32")
+        return self._arrays[name]
+
+    def __getitem__(self, index: int) -> dict[str, NDArray[np.float32]]:
+        """The columns of one frame, copied, so that they may be changed."""
+        if not -self._length <= index < self._length:
+            raise IndexError(f"index {index} of {self._length}")
+        return {name: np.array(self._array(name)[index], dtype=np.float32) for name in self.columns}

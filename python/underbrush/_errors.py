@@ -1,0 +1,48 @@
+"""The exceptions of the package."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Bad input: where it is, what was found there, what is allowed, and the remedy.
+
+    Attributes
+    ----------
+    file : str or None
+        The file, or what else is wrong (an argument, a data set).
+    line : int or None
+        Line in the file, from 1.
+    field : str or None
+        The field, column, key, option or argument.
+    found, allowed, remedy : str or None
+        What was found there, what is allowed, and what to do. ``None`` where the message says all of it in one sentence.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        file: str | None = None,
+        line: int | None = None,
+        field: str | None = None,
+        found: str | None = None,
+        allowed: str | None = None,
+        remedy: str | None = None,
+    ) -> None:
+        super().__init__(message, file, line, field, found, allowed, remedy)
+        self.file = file
+        self.line = line
+        self.field = field
+        self.found = found
+        self.allowed = allowed
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class RunError(RuntimeError):
+    """A run that failed although its input was good: a full disk, or a fault inside the physics engine."""
+
+
+InputError.__module__ = "underbrush"
+RunError.__module__ = "underbrush"

@@ -1,0 +1,131 @@
+"""Making data sets, with a progress bar on a terminal."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from . import _core
+from ._types import ControllerLike, SceneLike
+
+Progress = Callable[[int, int, str], object]
+
+_WIDTH = 30
+
+
+class _Bar:
+    """A progress bar on standard error; nothing if that is no terminal."""
+
+    def __init__(self) -> None:
+        self.is_shown = sys.stderr.isatty()
+        self.last = ""
+
+    def __call__(self, done: int, total: int, text: str) -> None:
+        filled = _WIDTH * done // max(total, 1)
+        line = f"{'#' * filled}{'.' * (_WIDTH - filled)} {done}/{total} reaches  {text}"
+        if self.is_shown and line != self.last:
+            print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
+            self.last = line
+
+    def close(self) -> None:
+        if self.last:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def generate(
+    scenes: SceneLike | Sequence[SceneLike],
+    reaches: int,
+    out: str | os.PathLike[str],
+    *,
+    seed: int = 0,
+    controller: ControllerLike | None = None,
+    verdicts: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    shard: tuple[int, int] | None = None,
+    progress: Progress | bool = True,
+    jobs: int | None = None,
+) -> _core.Dataset:
+    """Simulate many reaches and write them as a data set in the LeRobotDataset v3.0 layout.
+
+    The same scenes, seed and version give the same bytes, for any number of threads. Ctrl-C ends the reaches that are
+    running; finished ones are kept, and ``resume=True`` continues.
+
+    Parameters
+    ----------
+    scenes : Scene, name or path, or a list of them
+        What the arm reaches through.
+    reaches : int
+        Number of reaches of each scene.
+    out : path
+        The folder to write.
+    seed : int
+        Decides all random draws.
+    controller : str, callable or class, optional
+        The name of a controller that ships, or one of your own: called with a :class:`ControllerInput`, it returns
+        equilibrium angles, rad. A class is called with the :class:`Arm` at the start of every reach. It needs a name of
+        its own (its attribute ``name``, or else ``__name__``).
+    verdicts : path, optional
+        A touch model that tells the controller what the skin touches.
+    resume : bool
+        Continue an interrupted set.
+    shard : (int, int), optional
+        Run only part I of N, counted from 1.
+    progress : bool or callable
+        ``True`` shows a bar on a terminal; a function is called as ``progress(done, total, text)`` on the calling thread.
+    jobs : int, optional
+        Number of threads; all cores by default.
+
+    Returns
+    -------
+    Dataset
+
+    Raises
+    ------
+    InputError
+        If a scene, an option or the folder is bad.
+    """
+    listed = list(scenes) if isinstance(scenes, (list, tuple)) else [scenes]
+    bar = _Bar()
+    shown = bar if progress is True else (progress or None)
+    try:
+        return _core.generate(
+            listed,
+            reaches,
+            Path(out),
+            seed=seed,
+            controller=controller,
+            verdicts=None if verdicts is None else Path(verdicts),
+            resume=resume,
+            shard=shard,
+            progress=shown,
+            jobs=jobs,
+        )
+    finally:
+        bar.close()
+
+
+def generate_again(
+    dataset: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    verdicts: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    progress: Progress | bool = True,
+    jobs: int | None = None,
+) -> _core.Dataset:
+    """Make a data set again from what it stores. Parameters are those of :func:`generate`."""
+    bar = _Bar()
+    shown = bar if progress is True else (progress or None)
+    try:
+        return _core.generate_again(
+            Path(dataset),
+            Path(out),
+            verdicts=None if verdicts is None else Path(verdicts),
+            resume=resume,
+            progress=shown,
+            jobs=jobs,
+        )
+    finally:
+        bar.close()

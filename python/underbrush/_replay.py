@@ -1,0 +1,62 @@
+"""Reaches in the browser, or in a cell of a notebook."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import _core
+
+
+class Page:
+    """The replay page with some reaches inside, as one HTML file."""
+
+    def __init__(self, text: str) -> None:
+        self.html = text
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page to a file."""
+        Path(path).write_text(self.html, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html, quote=True)
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 640px; border: 0"></iframe>'
+
+
+def replay(
+    source: _core.Reach | _core.Dataset | str | os.PathLike[str],
+    reaches: Sequence[int] | None = None,
+    *,
+    model: str | os.PathLike[str] | None = None,
+    patch: str | None = None,
+) -> Page:
+    """Show reaches: the arm in 3-D, its skin, plots and verdicts over time.
+
+    Parameters
+    ----------
+    source : Reach, Dataset or path
+        A reach, a data set, or the path of a data set or recording.
+    reaches : list of int, optional
+        Numbers of the reaches of a data set; all by default.
+    model : path, optional
+        A model of trials, whose verdicts are shown.
+    patch : str, optional
+        The patch that is judged; the first by default.
+
+    Returns
+    -------
+    Page
+        Shown inline by a notebook; ``save`` writes it to a file.
+    """
+    numbers = None if reaches is None else list(reaches)
+    judged = None if model is None else Path(model)
+    if isinstance(source, _core.Reach):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "reach.parquet"
+            source.save(path)
+            return Page(_core.replay_page([path], numbers, model=judged, patch=patch))
+    path = source.path if isinstance(source, _core.Dataset) else Path(source)
+    return Page(_core.replay_page([path], numbers, model=judged, patch=patch))

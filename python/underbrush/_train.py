@@ -1,0 +1,81 @@
+"""Fitting a classifier by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from . import _core
+
+
+def fit(
+    trials: _core.Trials,
+    classifier: str = "hmm",
+    *,
+    features: str | Sequence[str] | None = None,
+    recipe: str | None = None,
+    states: int | None = None,
+    topology: str | None = None,
+    initial: str | None = None,
+    score: str | None = None,
+    iterations: int | None = None,
+    tolerance: float | None = None,
+    variance_floor: float | None = None,
+    max_samples: int | None = None,
+    start: _core.Model | None = None,
+    false_positive_rate: float | None = None,
+    outlier_prior: float = 0.05,
+    jobs: int | None = None,
+) -> _core.Model:
+    """Fit a classifier to trials, as ``underbrush train`` does, to the last bit.
+
+    Parameters
+    ----------
+    trials : Trials
+        Trials with categories. Blocks and outliers are never fitted.
+    classifier : str
+        One of :func:`classifiers`. The options from ``recipe`` to ``max_samples`` are for ``hmm`` only.
+    features : str or list of str, optional
+        Features of each sample, such as ``"force,motion"``.
+    recipe : {"authors", "modern"}, optional
+        The options that are not given.
+    states, topology, initial, score, iterations, tolerance, variance_floor, max_samples : optional
+        Options of hidden Markov models; see ``docs/classifiers.md``.
+    start : Model, optional
+        Hidden Markov models that are trained further.
+    false_positive_rate : float, optional
+        Choose thresholds by cross-validation and store them in the model.
+    outlier_prior : float
+        The fraction of contacts expected to be outliers, for the thresholds.
+    jobs : int, optional
+        Number of threads; all cores by default.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    InputError
+        If an option does not apply or is out of range, or a trial lacks a feature.
+    """
+    options = _core.Options(
+        classifier,
+        features=features,
+        recipe=recipe,
+        states=states,
+        topology=topology,
+        initial=initial,
+        score=score,
+        iterations=iterations,
+        tolerance=tolerance,
+        variance_floor=variance_floor,
+        max_samples=max_samples,
+    )
+    return _core.fit(
+        trials,
+        options,
+        start=start,
+        false_positive_rate=false_positive_rate,
+        outlier_prior=outlier_prior,
+        jobs=jobs,
+    )

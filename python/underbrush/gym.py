@@ -1,0 +1,169 @@
+"""``underbrush/Reach-v0`` for Gymnasium: a reach through clutter, single and vectorized.
+
+An observation is a dictionary of float32 arrays with what a robot could know: joint angles, velocities, equilibrium angles
+and torques, the positions of end effector and goal, and the tactile image of each patch of skin. What it could not know is in
+``info`` only. An episode is one reach, drawn anew from the scene; it ends when its goals are reached or a force exceeds the
+controller's stop force, and is cut off when a goal takes longer than ``time_limit_s``.
+
+The reward of a step is ``progress_per_m`` times the way by which the hand came closer to the goal, m, minus
+``force_per_n_s`` times the largest force that a taxel senses above ``free_force_n``, N s, minus ``time_per_s`` times its
+duration, s; ``reached`` is added for each goal reached, and ``aborted`` taken off for exceeding the stop force.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from . import _core
+from ._types import SceneLike
+
+Observation = dict[str, NDArray[np.float32]]
+
+_INFO = ("distance_m", "sensed_force_n", "contact_force_n", "reach_index", "outcome")
+
+
+def _spaces(environments: _core.Environments) -> tuple[spaces.Dict, spaces.Box]:
+    parts = {
+        name: spaces.Box(low, high, tuple(shape), np.float32) for name, shape, _, low, high in environments.parts
+    }
+    return spaces.Dict(parts), spaces.Box(-1.0, 1.0, (environments.action_size,), np.float32)
+
+
+def _split(environments: _core.Environments, rows: NDArray[np.float32]) -> Observation:
+    """Views of the parts of each row."""
+    found: Observation = {}
+    # In the order of the space, which sorts its keys.
+    for name, shape, first, _, _ in sorted(environments.parts):
+        size = int(np.prod(shape))
+        found[name] = rows[:, first : first + size].reshape(len(rows), *shape)
+    return found
+
+
+class ReachEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """One arm in one scene.
+
+    Parameters
+    ----------
+    scene : Scene, name or path
+        What the arm reaches through.
+    action : {"equilibrium", "waypoint"}
+        An action is the change of every joint's equilibrium angle in a step, as a share of ``largest_change_rad``; or where the
+        end effector should go next, from where it is, as a share of ``largest_waypoint_m`` along each axis, to which the
+        scene's controller drives it.
+    frames_per_step : int, optional
+        Frames of 10 ms in a step; 4 by default.
+    largest_change_rad, largest_waypoint_m : float, optional
+        What an action of 1 means.
+    goals : int, optional
+        Goals of an episode; 1 by default.
+    time_limit_s : float, optional
+        Longest time for a goal; 20 s by default.
+    reward : dict, optional
+        Weights of the reward by name; see the module.
+    controller : str, optional
+        The controller that follows waypoints; the scene's own by default.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+
+    def __init__(self, scene: SceneLike = "mixed", *, render_mode: str | None = None, **options: Any) -> None:
+        if render_mode is not None:
+            raise ValueError(f"render_mode is {render_mode!r}; allowed: None")
+        self.render_mode = None
+        self._environments = _core.Environments(scene, 1, **options)
+        self.observation_space, self.action_space = _spaces(self._environments)
+        self._ended = True
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode: reach 0 of a seed if one is given, else the next reach."""
+        super().reset(seed=seed)
+        rows, found = self._environments.reset([seed])
+        self._ended = False
+        return self._observation(rows), _info(found)
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Take a step."""
+        if self._ended:
+            raise gymnasium.error.ResetNeeded("the episode has ended or has not begun; call reset()")
+        rows, found = self._environments.step(np.asarray(action)[np.newaxis])
+        terminated, truncated = bool(found["terminated"][0]), bool(found["truncated"][0])
+        self._ended = terminated or truncated
+        return self._observation(rows), float(found["reward"][0]), terminated, truncated, _info(found)
+
+    def _observation(self, rows: NDArray[np.float32]) -> Observation:
+        return {name: part[0] for name, part in _split(self._environments, rows).items()}
+
+
+def _info(found: dict[str, Any]) -> dict[str, Any]:
+    def plain(value: Any) -> Any:
+        return value.item() if isinstance(value, np.generic) else value
+
+    return {name: plain(found[name][0]) for name in _INFO}
+
+
+class ReachVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
+    """Many arms that step at once in one native call, without the interpreter's lock.
+
+    Environment i gives the numbers that :class:`ReachEnv` gives with the seed plus i, for any number of threads. The step
+    after the end of an episode begins the next one; its action is ignored.
+
+    Parameters
+    ----------
+    num_envs : int
+        How many.
+    jobs : int, optional
+        Number of threads; all cores by default.
+    scene, **options
+        As for :class:`ReachEnv`.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self, num_envs: int = 1, scene: SceneLike = "mixed", *, render_mode: str | None = None, **options: Any
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError(f"render_mode is {render_mode!r}; allowed: None")
+        self.render_mode = None
+        self.num_envs = num_envs
+        self._environments = _core.Environments(scene, num_envs, **options)
+        self.single_observation_space, self.single_action_space = _spaces(self._environments)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode of every environment, or of those of ``options["reset_mask"]``."""
+        if seed is None or isinstance(seed, int):
+            seeds = [None if seed is None else seed + index for index in range(self.num_envs)]
+        else:
+            seeds = list(seed)
+        super().reset(seed=seeds[0] if seeds else None)
+        mask = (options or {}).get("reset_mask")
+        rows, found = self._environments.reset(seeds, None if mask is None else np.asarray(mask, bool).tolist())
+        return _split(self._environments, rows), self._info(found)
+
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Take a step with every environment."""
+        rows, found = self._environments.step(actions)
+        observations = _split(self._environments, rows)
+        return observations, found["reward"], found["terminated"], found["truncated"], self._info(found)
+
+    def _info(self, found: dict[str, Any]) -> dict[str, Any]:
+        info: dict[str, Any] = {}
+        for name in _INFO:
+            info[name] = np.asarray(found[name], dtype=object if name == "outcome" else None)
+            info[f"_{name}"] = np.ones(self.num_envs, dtype=bool)
+        return info

@@ -1,0 +1,325 @@
+"""The classifiers as estimators of scikit-learn.
+
+``fit(X, y)`` takes rows of equal width: a trial is a row of forces, N, at 100 Hz, and shorter trials are padded with NaN at
+the end (:meth:`Trials.padded` makes such rows). ``fit_sequences`` takes arrays of unequal length with one or more features,
+and ``fit_trials`` takes trials. Scores are those of the command line, bit for bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, ClassifierMixin, clone
+from sklearn.utils.multiclass import check_classification_targets
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from . import _core
+from ._train import fit as _fit
+
+__all__ = [
+    "EchoStateClassifier",
+    "FixedWindow",
+    "HiddenMarkovClassifier",
+    "LogisticClassifier",
+    "LogisticTaxelClassifier",
+    "NaiveBayesClassifier",
+    "NearestNeighboursClassifier",
+]
+
+# Blocks and outliers are never fitted, so labels of these names get another inside.
+_MARK = "label "
+
+
+def _inside(label: Any) -> str:
+    name = str(label)
+    return _MARK + name if name in ("block", "outlier") or name.startswith(_MARK) or not name else name
+
+
+def _sequences(rows: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """The rows without their padding."""
+    found = []
+    for number, row in enumerate(rows):
+        known = np.flatnonzero(~np.isnan(row))
+        if len(known) == 0 or known[-1] + 1 != len(known):
+            raise ValueError(f"row {number} of X has NaN before its end; a trial is padded with NaN at the end only")
+        found.append(row[: len(known)])
+    return found
+
+
+class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+    """What all classifiers of trials have in common."""
+
+    _classifier: ClassVar[str]
+
+    features: str | Sequence[str] | None
+
+    def _options(self) -> dict[str, Any]:
+        """The options of the classifier: its parameters."""
+        return dict(self.get_params(deep=False))
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        # Padding.
+        tags.input_tags.allow_nan = True
+        # The tests of scikit-learn judge by clouds of points, whose two columns are no course of a force in time.
+        tags.classifier_tags.poor_score = True
+        return tags
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
+        """Fit to trials of one feature.
+
+        Parameters
+        ----------
+        X : array (trials, samples)
+            One trial a row, padded with NaN at the end. The feature is force, N, unless ``features`` names another.
+        y : array (trials,)
+            Their categories.
+        """
+        rows, labels = validate_data(
+            self, X, y, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self
+        )
+        check_classification_targets(labels)
+        if np.isinf(rows).any():
+            raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN as padding at the end")
+        return self._fitted(_sequences(rows), labels, None)
+
+    def fit_sequences(
+        self, sequences: Sequence[ArrayLike], y: ArrayLike, groups: ArrayLike | None = None
+    ) -> Self:
+        """Fit to trials of unequal length.
+
+        Parameters
+        ----------
+        sequences : list of arrays (samples,) or (samples, features)
+            One for each trial.
+        y : array (trials,)
+            Their categories.
+        groups : array (trials,), optional
+            The reach of each trial. Fitting does not use it.
+        """
+        labels = np.asarray(y)
+        self.__dict__.pop("n_features_in_", None)
+        return self._fitted([np.asarray(own, np.float64) for own in sequences], labels, groups)
+
+    def fit_trials(self, trials: _core.Trials) -> Self:
+        """Fit to trials with categories. Blocks, outliers and trials without a category are left out."""
+        self.__dict__.pop("n_features_in_", None)
+        self.model_ = _fit(trials, self._classifier, **self._options())
+        self.classes_ = np.asarray(self.model_.categories)
+        self._columns = list(range(len(self.classes_)))
+        return self
+
+    def _fitted(self, sequences: list[Any], labels: NDArray[Any], groups: ArrayLike | None) -> Self:
+        self.classes_ = np.unique(labels)
+        names = [_inside(label) for label in self.classes_.tolist()]
+        inside = dict(zip(self.classes_.tolist(), names, strict=True))
+        trials = _core.Trials.from_sequences(
+            sequences,
+            [inside[label] for label in labels.tolist()],
+            features=self.features,
+            groups=None if groups is None else np.asarray(groups).tolist(),
+        )
+        self.model_ = _fit(trials, self._classifier, **self._options())
+        order = self.model_.categories
+        self._columns = [order.index(name) for name in names]
+        return self
+
+    def _scored(self, X: Any) -> NDArray[np.float64]:
+        check_is_fitted(self)
+        if isinstance(X, _core.Trials):
+            trials = X
+        elif isinstance(X, list) and X and np.ndim(X[0]) >= 1 and len({np.shape(own) for own in X}) > 1:
+            trials = _core.Trials.from_sequences([np.asarray(own, np.float64) for own in X], features=self.features)
+        elif isinstance(X, list) and X and np.ndim(X[0]) == 2:
+            trials = _core.Trials.from_sequences([np.asarray(own, np.float64) for own in X], features=self.features)
+        else:
+            rows = validate_data(self, X, reset=False, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self)
+            if np.isinf(rows).any():
+                raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN as padding at the end")
+            trials = _core.Trials.from_sequences(_sequences(rows), features=self.features)
+        return self.model_.scores(trials)[:, self._columns]
+
+    def score_samples(self, X: Any) -> NDArray[np.float64]:
+        """Log-likelihood, or log-posterior under equal priors, of each trial for each class, nats: (trials, classes).
+
+        ``X`` is an array as for ``fit``, a list of sequences, or trials.
+        """
+        return self._scored(X)
+
+    def predict_log_proba(self, X: Any) -> NDArray[np.float64]:
+        """Logarithm of :meth:`predict_proba`."""
+        scores = self._scored(X)
+        best = scores.max(axis=1, keepdims=True)
+        # A trial that no class admits is equally likely for all.
+        scores = np.where(np.isfinite(best), scores - np.where(np.isfinite(best), best, 0.0), 0.0)
+        return np.asarray(scores - np.log(np.exp(scores).sum(axis=1, keepdims=True)))
+
+    def predict_proba(self, X: Any) -> NDArray[np.float64]:
+        """Probability of each class under equal priors: (trials, classes)."""
+        return np.exp(self.predict_log_proba(X))
+
+    def predict(self, X: Any) -> NDArray[Any]:
+        """The likeliest class of each trial."""
+        return np.asarray(self.classes_[self._scored(X).argmax(axis=1)])
+
+    @property
+    def categories(self) -> list[str]:
+        """The categories of the model, for :func:`underbrush.evaluate`."""
+        check_is_fitted(self)
+        return list(self.model_.categories)
+
+    def scores(self, trials: _core.Trials) -> NDArray[np.float64]:
+        """The scores of trials in the order of ``categories``."""
+        return self.model_.scores(trials)
+
+    def online(self, skin: _core.Skin, patch: str | None = None, **options: Any) -> _core.Online:
+        """Classify frame by frame; see :meth:`Model.online`."""
+        check_is_fitted(self)
+        return self.model_.online(skin, patch, **options)
+
+
+class HiddenMarkovClassifier(_TrialClassifier):
+    """One hidden Markov model per category, as in the paper.
+
+    Parameters
+    ----------
+    states : int
+        Hidden states of each model.
+    features : str or list of str
+        Features of each sample: ``"force"``, ``"force,motion"``.
+    recipe : {"authors", "modern"}
+        The options that are ``None``.
+    topology : {"left-right", "ergodic"}, optional
+    initial : {"uniform", "first-state"}, optional
+    score : {"viterbi", "forward"}, optional
+    iterations : int, optional
+    tolerance, variance_floor : float, optional
+    max_samples : int, optional
+
+    Attributes
+    ----------
+    classes_ : array (classes,)
+    model_ : Model
+    """
+
+    _classifier = "hmm"
+
+    def __init__(
+        self,
+        states: int = 10,
+        features: str | Sequence[str] | None = "force",
+        recipe: str = "authors",
+        topology: str | None = None,
+        initial: str | None = None,
+        score: str | None = None,
+        iterations: int | None = None,
+        tolerance: float | None = None,
+        variance_floor: float | None = None,
+        max_samples: int | None = None,
+    ) -> None:
+        self.states = states
+        self.features = features
+        self.recipe = recipe
+        self.topology = topology
+        self.initial = initial
+        self.score = score
+        self.iterations = iterations
+        self.tolerance = tolerance
+        self.variance_floor = variance_floor
+        self.max_samples = max_samples
+
+
+class _Baseline(_TrialClassifier):
+    def __init__(self, features: str | Sequence[str] | None = "force") -> None:
+        self.features = features
+
+
+class NearestNeighboursClassifier(_Baseline):
+    """Nearest neighbours over a fixed window at the start of a contact."""
+
+    _classifier = "nearest-neighbours"
+
+
+class NaiveBayesClassifier(_Baseline):
+    """Naive Bayes over a fixed window at the start of a contact."""
+
+    _classifier = "naive-bayes"
+
+
+class EchoStateClassifier(_Baseline):
+    """A linear readout of a recurrent network with fixed random weights."""
+
+    _classifier = "echo-state-network"
+
+
+class LogisticClassifier(_Baseline):
+    """Logistic regression over features of the contact so far. Needs the contact region, so fit it to trials."""
+
+    _classifier = "logistic"
+
+    def __init__(self, features: str | Sequence[str] | None = None) -> None:
+        super().__init__(features)
+
+
+class LogisticTaxelClassifier(_Baseline):
+    """Logistic regression over features of the taxel so far."""
+
+    _classifier = "logistic-taxel"
+
+    def __init__(self, features: str | Sequence[str] | None = None) -> None:
+        super().__init__(features)
+
+
+class FixedWindow:
+    """Any classifier of scikit-learn, where underbrush expects one of its own: in ``evaluate`` and in online streams.
+
+    It sees the first ``samples`` samples of a trial as one row. Shorter trials, and contacts under way, are continued with
+    their last sample.
+
+    Parameters
+    ----------
+    estimator : classifier
+        With ``fit``, and ``predict_proba`` or ``predict``.
+    samples : int
+        Length of the window.
+    features : str or list of str
+        Features of each sample.
+    """
+
+    def __init__(self, estimator: Any, samples: int = 20, features: str | Sequence[str] = "force") -> None:
+        self.estimator = estimator
+        self.samples = samples
+        self.features = features
+        self.categories: list[str] = []
+
+    def _rows(self, trials: _core.Trials) -> NDArray[np.float64]:
+        rows = []
+        for sequence in trials.sequences(self.features):
+            window = sequence[: self.samples]
+            missing = self.samples - len(window)
+            rows.append(np.concatenate([window, np.repeat(window[-1:], missing, axis=0)]).ravel())
+        return np.asarray(rows)
+
+    def fit_trials(self, trials: _core.Trials) -> FixedWindow:
+        """A copy that is fitted to trials with categories. Blocks and outliers are left out."""
+        names = trials.categories
+        kept = [place for place, name in enumerate(names) if name is not None and name not in ("block", "outlier")]
+        chosen = trials[kept]
+        fitted = FixedWindow(clone(self.estimator), self.samples, self.features)
+        fitted.estimator.fit(fitted._rows(chosen), np.asarray(chosen.categories))
+        fitted.categories = [str(name) for name in fitted.estimator.classes_]
+        return fitted
+
+    def scores(self, trials: _core.Trials) -> NDArray[np.float64]:
+        """Logarithm of the probability of each category: (trials, categories)."""
+        rows = self._rows(trials)
+        if hasattr(self.estimator, "predict_proba"):
+            chances = self.estimator.predict_proba(rows)
+        else:
+            found = self.estimator.predict(rows)
+            chances = (found[:, np.newaxis] == np.asarray(self.categories)).astype(float)
+        with np.errstate(divide="ignore"):
+            return np.log(np.asarray(chances, np.float64))

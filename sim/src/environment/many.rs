@@ -1,0 +1,111 @@
+//! Many environments that step at once.
+
+use rayon::prelude::*;
+use underbrush_recording::InputError;
+
+use super::{Environment, EnvironmentOptions, Part, Stepped};
+use crate::reach::{ReachError, ReachPlan};
+
+/// Environments that step at once, on the threads of the current rayon pool. Each gives the numbers that it would give alone.
+pub struct Environments {
+    all: Vec<Environment>,
+    /// Whether its last step ended an episode. The next step then begins a new one.
+    ended: Vec<bool>,
+}
+
+impl Environments {
+    /// So many environments of one plan. Environment i has the plan's seed plus i.
+    ///
+    /// # Errors
+    /// As [`Environment::new`].
+    pub fn new(plan: &ReachPlan, options: &EnvironmentOptions, count: usize) -> Result<Self, InputError> {
+        let one = |index: usize| {
+            let mut plan = plan.clone();
+            plan.seed = plan.seed.wrapping_add(index as u64);
+            Environment::new(plan, options.clone())
+        };
+        Ok(Environments {
+            all: (0..count).map(one).collect::<Result<_, _>>()?,
+            ended: vec![false; count],
+        })
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    /// The parts of an observation; empty if there are no environments.
+    pub fn parts(&self) -> &[Part] {
+        self.all.first().map_or(&[], Environment::parts)
+    }
+
+    /// How many numbers an observation has.
+    pub fn observation_size(&self) -> usize {
+        self.all.first().map_or(0, Environment::observation_size)
+    }
+
+    /// How many numbers an action has.
+    pub fn action_size(&self) -> usize {
+        self.all.first().map_or(0, Environment::action_size)
+    }
+
+    /// Resets those that `which` returns true for, each with its seed, if it has one. Observations of the others stay as
+    /// they are in `observations`, which has a row for each environment.
+    ///
+    /// # Errors
+    /// As [`Environment::reset`]: the error of the first environment that has one.
+    pub fn reset(
+        &mut self,
+        seeds: &[Option<u64>],
+        which: impl Fn(usize) -> bool + Sync,
+        observations: &mut [f32],
+    ) -> Result<Vec<Option<Stepped>>, InputError> {
+        let size = self.observation_size().max(1);
+        let rows = self
+            .all
+            .par_iter_mut()
+            .zip(&mut self.ended)
+            .zip(seeds)
+            .zip(observations.par_chunks_mut(size));
+        let reset: Vec<Result<Option<Stepped>, InputError>> = rows
+            .enumerate()
+            .map(|(index, (((environment, ended), seed), row))| {
+                if !which(index) {
+                    return Ok(None);
+                }
+                *ended = false;
+                environment.reset(*seed, row).map(Some)
+            })
+            .collect();
+        reset.into_iter().collect()
+    }
+
+    /// Takes a step with every environment. One whose last step ended an episode begins a new one instead: its action is
+    /// ignored, and its reward is 0. `actions` and `observations` have a row for each environment.
+    ///
+    /// # Errors
+    /// As [`Environment::step`] and [`Environment::reset`]: the error of the first environment that has one.
+    ///
+    /// # Panics
+    /// As [`Environment::step`].
+    pub fn step(&mut self, actions: &[f64], observations: &mut [f32]) -> Result<Vec<Stepped>, ReachError> {
+        let (width, size) = (self.action_size().max(1), self.observation_size().max(1));
+        let rows = self.all.par_iter_mut().zip(&mut self.ended);
+        let rows = rows
+            .zip(actions.par_chunks(width))
+            .zip(observations.par_chunks_mut(size));
+        let stepped: Vec<Result<Stepped, ReachError>> = rows
+            .map(|(((environment, ended), action), row)| {
+                let stepped = if *ended { None } else { environment.step(action, row)? };
+                let stepped = match stepped {
+                    Some(stepped) => stepped,
+                    None => environment.reset(None, row)?,
+                };
+                *ended = stepped.terminated || stepped.truncated;
+                Ok(stepped)
+            })
+            .collect();
+        stepped.into_iter().collect()
+    }
+}

@@ -1,0 +1,252 @@
+//! A reach as an environment for an agent that learns: observation in, action out, reward.
+//!
+//! An [`Environment`] draws a new reach for every episode. Its observations hold what a robot could know; what it could not
+//! know is in [`Stepped`]. [`Environments`] steps many of them at once, with the same numbers.
+
+use underbrush_recording::{InputError, Outcome};
+
+use crate::reach::{ReachError, ReachPlan, Steering};
+use crate::simulation::Simulation;
+
+mod many;
+mod observation;
+mod options;
+#[cfg(test)]
+mod tests;
+
+pub use many::Environments;
+pub use observation::Part;
+pub use options::{ActionKind, EnvironmentOptions, Reward};
+
+/// What a step gave.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stepped {
+    /// The reward.
+    pub reward: f64,
+    /// Whether the episode ended by itself: all goals are reached, or a force exceeded the stop force.
+    pub terminated: bool,
+    /// Whether it was cut off, because a goal took too long.
+    pub truncated: bool,
+    /// How the last goal of an episode ended, once it has.
+    pub outcome: Option<Outcome>,
+    /// Distance of the end effector from its goal, m.
+    pub distance_m: f64,
+    /// The largest force that a taxel sensed in the step, N.
+    pub sensed_force_n: f64,
+    /// Ground truth: the largest force between one link and one object in the step, N.
+    pub contact_force_n: f64,
+    /// The reach: its index among those of the seed.
+    pub reach_index: u64,
+}
+
+/// One arm that an agent moves.
+pub struct Environment {
+    plan: ReachPlan,
+    options: EnvironmentOptions,
+    parts: Vec<Part>,
+    /// The index of the next reach.
+    next: u64,
+    episode: Option<Episode>,
+}
+
+/// An episode under way.
+struct Episode {
+    simulation: Simulation,
+    steering: Steering,
+    equilibrium_rad: Vec<f64>,
+    reach_index: u64,
+    goal: usize,
+    goals: usize,
+    /// Time spent on the goal, s.
+    time_s: f64,
+}
+
+impl Environment {
+    /// An environment of the reaches of a plan. [`Environment::reset`] begins its first episode.
+    ///
+    /// # Errors
+    /// If an option is outside its limits, or the scene has fewer goals than an episode.
+    pub fn new(plan: ReachPlan, options: EnvironmentOptions) -> Result<Self, InputError> {
+        options.check()?;
+        let available = plan.scene.file.goals.count;
+        if options.goals > available {
+            let found = format!("{} goals", options.goals);
+            let allowed = format!("1 to {available}, the goals of scene {}", plan.scene.name);
+            return Err(InputError::new(
+                "the environment",
+                "goals",
+                found,
+                allowed,
+                "ask for fewer goals",
+            ));
+        }
+        let parts = observation::parts(&plan.arm);
+        Ok(Environment {
+            plan,
+            options,
+            parts,
+            next: 0,
+            episode: None,
+        })
+    }
+
+    /// The parts of an observation.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// How many numbers an observation has.
+    pub fn observation_size(&self) -> usize {
+        self.parts.iter().map(Part::size).sum()
+    }
+
+    /// How many numbers an action has.
+    pub fn action_size(&self) -> usize {
+        match self.options.action {
+            ActionKind::Equilibrium => self.plan.arm.joints.len(),
+            ActionKind::Waypoint => 3,
+        }
+    }
+
+    /// The simulation of the present episode.
+    pub fn simulation(&self) -> Option<&Simulation> {
+        self.episode.as_ref().map(|episode| &episode.simulation)
+    }
+
+    /// Begins the next episode: reach 0 of a seed if one is given, and else the next reach of the seed. Writes the first
+    /// observation into `observation`, which has [`Environment::observation_size`] places.
+    ///
+    /// # Errors
+    /// When the scene is impossible for this draw.
+    pub fn reset(&mut self, seed: Option<u64>, observation: &mut [f32]) -> Result<Stepped, InputError> {
+        if let Some(seed) = seed {
+            (self.plan.seed, self.next) = (seed, 0);
+        }
+        let reach_index = self.next;
+        let simulation = self.plan.simulation(reach_index)?;
+        self.next += 1;
+        let equilibrium_rad = self.plan.arm.start_posture_rad();
+        let goals = simulation.clutter().goals.len().min(self.options.goals as usize);
+        let episode = Episode {
+            steering: Steering::new(self.plan.controller.make(&self.plan.arm), &self.plan.arm),
+            simulation,
+            equilibrium_rad,
+            reach_index,
+            goal: 0,
+            goals,
+            time_s: 0.0,
+        };
+        episode.observe(&self.parts, observation);
+        let distance_m = episode.distance_m();
+        self.episode = Some(episode);
+        Ok(Stepped {
+            distance_m,
+            reach_index,
+            ..Stepped::default()
+        })
+    }
+
+    /// Takes a step and writes the next observation. `None` without an episode: before the first one, and after the end of
+    /// one until it is reset.
+    ///
+    /// # Errors
+    /// When the scene's controller, which follows waypoints, answers wrongly.
+    ///
+    /// # Panics
+    /// If `action` does not have [`Environment::action_size`] numbers, or `observation` too few places.
+    pub fn step(&mut self, action: &[f64], observation: &mut [f32]) -> Result<Option<Stepped>, ReachError> {
+        assert_eq!(action.len(), self.action_size(), "numbers of an action");
+        let Some(episode) = &mut self.episode else {
+            return Ok(None);
+        };
+        let stepped = episode.step(&self.plan, &self.options, action)?;
+        episode.observe(&self.parts, observation);
+        if stepped.terminated || stepped.truncated {
+            self.episode = None;
+        }
+        Ok(Some(stepped))
+    }
+}
+
+impl Episode {
+    fn goal_world(&self) -> glam::DVec3 {
+        self.simulation
+            .clutter()
+            .goals
+            .get(self.goal)
+            .copied()
+            .unwrap_or_default()
+    }
+
+    fn distance_m(&self) -> f64 {
+        let end_effector_world = self.simulation.report().end_effector_pose_world.position;
+        end_effector_world.distance(self.goal_world())
+    }
+
+    fn observe(&self, parts: &[Part], row: &mut [f32]) {
+        observation::write(parts, &self.simulation, &self.equilibrium_rad, self.goal_world(), row);
+    }
+
+    fn step(&mut self, plan: &ReachPlan, options: &EnvironmentOptions, action: &[f64]) -> Result<Stepped, ReachError> {
+        let reward = &options.reward;
+        let before_m = self.distance_m();
+        let start_rad = self.equilibrium_rad.clone();
+        let here = self.simulation.report().end_effector_pose_world.position;
+        let cut = |number: f64| number.clamp(-1.0, 1.0);
+        let mut found = Stepped {
+            reach_index: self.reach_index,
+            ..Stepped::default()
+        };
+        let step_s = options.step_s();
+        let frame_s = step_s / f64::from(options.frames_per_step);
+        let mut aborted = false;
+        for frame in 1..=options.frames_per_step {
+            match options.action {
+                ActionKind::Equilibrium => {
+                    // The change is spread evenly over the frames.
+                    let share = f64::from(frame) / f64::from(options.frames_per_step);
+                    let joints = plan.arm.joints.iter().zip(&start_rad).zip(action);
+                    for (angle, ((joint, start), number)) in self.equilibrium_rad.iter_mut().zip(joints) {
+                        let [low, high] = joint.controller_limits_rad;
+                        let wanted = start + share * cut(*number) * options.largest_change_rad;
+                        *angle = wanted.max(low.min(*start)).min(high.max(*start));
+                    }
+                }
+                ActionKind::Waypoint => {
+                    let offset = glam::DVec3::new(cut(action[0]), cut(action[1]), cut(action[2]));
+                    let target = here + offset * options.largest_waypoint_m;
+                    self.steering.control(&plan.arm, self.simulation.report(), target)?;
+                    self.equilibrium_rad.copy_from_slice(self.steering.equilibrium_rad());
+                }
+            }
+            let tactile = &self.simulation.step(&self.equilibrium_rad).tactile;
+            let sensed_n = tactile
+                .taxels
+                .iter()
+                .map(|taxel| taxel.sensed_force_n)
+                .fold(0.0, f64::max);
+            let contact_n = tactile.largest_force().map_or(0.0, |force| force.force_n);
+            found.reward -= reward.force_per_n_s * (sensed_n - reward.free_force_n).max(0.0) * frame_s;
+            found.sensed_force_n = found.sensed_force_n.max(sensed_n);
+            found.contact_force_n = found.contact_force_n.max(contact_n);
+            aborted |= contact_n > plan.rules.stop_force_n;
+        }
+        self.time_s += step_s;
+        found.distance_m = self.distance_m();
+        found.reward += reward.progress_per_m * (before_m - found.distance_m) - reward.time_per_s * step_s;
+        if aborted {
+            found.reward -= reward.aborted;
+            (found.terminated, found.outcome) = (true, Some(Outcome::Aborted));
+        } else if found.distance_m < plan.rules.reached_distance_m {
+            found.reward += reward.reached;
+            if self.goal + 1 == self.goals {
+                (found.terminated, found.outcome) = (true, Some(Outcome::Reached));
+            } else {
+                (self.goal, self.time_s) = (self.goal + 1, 0.0);
+            }
+        } else if self.time_s >= options.time_limit_s - frame_s / 2.0 {
+            (found.truncated, found.outcome) = (true, Some(Outcome::TimedOut));
+        }
+        Ok(found)
+    }
+}
