@@ -36,18 +36,64 @@ pub struct Row<const INPUTS: usize> {
 
 /// A fitted network. It gives the log-probability of each class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "NetworkFile", into = "NetworkFile")]
 pub struct Network {
+    mean: Vec<f64>,
+    scale: Vec<f64>,
+    hidden: Vec<[f64; HIDDEN]>,
+    output: Vec<[f64; HIDDEN]>,
+    output_constant: Vec<f64>,
+}
+
+/// A network in a model file.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct NetworkFile {
     /// Mean of each feature in training.
     mean: Vec<f64>,
     /// What each feature's deviation from it is multiplied by.
     scale: Vec<f64>,
     /// For each feature a weight per hidden unit, then the constants.
-    hidden: Vec<[f64; HIDDEN]>,
+    hidden: Vec<Vec<f64>>,
     /// For each class a weight per hidden unit.
-    output: Vec<[f64; HIDDEN]>,
+    output: Vec<Vec<f64>>,
     /// For each class a constant.
     output_constant: Vec<f64>,
+}
+
+impl TryFrom<NetworkFile> for Network {
+    type Error = String;
+
+    fn try_from(file: NetworkFile) -> Result<Self, String> {
+        let rows = |name: &str, rows: Vec<Vec<f64>>| -> Result<Vec<[f64; HIDDEN]>, String> {
+            let row = |row: Vec<f64>| {
+                let found = row.len();
+                row.try_into()
+                    .map_err(|_| format!("a row of {found} weights in {name}, where there are {HIDDEN} hidden units"))
+            };
+            rows.into_iter().map(row).collect()
+        };
+        Ok(Network {
+            mean: file.mean,
+            scale: file.scale,
+            hidden: rows("hidden", file.hidden)?,
+            output: rows("output", file.output)?,
+            output_constant: file.output_constant,
+        })
+    }
+}
+
+impl From<Network> for NetworkFile {
+    fn from(network: Network) -> Self {
+        let rows = |rows: Vec<[f64; HIDDEN]>| rows.into_iter().map(Vec::from).collect();
+        NetworkFile {
+            mean: network.mean,
+            scale: network.scale,
+            hidden: rows(network.hidden),
+            output: rows(network.output),
+            output_constant: network.output_constant,
+        }
+    }
 }
 
 impl Network {

@@ -13,14 +13,14 @@ use crate::verdict_controller::{Allowance, AllowedForces, VerdictControl};
 
 /// A network that gives these scores, whatever it sees.
 fn constant(inputs: usize, scores: [f64; 2]) -> Value {
-    let row = |last: f64| -> Vec<f64> { std::iter::repeat_n(0.0, 24).chain([last]).collect() };
     json!({
         "sharpness": 1.0,
         "network": {
             "mean": vec![0.0; inputs],
             "scale": vec![0.0; inputs],
-            "hidden": vec![vec![0.0; inputs + 1]; 24],
-            "output": scores.map(row),
+            "hidden": vec![vec![0.0; 24]; inputs + 1],
+            "output": [[0.0; 24]; 2],
+            "output_constant": scores,
         },
     })
 }
