@@ -38,7 +38,7 @@ impl Running {
 
     /// The reach so far.
     pub fn reach(&self, number: &str) -> Answer {
-        if number.trim_start_matches('0') != "" {
+        if !number.trim_start_matches('0').is_empty() {
             let count = 1;
             let number = number.parse().unwrap_or(usize::MAX);
             return Answer::text(404, ReplayError::NoSuchReach { number, count }.to_string());

@@ -59,7 +59,7 @@ type Kept = Vec<(usize, Arc<Vec<u8>>)>;
 
 /// Where the reaches come from.
 enum Content {
-    Stored(Source, Mutex<Kept>),
+    Stored(Box<Source>, Mutex<Kept>),
     Running(Running),
 }
 
@@ -85,7 +85,7 @@ impl Server {
     /// # Errors
     /// [`ReplayError::Serve`] if the port is taken or not allowed.
     pub fn start(source: Source, port: u16) -> Result<Self, ReplayError> {
-        Server::of(Content::Stored(source, Mutex::default()), port)
+        Server::of(Content::Stored(Box::new(source), Mutex::default()), port)
     }
 
     /// As [`Server::start`], with one reach that is being simulated.
