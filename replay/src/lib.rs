@@ -2,7 +2,7 @@
 //!
 //! A [`Source`] lists the reaches of data sets and recordings and packs one of them at a time, with its contact trials and
 //! the verdicts of a model, into the bytes that the page reads ([`pack`]). The same bytes are served over HTTP by [`Server`]
-//! and embedded in the file that [`single_file`] makes.
+//! and embedded in the file that [`single_file`] makes. [`Live`] passes a reach to the server while it is simulated.
 //!
 //! The page is built from `page/` by Vite. Its built form is a single HTML file, which is checked in, so that building this
 //! crate needs no Node.
@@ -11,14 +11,17 @@ mod contact_trials;
 mod container;
 mod error;
 mod known;
+mod live;
 pub mod pack;
 mod page;
+mod running;
 mod server;
 mod source;
 mod verdicts;
 
 pub use error::ReplayError;
 pub use known::Known;
+pub use live::Live;
 pub use page::single_file;
 pub use server::Server;
 pub use source::{Held, Source, Summary};

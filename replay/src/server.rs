@@ -1,4 +1,5 @@
-//! The server of the page on 127.0.0.1: read-only, and with nothing but the page and the reaches it was given.
+//! The server of the page on 127.0.0.1, with nothing but the page and the reaches it was given. It is read-only, but for the
+//! commands to a reach that runs.
 
 use std::io::Cursor;
 use std::net::Ipv4Addr;
@@ -8,26 +9,32 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tiny_http::{Header, Method, Request, Response};
 
 use crate::page::PAGE;
-use crate::{ReplayError, Source};
+use crate::running::Running;
+use crate::{Known, Live, ReplayError, Source, Summary};
 
 /// More requests at a time are answered with 503. Choice: a browser opens six connections.
 const MAX_REQUESTS: usize = 256;
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
 
+/// Paths of the news of a running reach and of commands to it.
+const NEWS: &str = "/api/live";
+const COMMAND: &str = "/api/live/";
+
 /// The page may run its own script and ask this server for reaches, and nothing else.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; \
                       img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// An answer's status, content type and content.
-struct Answer {
+pub struct Answer {
     status: u16,
     kind: &'static str,
     bytes: Arc<Vec<u8>>,
 }
 
 impl Answer {
-    fn new(status: u16, kind: &'static str, bytes: impl Into<Vec<u8>>) -> Self {
+    /// An answer with this content.
+    pub fn new(status: u16, kind: &'static str, bytes: impl Into<Vec<u8>>) -> Self {
         Answer {
             status,
             kind,
@@ -35,22 +42,34 @@ impl Answer {
         }
     }
 
-    fn text(status: u16, text: impl Into<String>) -> Self {
+    /// A sentence.
+    pub fn text(status: u16, text: impl Into<String>) -> Self {
         Answer::new(status, "text/plain; charset=utf-8", text.into())
+    }
+
+    /// The list of reaches.
+    pub fn list(reaches: &[Summary]) -> Self {
+        // Plain data can always be written.
+        Answer::new(200, "application/json", serde_json::to_vec(reaches).unwrap_or_default())
     }
 }
 
 /// The packed reaches that were asked for last.
 type Kept = Vec<(usize, Arc<Vec<u8>>)>;
 
+/// Where the reaches come from.
+enum Content {
+    Stored(Box<Source>, Mutex<Kept>),
+    Running(Running),
+}
+
 /// What all requests share.
 struct Shared {
-    source: Source,
+    content: Content,
     /// Values of `Host` that are answered. Others come from pages of other sites that had their name resolve to this
     /// machine.
     hosts: [String; 2],
-    kept: Mutex<Kept>,
-    running: AtomicUsize,
+    requests: AtomicUsize,
 }
 
 /// A server that listens.
@@ -66,16 +85,27 @@ impl Server {
     /// # Errors
     /// [`ReplayError::Serve`] if the port is taken or not allowed.
     pub fn start(source: Source, port: u16) -> Result<Self, ReplayError> {
+        Server::of(Content::Stored(Box::new(source), Mutex::default()), port)
+    }
+
+    /// As [`Server::start`], with one reach that is being simulated.
+    ///
+    /// # Errors
+    /// [`ReplayError::Serve`] if the port is taken or not allowed.
+    pub fn watch(live: Arc<Live>, known: Known, port: u16) -> Result<Self, ReplayError> {
+        Server::of(Content::Running(Running { live, known }), port)
+    }
+
+    fn of(content: Content, port: u16) -> Result<Self, ReplayError> {
         let http = tiny_http::Server::http((Ipv4Addr::LOCALHOST, port)).map_err(|error| ReplayError::Serve {
             port,
             source: std::io::Error::other(error.to_string()),
         })?;
         let port = http.server_addr().to_ip().map_or(port, |address| address.port());
         let shared = Shared {
-            source,
+            content,
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
-            kept: Mutex::default(),
-            running: AtomicUsize::new(0),
+            requests: AtomicUsize::new(0),
         };
         Ok(Server {
             http,
@@ -92,72 +122,99 @@ impl Server {
     /// Answers requests until the program ends.
     pub fn run(&self) {
         for request in self.http.incoming_requests() {
-            if self.shared.running.fetch_add(1, Ordering::Relaxed) >= MAX_REQUESTS {
-                self.shared.running.fetch_sub(1, Ordering::Relaxed);
+            if self.shared.requests.fetch_add(1, Ordering::Relaxed) >= MAX_REQUESTS {
+                self.shared.requests.fetch_sub(1, Ordering::Relaxed);
                 respond(request, Answer::text(503, "too many requests at a time"));
                 continue;
             }
             let shared = Arc::clone(&self.shared);
             // A thread for each, because one that does not read its answer must not keep the others waiting.
             std::thread::spawn(move || {
-                let answer = shared.answer(&request);
-                respond(request, answer);
-                shared.running.fetch_sub(1, Ordering::Relaxed);
+                shared.serve(request);
+                shared.requests.fetch_sub(1, Ordering::Relaxed);
             });
         }
     }
 }
 
 impl Shared {
-    fn answer(&self, request: &Request) -> Answer {
-        let hosts: Vec<&str> = request
-            .headers()
-            .iter()
-            .filter(|header| header.field.equiv("Host"))
-            .map(|header| header.value.as_str())
-            .collect();
-        let known = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
-        if hosts.len() != 1 || !known(hosts[0]) {
-            return Answer::text(403, "this server answers only for its own address on this machine");
-        }
-        if !matches!(request.method(), Method::Get | Method::Head) {
-            return Answer::text(405, "only GET and HEAD are allowed");
-        }
-        let path = request.url().split('?').next().unwrap_or_default();
-        match path.strip_prefix("/api/reach/") {
-            None if path == "/" => Answer::new(200, "text/html; charset=utf-8", PAGE),
-            None if path == "/api/reaches" => {
-                let list = serde_json::to_vec(self.source.reaches());
-                Answer::new(200, "application/json", list.unwrap_or_default())
-            }
-            Some(number) if is_number(number) => self.reach(number),
-            _ => Answer::text(404, "no such page"),
+    fn serve(&self, request: Request) {
+        let answer = self.refusal(&request).unwrap_or_else(|| self.answer(&request));
+        match &self.content {
+            // News are told until the reach ends.
+            Content::Running(running) if answer.status == 200 && request.url() == NEWS => running.tell(request),
+            _ => respond(request, answer),
         }
     }
 
-    /// A packed reach. One is packed at a time, so that memory is bounded however many are asked for.
-    fn reach(&self, number: &str) -> Answer {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        // A number too large for a place in the list is no place in the list.
-        let number = number.parse().unwrap_or(usize::MAX);
-        if let Some(place) = kept.iter().position(|(other, _)| *other == number) {
-            let found = kept.remove(place);
-            kept.push(found);
-        } else {
-            match self.source.pack(number) {
-                Ok(bytes) => kept.push((number, Arc::new(bytes))),
-                Err(error @ ReplayError::NoSuchReach { .. }) => return Answer::text(404, error.to_string()),
-                Err(error) => return Answer::text(500, error.to_string()),
+    /// Why a request is not answered, if it is not.
+    fn refusal(&self, request: &Request) -> Option<Answer> {
+        let values = |name: &'static str| -> Vec<&str> {
+            let headers = request.headers().iter();
+            let own = headers.filter(|header| header.field.equiv(name));
+            own.map(|header| header.value.as_str()).collect()
+        };
+        let known = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
+        let hosts = values("Host");
+        if hosts.len() != 1 || !known(hosts[0]) {
+            return Some(Answer::text(
+                403,
+                "this server answers only for its own address on this machine",
+            ));
+        }
+        let commands = matches!(self.content, Content::Running(_));
+        match request.method() {
+            Method::Get | Method::Head => None,
+            // Another site could send a command, but not the name of this one as its origin.
+            Method::Post if commands && request.url().starts_with(COMMAND) => {
+                let origins = values("Origin");
+                let own = origins.first().and_then(|origin| origin.strip_prefix("http://"));
+                (origins.len() != 1 || !own.is_some_and(known))
+                    .then(|| Answer::text(403, "only the page of this server can give commands"))
             }
-            let surplus = kept.len().saturating_sub(KEPT);
-            kept.drain(..surplus);
+            _ => Some(Answer::text(405, "only GET and HEAD are allowed")),
         }
-        let bytes = kept.last().map(|(_, bytes)| Arc::clone(bytes)).unwrap_or_default();
-        Answer {
-            status: 200,
-            kind: "application/octet-stream",
-            bytes,
+    }
+
+    fn answer(&self, request: &Request) -> Answer {
+        let path = request.url().split('?').next().unwrap_or_default();
+        let number = path.strip_prefix("/api/reach/").filter(|number| is_number(number));
+        let command = path.strip_prefix(COMMAND).filter(|_| *request.method() == Method::Post);
+        match (&self.content, number, command) {
+            _ if path == "/" => Answer::new(200, "text/html; charset=utf-8", PAGE),
+            (Content::Stored(source, _), ..) if path == "/api/reaches" => Answer::list(source.reaches()),
+            (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
+            (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
+            (Content::Running(running), Some(number), _) => running.reach(number),
+            (Content::Running(running), _, Some(command)) => running.command(command),
+            (Content::Running(_), ..) if path == NEWS && *request.method() == Method::Get => Answer::text(200, ""),
+            _ => Answer::text(404, "no such page"),
         }
+    }
+}
+
+/// A packed reach. One is packed at a time, so that memory is bounded however many are asked for.
+fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Answer {
+    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    // A number too large for a place in the list is no place in the list.
+    let number = number.parse().unwrap_or(usize::MAX);
+    if let Some(place) = kept.iter().position(|(other, _)| *other == number) {
+        let found = kept.remove(place);
+        kept.push(found);
+    } else {
+        match source.pack(number) {
+            Ok(bytes) => kept.push((number, Arc::new(bytes))),
+            Err(error @ ReplayError::NoSuchReach { .. }) => return Answer::text(404, error.to_string()),
+            Err(error) => return Answer::text(500, error.to_string()),
+        }
+        let surplus = kept.len().saturating_sub(KEPT);
+        kept.drain(..surplus);
+    }
+    let bytes = kept.last().map(|(_, bytes)| Arc::clone(bytes)).unwrap_or_default();
+    Answer {
+        status: 200,
+        kind: "application/octet-stream",
+        bytes,
     }
 }
 

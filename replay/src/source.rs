@@ -37,6 +37,8 @@ pub struct Summary {
     pub peak_force_n: f64,
     /// The bounds of the audit that it exceeds.
     pub audit_warnings: Vec<String>,
+    /// Whether the reach is still being simulated.
+    pub running: bool,
 }
 
 /// Where a reach is read from.
@@ -149,6 +151,7 @@ impl Source {
                 contacts: episode.contacts,
                 peak_force_n,
                 audit_warnings: (self.known.audit_warnings)(&episode.audit, dataset.layout()),
+                running: false,
             });
             self.places.push(Place::Dataset { input, index });
         }
@@ -166,21 +169,28 @@ impl Source {
 
     /// Adds a recording to the list.
     fn list(&mut self, recording: &Recording, source: String) {
-        let forces = recording.contacts.iter().map(|contact| contact.peak_force_n);
-        self.reaches.push(Summary {
-            number: self.reaches.len(),
-            source,
-            scene: recording.scene.clone(),
-            seed: recording.seed.to_string(),
-            reach_index: recording.reach_index,
-            controller: recording.controller.clone(),
-            outcome: recording.outcome(),
-            goal_outcomes: recording.goal_outcomes(),
-            duration_s: recording.frames.len() as f64 / recording.rate_hz,
-            contacts: recording.contacts.len(),
-            peak_force_n: forces.fold(0.0, f64::max),
-            audit_warnings: (self.known.audit_warnings)(&recording.audit, &recording.layout),
-        });
+        let summary = summary(self.reaches.len(), recording, source, &self.known);
+        self.reaches.push(summary);
+    }
+}
+
+/// The line of a recording in the list.
+pub fn summary(number: usize, recording: &Recording, source: String, known: &Known) -> Summary {
+    let forces = recording.contacts.iter().map(|contact| contact.peak_force_n);
+    Summary {
+        number,
+        source,
+        scene: recording.scene.clone(),
+        seed: recording.seed.to_string(),
+        reach_index: recording.reach_index,
+        controller: recording.controller.clone(),
+        outcome: recording.outcome(),
+        goal_outcomes: recording.goal_outcomes(),
+        duration_s: recording.frames.len() as f64 / recording.rate_hz,
+        contacts: recording.contacts.len(),
+        peak_force_n: forces.fold(0.0, f64::max),
+        audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
+        running: false,
     }
 }
 

@@ -5,6 +5,7 @@ use underbrush_recording::{Body, BodyOwner, BodyPart};
 use crate::simulation::{FrameReport, Simulation};
 
 /// Follows all bodies, frame by frame.
+#[derive(Clone)]
 pub struct BodyLog {
     /// The links of the arm, base first, then the bodies of the objects, object by object.
     bodies: Vec<Body>,

@@ -8,13 +8,14 @@ use underbrush_recording::Contact;
 use crate::simulation::ContactPair;
 
 /// Follows which part of the arm touches which object, frame by frame.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct ContactLog {
     open: BTreeMap<ContactPair, Course>,
     closed: Vec<(ContactPair, Course)>,
 }
 
 /// One contact so far.
+#[derive(Clone)]
 struct Course {
     first_frame: u32,
     last_frame: u32,

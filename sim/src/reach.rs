@@ -10,6 +10,7 @@ use log::ReachLog;
 use monitor::Monitor;
 pub use plan::{MakeController, PlannedController, ReachPlan, WrapController};
 pub use rules::ReachRules;
+pub use so_far::ReachSoFar;
 pub(crate) use steering::Steering;
 
 mod back_off;
@@ -18,6 +19,7 @@ mod log;
 mod monitor;
 mod plan;
 mod rules;
+mod so_far;
 mod steering;
 #[cfg(test)]
 mod tests;

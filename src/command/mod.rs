@@ -18,3 +18,4 @@ mod touch;
 pub mod train;
 pub mod trials;
 pub mod validate;
+mod watched;

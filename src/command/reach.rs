@@ -14,10 +14,11 @@ use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_report::picture;
 use underbrush_sim::controller::ControllerKind;
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::reach::{ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
 use underbrush_sim::snapshot::Snapshot;
 
+use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
 use crate::output;
@@ -49,6 +50,11 @@ pub struct Options {
     /// Write the reach as a moving picture in a loop to this file (animated SVG, at most 0.9 MB)
     #[arg(long, value_name = "FILE.svg")]
     animation: Option<PathBuf>,
+    /// Show the reach in the browser while it is simulated, with buttons to pause and step it
+    ///
+    /// The page is served on 127.0.0.1 until Ctrl-C. The reach begins when the page is opened.
+    #[arg(long)]
+    watch: bool,
     /// Patch of skin whose trials are counted [default: the first]
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
@@ -122,6 +128,11 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             path.display()
         )));
     }
+    let mut watched = if options.watch {
+        Some(Watched::begin(ReachSoFar::new(&plan, options.index))?)
+    } else {
+        None
+    };
     let start = Instant::now();
     let mut best: Option<Snapshot> = None;
     let mut moments: Vec<Snapshot> = Vec::new();
@@ -135,6 +146,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             moments.push(Snapshot::take(simulation, frame));
         }
         frames += 1;
+        if let Some(watched) = &mut watched {
+            watched.frame(simulation, frame);
+        }
     })?;
     let wall_s = start.elapsed().as_secs_f64();
     // The recording is written first, so that a failure below does not lose it.
@@ -175,7 +189,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     output::remarks(audit::reach_warnings(&recording));
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
     let report = Report::of(&recording, &options_of_trials, f_max_n, wall_s)?;
-    output::result(json, &report, || report.text())
+    output::result(json, &report, || report.text())?;
+    watched.map_or(Ok(()), |watched| watched.end(recording))
 }
 
 impl Report {

@@ -151,12 +151,18 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
     output::result(json, &report, || {
         format!("{} at {address} until Ctrl-C", reaches(served))
     })?;
-    // In a script or a test nobody looks at a browser.
-    if open && std::io::stdout().is_terminal() {
-        open_browser(&address);
+    if open {
+        show(&address);
     }
     server.run();
     Ok(())
+}
+
+/// Opens an address in the browser, unless in a script or a test, where nobody looks at one.
+pub fn show(address: &str) {
+    if std::io::stdout().is_terminal() {
+        open_browser(address);
+    }
 }
 
 fn reaches(count: usize) -> String {

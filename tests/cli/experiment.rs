@@ -62,6 +62,13 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
         "{page}"
     );
     assert!(!page.contains("the paper's experiment"));
+    // The moments that the page shows can be replayed, and nothing else is promised.
+    let replayed = page.matches("href=\"replay.html#reach=").count();
+    let file = std::fs::read_to_string(out.join("report/replay.html"));
+    let held = file.map_or(0, |file| {
+        file.matches("<script type=\"application/octet-stream\"").count()
+    });
+    assert_eq!(held, replayed);
     // The same folder goes on only with the same experiment.
     underbrush!["reproduce", "--out", &out, "--quick"].refused(&["another run"]);
 }

@@ -66,6 +66,22 @@ fn the_report_agrees_with_the_recording() {
     assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
 }
 
+/// Pins that an animation is an SVG that moves and is not too large for a README, and that other formats are refused before
+/// anything is simulated.
+#[test]
+fn an_animation_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let animation = folder.path().join("reach.svg");
+    underbrush!["reach", scene, "--animation", animation].success();
+    let svg = std::fs::read_to_string(animation).unwrap();
+    assert!(svg.starts_with("<svg") && svg.len() < 1_000_000, "{} bytes", svg.len());
+    assert!(svg.matches("<animate ").count() > 10);
+    let video = folder.path().join("reach.mp4");
+    underbrush!["reach", scene, "--animation", video].refused(&["reach.mp4", ".svg"]);
+    assert!(!video.exists());
+}
+
 /// Pins that --controller replaces the controller of the scene, and that the recording names it.
 #[test]
 fn the_blind_controller_pushes_on() {

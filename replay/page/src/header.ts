@@ -54,11 +54,10 @@ export class Header {
     const stop = header.safety_stop;
     const facts = [
       header.controller,
-      `${reached} of ${reached + stuck + timedOut + aborted} goals reached${others.join("")}`,
-      `${summary.duration_s.toFixed(1)} s`,
-      `peak contact force ${summary.peak_force_n.toFixed(2)} N`,
+      summary.running ? "running" : `${reached} of ${reached + stuck + timedOut + aborted} goals reached${others.join("")}`,
+      ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)} s`, `peak contact force ${summary.peak_force_n.toFixed(2)} N`]),
       stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,
-      header.audit_warnings.length === 0 ? "audit within bounds" : `audit: ${header.audit_warnings.join("; ")}`,
+      summary.running ? "" : header.audit_warnings.length === 0 ? "audit within bounds" : `audit: ${header.audit_warnings.join("; ")}`,
       header.verdicts === null ? "" : `model ${header.verdicts.model} (${header.verdicts.classifier})`,
     ];
     say(find("facts"), facts.filter((fact) => fact !== "").join(" · "));

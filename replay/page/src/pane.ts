@@ -72,6 +72,12 @@ export class Pane {
     if (this.maps.length === 0) this.skins.replaceChildren(element("p", { class: "key" }, "This arm has no skin."));
   }
 
+  /** Shows the same reach with more frames. */
+  grow(loaded: Loaded): void {
+    this.loaded = loaded;
+    this.view?.load(loaded.reach, true);
+  }
+
   /** How each taxel looks in a frame; worked out once a frame. */
   looks(frame: number, colour: ColourBy, palette: Palette): (taxel: number) => TaxelLook {
     const { reach, trials, largest } = this.loaded!;

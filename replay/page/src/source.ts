@@ -16,6 +16,8 @@ export interface Summary {
   contacts: number;
   peak_force_n: number;
   audit_warnings: string[];
+  /** Whether the reach is still being simulated. */
+  running: boolean;
 }
 
 export interface Source {

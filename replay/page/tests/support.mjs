@@ -2,6 +2,7 @@
 
 import { execFile, execFileSync, spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { request } from "node:http";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { createInterface } from "node:readline";
@@ -73,6 +74,24 @@ export async function serve(...options) {
     child.once("exit", (status) => failed(new Error(`the program ended with ${status}`)));
   });
   return { address: JSON.parse(line).address, close: () => child.kill() };
+}
+
+/** Starts a reach that waits for its page; gives the page's address and a way to end it. */
+export async function watch(...options) {
+  const child = spawn(PROGRAM, ["reach", ...options, "--watch"], { cwd: ROOT, stdio: ["ignore", "ignore", "pipe"] });
+  servers.add(child);
+  const address = await new Promise((found, failed) => {
+    createInterface({ input: child.stderr }).on("line", (line) => {
+      const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(line);
+      if (match !== null) found(match[0]);
+    });
+    child.once("exit", (status) => failed(new Error(`the program ended with ${status}`)));
+  });
+  const pause = () => new Promise((done, failed) => {
+    const headers = { Origin: address.replace(/\/$/, "") };
+    request(`${address}api/live/pause`, { method: "POST", headers }, (answer) => answer.resume().on("end", () => done(answer.statusCode))).on("error", failed).end();
+  });
+  return { address, pause, close: () => child.kill() };
 }
 
 export function launch(...more) {

@@ -21,14 +21,14 @@ fn start(folder: &Path) -> u16 {
 }
 
 /// The answer to a request: its status, its head and its content.
-struct Answer {
-    status: u16,
-    head: String,
-    content: Vec<u8>,
+pub struct Answer {
+    pub status: u16,
+    pub head: String,
+    pub content: Vec<u8>,
 }
 
 /// Sends these lines, followed by an empty one, and reads the answer to its end.
-fn ask(port: u16, lines: &[&str]) -> Answer {
+pub fn ask(port: u16, lines: &[&str]) -> Answer {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     // No answer takes a minute. A server that hangs must fail the test.
     stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
@@ -46,7 +46,7 @@ fn ask(port: u16, lines: &[&str]) -> Answer {
 }
 
 /// Asks for a path with this method, as a browser on this machine.
-fn get(port: u16, method: &str, path: &str) -> Answer {
+pub fn get(port: u16, method: &str, path: &str) -> Answer {
     ask(
         port,
         &[&format!("{method} {path} HTTP/1.1"), &format!("Host: 127.0.0.1:{port}")],

@@ -61,7 +61,7 @@ fn draw(
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += clock(&mut body, &times, y);
-    y += legend::legend(&mut body, (fullest, &looks), layout, (8.0, WIDTH - 16.0), y) + LINE;
+    y += legend::legend(&mut body, (fullest, &looks, false), layout, (8.0, WIDTH - 16.0), y) + LINE;
     for (panel, view) in PANELS.iter().zip(views(snapshots, workspace, WIDTH - LEFT - RIGHT)) {
         let size = view.size_px();
         let _ = writeln!(

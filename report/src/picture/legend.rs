@@ -22,8 +22,8 @@ fn square(fill: &str) -> String {
     format!("<rect x=\"-7\" y=\"-7\" width=\"14\" height=\"14\" fill=\"{fill}\"/>")
 }
 
-/// Every kind of mark in the picture.
-fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout) -> Vec<Entry> {
+/// Every kind of mark in the picture. `sized` says that a taxel's mark grows with its force.
+fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, sized: bool) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |mark: String, text: &str| {
         entries.push(Entry {
@@ -65,7 +65,7 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout) -> V
             "taxel that reports a force though it touches nothing",
         );
     }
-    if felt().next().is_some() {
+    if sized && felt().next().is_some() {
         add(taxel_mark(DVec2::ZERO, 0.05, "#ffffff"), "a taxel that reports 0.05 N");
         add(taxel_mark(DVec2::ZERO, 1.0, "#ffffff"), "1 N");
         add(taxel_mark(DVec2::ZERO, 5.0, "#ffffff"), "5 N");
@@ -73,16 +73,16 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout) -> V
     entries
 }
 
-/// Writes the legend, starting at `top`, and returns its height, px.
+/// Writes the legend, starting at `top`, and returns its height, px. `sized` says that a taxel's mark grows with its force.
 pub fn legend(
     svg: &mut String,
-    (snapshot, looks): (&Snapshot, &CategoryLooks),
+    (snapshot, looks, sized): (&Snapshot, &CategoryLooks, bool),
     layout: &SkinLayout,
     (left, width): (f64, f64),
     top: f64,
 ) -> f64 {
     let (mut x, mut row) = (left, 0.0);
-    for Entry { mark, text } in entries(snapshot, looks, layout) {
+    for Entry { mark, text } in entries(snapshot, looks, layout, sized) {
         let wide = 42.0 + LETTER * FONT * text.chars().count() as f64;
         if x > left && x + wide > left + width {
             (x, row) = (left, row + 1.0);

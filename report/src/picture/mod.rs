@@ -47,7 +47,7 @@ pub fn draw(
     let mut body = String::new();
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
-    y += legend::legend(&mut body, (snapshot, &looks), layout, (8.0, WIDTH - 16.0), y) + LINE;
+    y += legend::legend(&mut body, (snapshot, &looks, true), layout, (8.0, WIDTH - 16.0), y) + LINE;
     for (panel, view) in PANELS
         .iter()
         .zip(views(std::slice::from_ref(snapshot), workspace, inner.1))

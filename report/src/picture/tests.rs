@@ -214,7 +214,9 @@ fn an_animation_shows_the_moments_in_turn() {
     let objects = [Category::TRUNK];
     let draw = |moments: &[Snapshot]| animate(moments, &layout, &objects, &Workspace::default(), "two moments");
     let svg = draw(&[first.clone(), second]).unwrap();
-    assert!(words(&svg).contains("two moments"));
+    let text = words(&svg);
+    assert!(text.contains("two moments") && text.contains("goal of the moment"));
+    assert!(!text.contains("5 N"), "all marks have the same size: {text}");
     let animated = |style: &str| {
         svg.lines()
             .filter(|line| line.contains(style) && line.contains("<animate"))

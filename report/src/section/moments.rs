@@ -26,10 +26,19 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 pub fn address(moment: &Moment, place: usize) -> String {
     let time_s = moment.snapshot.frame.time_s;
     // A name with other characters could end the address.
-    let plain = |name: &str| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));
-    let patch = moment.layout.patches.get(moment.patch).filter(|patch| plain(&patch.name));
+    let plain = |name: &str| {
+        name.chars()
+            .all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter))
+    };
+    let patch = moment
+        .layout
+        .patches
+        .get(moment.patch)
+        .filter(|patch| plain(&patch.name));
     let pressed = moment.verdicts.keys().find(|taxel| moment.pressed.contains(taxel));
-    let taxel = patch.zip(pressed).map_or(String::new(), |(patch, taxel)| format!("&taxel={}.{taxel}", patch.name));
+    let taxel = patch
+        .zip(pressed)
+        .map_or(String::new(), |(patch, taxel)| format!("&taxel={}.{taxel}", patch.name));
     format!("{REPLAY_FILE}#reach={place}&t={time_s:.2}&colour=verdict{taxel}")
 }
 
@@ -110,7 +119,8 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
 
 /// Which colour the objects of each category in a picture have.
 fn objects_in_words(snapshot: &Snapshot, looks: &CategoryLooks) -> String {
-    let categories: std::collections::BTreeSet<Category> = snapshot.objects.iter().map(|object| object.category).collect();
+    let categories: std::collections::BTreeSet<Category> =
+        snapshot.objects.iter().map(|object| object.category).collect();
     let colours = categories.into_iter().map(|category| match category {
         Category::BLOCK => "foam blocks sand-coloured".to_owned(),
         other => format!("{} {}", other.name(), looks.look(other.name()).colour_name),

@@ -66,6 +66,18 @@ impl ReachLog {
         self.recording.goals.push(goal);
     }
 
+    /// The recording so far, without audit.
+    pub(super) fn so_far(&self, arm: &Arm) -> Recording {
+        Recording {
+            bodies: self.bodies.clone().finish(),
+            contacts: self
+                .contacts
+                .clone()
+                .finish(|link| arm.links[usize::from(link)].name.clone()),
+            ..self.recording.clone()
+        }
+    }
+
     /// The finished recording.
     pub(super) fn finish(mut self, arm: &Arm, control: ControlCounts) -> Recording {
         self.recording.bodies = self.bodies.finish();

@@ -2,7 +2,7 @@
 
 use underbrush_recording::Outcome;
 
-use super::ReachPlan;
+use super::{ReachPlan, ReachSoFar};
 use crate::arm::Arm;
 use crate::controller::{ControllerKind, Preset};
 use crate::scene::Scene;
@@ -172,4 +172,33 @@ fn a_stuck_arm_backs_off_and_tries_again() {
     // before it moved back.
     let whole_way = 0.05 - once.rules.reached_distance_m - once.rules.stuck_distance_m;
     assert!(farthest >= whole_way, "{farthest} m, {whole_way} m");
+}
+
+#[test]
+fn a_watched_reach_is_the_recorded_one() {
+    // Pins that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and nothing
+    // before the first frame.
+    let plan = plan("");
+    let mut so_far = ReachSoFar::new(&plan, 0);
+    assert!(so_far.recording().is_none());
+    let mut early = None;
+    let finished = plan
+        .run(0, &mut |simulation, frame| {
+            so_far.observe(simulation, frame);
+            if frame.time_s >= 0.1 && early.is_none() {
+                early = so_far.recording();
+            }
+        })
+        .unwrap();
+    let (early, last) = (early.unwrap(), so_far.recording().unwrap());
+    assert_eq!(last.frames, finished.frames);
+    assert_eq!(last.bodies, finished.bodies);
+    assert_eq!(last.contacts, finished.contacts);
+    assert_eq!(last.objects, finished.objects);
+    assert!(last.goals.is_empty() && !finished.goals.is_empty());
+    assert_eq!(early.frames, finished.frames[..early.frames.len()]);
+    assert!(early.frames.len() < 20, "{} frames", early.frames.len());
+    for (early, finished) in early.bodies.iter().zip(&finished.bodies) {
+        assert_eq!(early.track, finished.track[..early.track.len()]);
+    }
 }

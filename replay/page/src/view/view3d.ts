@@ -130,8 +130,8 @@ export class View3D {
     return { taxel: null, object: null };
   }
 
-  /** Shows another reach. */
-  load(reach: Reach): void {
+  /** Shows another reach, or the same one with more frames, for which the camera stays. */
+  load(reach: Reach, grown = false): void {
     for (const old of [this.#bodies, this.#skin, this.#grid]) {
       old?.removeFromParent();
       old?.traverse((node) => node instanceof Mesh && node.geometry.dispose());
@@ -150,7 +150,7 @@ export class View3D {
     this.#grid.position.set(0.6, -0.2, feet.length > 0 ? Math.min(...feet) : 0);
     this.#grid.visible = feet.length > 0;
     this.#scene.add(this.#grid);
-    this.#view = null;
+    if (!grown) this.#view = null;
   }
 
   /** Moves everything to a frame and colours it. */

@@ -1,0 +1,119 @@
+//! A reach that runs: passes its frames from the thread that simulates it to the server's threads, and their commands back.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde::Serialize;
+use underbrush_recording::Recording;
+
+/// A request waits for the simulation at most this long, s. A frame takes milliseconds.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// What the page is told about a running reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct News {
+    /// Number of frames so far.
+    pub frames: usize,
+    /// Whether the simulation waits for a command.
+    pub paused: bool,
+    /// Whether the reach has ended.
+    pub ended: bool,
+}
+
+#[derive(Default)]
+struct State {
+    news: News,
+    /// Whether a page has asked for news. The reach waits for it, so that its beginning is seen.
+    watched: bool,
+    /// Frames that are still to be simulated while paused.
+    steps: usize,
+    /// Whether a request waits for the recording.
+    wanted: bool,
+    latest: Option<Arc<Recording>>,
+}
+
+/// What the threads share.
+#[derive(Default)]
+pub struct Live {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+impl Live {
+    /// A reach that has not begun.
+    pub fn new() -> Self {
+        Live::default()
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Says that one more frame is simulated. `so_far` gives the recording with it, and is called only if somebody asks.
+    /// Waits for the first page, and while the reach is paused.
+    pub fn frame(&self, so_far: impl Fn() -> Option<Recording>) {
+        let mut state = self.state();
+        state.news.frames += 1;
+        loop {
+            if state.wanted {
+                state.latest = so_far().map(Arc::new);
+                state.wanted = false;
+            }
+            self.changed.notify_all();
+            if state.watched && (!state.news.paused || state.steps > 0) {
+                break;
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        state.steps = state.steps.saturating_sub(1);
+    }
+
+    /// Says that the reach has ended, with its whole recording.
+    pub fn end(&self, recording: Recording) {
+        let mut state = self.state();
+        state.news.ended = true;
+        state.news.paused = false;
+        state.wanted = false;
+        state.latest = Some(Arc::new(recording));
+        self.changed.notify_all();
+    }
+
+    /// The recording so far, and what is told about it. `None` if the simulation does not answer.
+    pub fn recording(&self) -> Option<(Arc<Recording>, News)> {
+        let mut state = self.state();
+        if !state.news.ended {
+            state.wanted = true;
+            self.changed.notify_all();
+            let waiting = |state: &mut State| state.wanted;
+            let waited = self.changed.wait_timeout_while(state, PATIENCE, waiting);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        state.latest.clone().map(|recording| (recording, state.news))
+    }
+
+    /// Pauses the simulation or lets it go on.
+    pub fn pause(&self, paused: bool) {
+        let mut state = self.state();
+        state.news.paused = paused && !state.news.ended;
+        state.steps = 0;
+        self.changed.notify_all();
+    }
+
+    /// Simulates this many frames, then pauses.
+    pub fn step(&self, frames: usize) {
+        let mut state = self.state();
+        state.news.paused = !state.news.ended;
+        state.steps = frames;
+        self.changed.notify_all();
+    }
+
+    /// The news when they differ from these, or after a second. Lets the reach begin.
+    pub fn news_after(&self, known: Option<News>) -> News {
+        let mut state = self.state();
+        state.watched = true;
+        self.changed.notify_all();
+        let same = |state: &mut State| Some(state.news) == known;
+        let waited = self.changed.wait_timeout_while(state, Duration::from_secs(1), same);
+        waited.unwrap_or_else(PoisonError::into_inner).0.news
+    }
+}

@@ -1,0 +1,97 @@
+//! What the server answers about a reach that runs.
+
+use std::io::Write;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tiny_http::Request;
+
+use crate::live::{Live, News};
+use crate::pack::pack;
+use crate::server::Answer;
+use crate::source::summary;
+use crate::{Known, ReplayError};
+
+/// The page is told news at most this often.
+const NEWS_EVERY: Duration = Duration::from_millis(100);
+/// A single step is this many frames at most: a minute.
+const MAX_STEPS: usize = 6000;
+
+/// A running reach, and what the caller knows.
+pub struct Running {
+    /// The reach.
+    pub live: Arc<Live>,
+    /// What the recording does not say.
+    pub known: Known,
+}
+
+impl Running {
+    /// The list, which holds this reach alone.
+    pub fn list(&self) -> Answer {
+        let Some((recording, news)) = self.live.recording() else {
+            return no_answer();
+        };
+        let mut summary = summary(0, &recording, String::new(), &self.known);
+        summary.running = !news.ended;
+        Answer::list(&[summary])
+    }
+
+    /// The reach so far.
+    pub fn reach(&self, number: &str) -> Answer {
+        if !number.trim_start_matches('0').is_empty() {
+            let count = 1;
+            let number = number.parse().unwrap_or(usize::MAX);
+            return Answer::text(404, ReplayError::NoSuchReach { number, count }.to_string());
+        }
+        let Some((recording, _)) = self.live.recording() else {
+            return no_answer();
+        };
+        match pack(&recording, &self.known, None) {
+            Ok(bytes) => Answer::new(200, "application/octet-stream", bytes),
+            Err(error) => Answer::text(500, error.to_string()),
+        }
+    }
+
+    /// Does what a command asks for: `pause`, `run`, or `step/N` for N frames.
+    pub fn command(&self, command: &str) -> Answer {
+        let steps = command.strip_prefix("step/").and_then(|count| count.parse().ok());
+        match (command, steps) {
+            ("pause", _) => self.live.pause(true),
+            ("run", _) => self.live.pause(false),
+            (_, Some(count @ 1..=MAX_STEPS)) => self.live.step(count),
+            _ => return Answer::text(404, "no such command"),
+        }
+        Answer::text(200, "done")
+    }
+
+    /// Sends news as server-sent events until the reach ends or the other side leaves.
+    pub fn tell(&self, request: Request) {
+        let mut writer = request.into_writer();
+        let head = "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
+                    X-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n\r\n";
+        let mut send = |text: &str| writer.write_all(text.as_bytes()).and_then(|()| writer.flush());
+        let mut told: Option<News> = None;
+        let mut sent = send(head);
+        while sent.is_ok() {
+            let news = self.live.news_after(told);
+            // A comment finds out whether the other side is still there.
+            let event = match told == Some(news) {
+                true => ": still here\n\n".to_owned(),
+                false => format!("data: {}\n\n", serde_json::to_string(&news).unwrap_or_default()),
+            };
+            sent = send(&event);
+            told = Some(news);
+            if news.ended {
+                break;
+            }
+            std::thread::sleep(NEWS_EVERY);
+        }
+    }
+}
+
+fn no_answer() -> Answer {
+    Answer::text(
+        500,
+        "the simulation does not answer; look at the terminal in which it runs",
+    )
+}

@@ -1,0 +1,141 @@
+//! A reach that runs, through plain sockets.
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::server::{Answer, ask, get};
+use super::{KNOWN, reach};
+use crate::pack::pack;
+use crate::{Held, Live, Server, Source};
+
+/// A reach of 20 frames that is simulated in a thread, its server's port, and the number of frames so far.
+fn start() -> (u16, JoinHandle<()>, Arc<AtomicUsize>) {
+    let live = Arc::new(Live::new());
+    let server = Server::watch(Arc::clone(&live), KNOWN, 0).unwrap();
+    let address = server.address();
+    let port = address.trim_start_matches("http://127.0.0.1:").trim_end_matches('/');
+    let port = port.parse().unwrap();
+    std::thread::spawn(move || server.run());
+    let count = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&count);
+    let simulation = std::thread::spawn(move || {
+        for frame in 1..=20 {
+            counted.store(frame, Ordering::SeqCst);
+            live.frame(|| Some(reach(0, frame.max(7))));
+        }
+        live.end(reach(0, 20));
+    });
+    (port, simulation, count)
+}
+
+fn command(port: u16, command: &str) -> Answer {
+    let lines = [
+        format!("POST /api/live/{command} HTTP/1.1"),
+        format!("Host: 127.0.0.1:{port}"),
+        format!("Origin: http://127.0.0.1:{port}"),
+        "Content-Length: 0".to_owned(),
+    ];
+    ask(port, &lines.each_ref().map(String::as_str))
+}
+
+/// The news of a running reach.
+struct News(BufReader<TcpStream>);
+
+impl News {
+    fn listen(port: u16) -> News {
+        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        write!(stream, "GET /api/live HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").unwrap();
+        News(BufReader::new(stream))
+    }
+
+    /// The next news for which this holds.
+    fn until(&mut self, holds: impl Fn(&Value) -> bool) -> Value {
+        loop {
+            let mut line = String::new();
+            assert!(
+                self.0.read_line(&mut line).unwrap() > 0,
+                "the server has closed the stream"
+            );
+            if let Some(data) = line.strip_prefix("data: ") {
+                let news = serde_json::from_str(data).unwrap();
+                if holds(&news) {
+                    return news;
+                }
+            }
+        }
+    }
+}
+
+/// Pins that a reach waits for the page, is listed as running and packed as far as it is, pauses, steps one and several frames,
+/// goes on, and ends with the whole recording.
+#[test]
+fn a_running_reach_is_told_paused_and_stepped() {
+    let (port, simulation, count) = start();
+    // Paused before it is watched, so that it stands at its first frame.
+    assert_eq!(command(port, "pause").status, 200);
+    let list: Value = serde_json::from_slice(&get(port, "GET", "/api/reaches").content).unwrap();
+    assert_eq!((&list[0]["running"], list.as_array().unwrap().len()), (&true.into(), 1));
+    assert_eq!(count.load(Ordering::SeqCst), 1);
+    let mut news = News::listen(port);
+    let first = news.until(|_| true);
+    assert_eq!(
+        (&first["frames"], &first["paused"], &first["ended"]),
+        (&1.into(), &true.into(), &false.into())
+    );
+    assert_eq!(command(port, "step/1").status, 200);
+    assert_eq!(news.until(|news| news["frames"] != 1)["frames"], 2);
+    assert_eq!(command(port, "step/8").status, 200);
+    assert_eq!(news.until(|news| news["frames"] == 10)["paused"], true);
+    let answer = get(port, "GET", "/api/reach/0");
+    assert_eq!(answer.content, pack(&reach(0, 10), &KNOWN, None).unwrap());
+    assert_eq!(count.load(Ordering::SeqCst), 10, "it does not go on by itself");
+    assert_eq!(command(port, "run").status, 200);
+    assert_eq!(news.until(|news| news["ended"] == true)["frames"], 20);
+    simulation.join().unwrap();
+    let answer = get(port, "GET", "/api/reach/0");
+    assert_eq!(answer.content, pack(&reach(0, 20), &KNOWN, None).unwrap());
+    let list: Value = serde_json::from_slice(&get(port, "GET", "/api/reaches").content).unwrap();
+    assert_eq!(list[0]["running"], false);
+}
+
+/// Pins that commands come only from the server's own page, as POST, and that unknown ones are refused.
+#[test]
+fn commands_of_others_are_refused() {
+    let (port, _, count) = start();
+    let host = format!("Host: 127.0.0.1:{port}");
+    for origin in [vec![], vec!["Origin: http://evil.example"], vec!["Origin: null"]] {
+        let lines = [
+            vec!["POST /api/live/step/3 HTTP/1.1", &host, "Content-Length: 0"],
+            origin,
+        ]
+        .concat();
+        assert_eq!(ask(port, &lines).status, 403, "{lines:?}");
+    }
+    assert_eq!(get(port, "GET", "/api/live/step/3").status, 404);
+    assert_eq!(get(port, "PUT", "/api/live/step/3").status, 405);
+    for unknown in ["stop", "step", "step/0", "step/-1", "step/6001", "step/x", ""] {
+        assert_eq!(command(port, unknown).status, 404, "{unknown}");
+    }
+    assert_eq!(get(port, "GET", "/api/reach/1").status, 404);
+    assert_eq!(count.load(Ordering::SeqCst), 1, "a refused command does nothing");
+}
+
+/// Pins that recordings in memory are listed and packed as those in files are.
+#[test]
+fn recordings_in_memory_are_packed_too() {
+    let held = |index| Held {
+        recording: reach(index, 20),
+        judging: None,
+    };
+    let source = Source::of(vec![held(0), held(3)], KNOWN).unwrap();
+    assert_eq!(source.reaches().len(), 2);
+    assert_eq!((source.reaches()[1].number, source.reaches()[1].reach_index), (1, 3));
+    assert_eq!(source.pack(1).unwrap(), pack(&reach(3, 20), &KNOWN, None).unwrap());
+}

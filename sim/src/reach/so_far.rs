@@ -1,0 +1,39 @@
+//! The recording of a reach while it still runs, for those who watch it.
+
+use underbrush_recording::{Frame, Recording};
+
+use super::log::ReachLog;
+use super::plan::ReachPlan;
+use crate::simulation::Simulation;
+
+/// Follows a reach as its observer, and gives the recording so far at any time.
+///
+/// It has the frames, poses and contacts; goals are known when they have ended, so it has none, and its audit is not that of
+/// the engine's steps. The recording that [`ReachPlan::run`] returns has everything.
+pub struct ReachSoFar<'a> {
+    plan: &'a ReachPlan,
+    reach_index: u64,
+    log: Option<ReachLog>,
+}
+
+impl<'a> ReachSoFar<'a> {
+    /// Nothing yet of reach number `reach_index` of a plan.
+    pub fn new(plan: &'a ReachPlan, reach_index: u64) -> Self {
+        ReachSoFar {
+            plan,
+            reach_index,
+            log: None,
+        }
+    }
+
+    /// Adds a frame. Must be called for every frame, from the first on.
+    pub fn observe(&mut self, simulation: &Simulation, frame: &Frame) {
+        let begin = || ReachLog::new(self.plan, &self.plan.controller_name(), self.reach_index, simulation);
+        self.log.get_or_insert_with(begin).record(simulation, frame.clone());
+    }
+
+    /// The recording so far; `None` before the first frame.
+    pub fn recording(&self) -> Option<Recording> {
+        self.log.as_ref().map(|log| log.so_far(&self.plan.arm))
+    }
+}
