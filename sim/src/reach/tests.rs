@@ -173,3 +173,18 @@ fn a_stuck_arm_backs_off_and_tries_again() {
     let whole_way = 0.05 - once.rules.reached_distance_m - once.rules.stuck_distance_m;
     assert!(farthest >= whole_way, "{farthest} m, {whole_way} m");
 }
+
+#[test]
+fn a_reach_stops_when_it_is_told() {
+    // Pins that a reach that is stopped ends before its next frame, without a recording, and that the frames until then are those
+    // of a reach that is not stopped.
+    let plan = plan("");
+    let whole = plan.run(0, &mut |_, _| {}).unwrap();
+    let seen = std::cell::RefCell::new(Vec::new());
+    let mut observer = |_: &crate::simulation::Simulation, frame: &underbrush_recording::Frame| {
+        seen.borrow_mut().push(frame.clone());
+    };
+    let stopped = plan.run_until(0, &mut observer, &|| seen.borrow().len() == 5);
+    assert!(matches!(stopped, Err(super::ReachError::Stopped)), "{stopped:?}");
+    assert_eq!(seen.into_inner(), whole.frames[..5]);
+}
