@@ -16,8 +16,8 @@ import underbrush.sklearn
 
 HEAD = """# Python: all calls
 
-This page is made from the docstrings by `python/docs.py`; do not edit it. [python.md](python.md) is the guide. Quantities are in SI
-units, which names end with; vectors are in the frame that their name ends with.
+This page is made from the docstrings by `python/docs.py`; do not edit it. [python.md](python.md) is the guide. Quantities are in
+SI units, which names end with; vectors are in the frame that their name ends with.
 """
 
 
@@ -26,7 +26,9 @@ def signature(found: object) -> str:
         text = str(inspect.signature(found))  # type: ignore[arg-type]
     except (TypeError, ValueError):
         return ""
-    return text.replace("'", "").replace("(self, /", "(").replace("(self", "(").replace("(, ", "(").replace("_core.", "")
+    for old, new in (("'", ""), ("(self, /", "("), ("(self", "("), ("(, ", "("), ("_core.", "")):
+        text = text.replace(old, new)
+    return text
 
 
 def described(name: str, found: object, level: str) -> str:
@@ -37,7 +39,7 @@ def described(name: str, found: object, level: str) -> str:
 
 def of_class(name: str, found: type) -> str:
     parts = [described(name, found, "###")]
-    for member, value in vars(found).items():
+    for member, value in sorted(vars(found).items()):
         if member.startswith("_") and member != "__call__":
             continue
         own = value.__func__ if isinstance(value, (staticmethod, classmethod)) else value

@@ -10,6 +10,7 @@ cross-entropy method: candidates run side by side in one vector environment, thr
 
 # %%
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -25,9 +26,15 @@ LIMIT_S = 1.0 if QUICK else 12.0
 TRAINING = range(100, 101 if QUICK else 103)
 TESTING = range(1, 2 if QUICK else 9)
 Numbers = NDArray[np.float64]
+Policy = Callable[[Numbers, dict[str, NDArray[np.float32]]], NDArray[np.float32]]
 
 scene = ub.Scene("mixed").changed({"goals": {"count": 1, "retries": 0}}, name="policy")
-options: dict[str, Any] = {"scene": scene, "action": "waypoint", "time_limit_s": LIMIT_S, "reward": {"free_force_n": 1.0, "force_per_n_s": 2.0}}
+options: dict[str, Any] = {
+    "scene": scene,
+    "action": "waypoint",
+    "time_limit_s": LIMIT_S,
+    "reward": {"free_force_n": 1.0, "force_per_n_s": 2.0},
+}
 
 
 def act(numbers: Numbers, seen: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
@@ -44,7 +51,9 @@ def act(numbers: Numbers, seen: dict[str, NDArray[np.float32]]) -> NDArray[np.fl
     return np.asarray(np.clip(action, -1, 1), np.float32)
 
 
-def episodes(numbers: Numbers, seed: int, controller: str = "blind", act=act) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:  # type: ignore[no-untyped-def]
+def episodes(
+    numbers: Numbers, seed: int, controller: str = "blind", act: Policy = act
+) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
     """Return, largest contact force and success of one episode for each row of numbers, all through the same clutter."""
     env: gymnasium.vector.VectorEnv[Any, Any, Any] = gymnasium.make_vec(
         "underbrush/Reach-v0", num_envs=len(numbers), controller=controller, **options
@@ -82,7 +91,7 @@ def towards_goal(numbers: Numbers, seen: dict[str, NDArray[np.float32]]) -> NDAr
     return np.asarray(np.clip(way * 10.0, -1, 1), np.float32)
 
 
-rows = {
+rows: dict[str, tuple[Numbers, str, Policy]] = {
     "policy before": (START, "blind", act),
     "policy after": (mean, "blind", act),
     "blind controller": (START, "blind", towards_goal),

@@ -1,8 +1,9 @@
 """The classifiers as estimators of scikit-learn.
 
 ``fit(X, y)`` takes rows of equal width: a trial is a row of forces, N, at 100 Hz, and NaN is a missing sample, such as the
-padding of a shorter trial (:meth:`Trials.padded` makes such rows). Missing samples are left out, and later ones move up. ``fit_sequences`` takes arrays of unequal length with one or more features,
-and ``fit_trials`` takes trials. Scores are those of the command line, bit for bit.
+padding of a shorter trial (:meth:`Trials.padded` makes such rows). Missing samples are left out, and later ones move up.
+``fit_sequences`` takes arrays of unequal length with one or more features, and ``fit_trials`` takes trials. Scores are those
+of the command line, bit for bit.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     features: str | Sequence[str] | None
 
     def _options(self) -> dict[str, Any]:
-        """The options of the classifier: its parameters, of which `score` has another name, since scikit-learn has such a method."""
+        """The options of the classifier: its parameters. The option `score` is `score_kind`, as there is a method `score`."""
         options = dict(self.get_params(deep=False))
         if "score_kind" in options:
             options["score"] = options.pop("score_kind")
@@ -260,7 +261,10 @@ class EchoStateClassifier(_Baseline):
 
 
 class LogisticClassifier(_Baseline):
-    """Logistic regression over statistics of the contact so far. ``features=None`` adds the contact region, which only trials have."""
+    """Logistic regression over statistics of the contact so far.
+
+    ``features=None`` adds the contact region, which only trials have.
+    """
 
     _classifier = "logistic"
 
