@@ -183,9 +183,11 @@ impl PyEnvironments {
         let (actions, _) = array::finite(actions, "action", &shape)?;
         let mut state = self.lock()?;
         let own = &mut *state;
-        let stepped = pool::detached(py, self.jobs, || {
-            Ok(own.environments.step(&actions, &mut own.observations)?)
-        })?;
+        let step = || Ok(own.environments.step(&actions, &mut own.observations)?);
+        let stepped = match self.count {
+            1 => py.detach(|| pool::guarded(step))?,
+            _ => pool::detached(py, self.jobs, step)?,
+        };
         let stepped: Vec<Option<Stepped>> = stepped.into_iter().map(Some).collect();
         self.answer(py, &state, &stepped)
     }

@@ -50,7 +50,7 @@ fn unknown(name: &str) -> Failure {
 #[pymethods]
 impl Options {
     #[new]
-    #[pyo3(signature = (classifier = HMM, *, features = None, recipe = None, states = None, topology = None, initial = None,
+    #[pyo3(signature = (classifier = "hmm", *, features = None, recipe = None, states = None, topology = None, initial = None,
                         score = None, iterations = None, tolerance = None, variance_floor = None, max_samples = None))]
     #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn new(

@@ -17,7 +17,7 @@ use crate::controller;
 use crate::dataset::PyDataset;
 use crate::failure::Failure;
 use crate::interrupt::{Stop, watched};
-use crate::scene::{controller_kind, scene};
+use crate::scene::scene;
 
 /// What a run has done so far.
 #[derive(Default)]
@@ -156,13 +156,7 @@ fn generate(
         }
     };
     let stop = Arc::new(Stop::default());
-    let (kind, own) = match controller {
-        None => (None, None),
-        Some(object) => match object.extract::<String>() {
-            Ok(name) => (Some(controller_kind(&name)?), None),
-            Err(_) => (None, Some(controller::maker(object, &stop)?)),
-        },
-    };
+    let (kind, own) = controller::chosen(controller, &stop)?;
     let campaign = Campaign {
         scenes: listed.into_iter().map(|scene| (scene, reaches)).collect(),
         arms: BTreeMap::new(),

@@ -5,9 +5,11 @@
 use pyo3::prelude::*;
 
 mod arguments;
+mod arm;
 mod array;
 mod classifier;
 mod controller;
+mod controller_input;
 mod dataset;
 mod environment;
 mod evaluation;
@@ -18,15 +20,19 @@ mod generate;
 mod interrupt;
 mod json;
 mod online;
+mod pickled;
 mod pool;
 mod python_classifier;
 mod reach;
 mod replay;
 mod scene;
+mod sequences;
+mod simulate;
 mod simulation;
 mod skin;
 mod table;
 mod touch;
+mod trial;
 mod trials;
 mod validation;
 
@@ -38,12 +44,16 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     scene::add_to(module)?;
     skin::add_to(module)?;
     frame::add_to(module)?;
+    arm::add_to(module)?;
     simulation::add_to(module)?;
+    controller_input::add_to(module)?;
     controller::add_to(module)?;
     reach::add_to(module)?;
+    simulate::add_to(module)?;
     table::add_to(module)?;
     dataset::add_to(module)?;
     generate::add_to(module)?;
+    trial::add_to(module)?;
     trials::add_to(module)?;
     classifier::add_to(module)?;
     fitting::add_to(module)?;

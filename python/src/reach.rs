@@ -8,19 +8,15 @@ use arrow_array::RecordBatch;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use underbrush_experiments::contact_trials;
-use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, read_recording, recording_table, remove_leftovers, write_recording};
 use underbrush_recording::{Recording, SkinLayout};
-use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
-use crate::controller;
 use crate::failure::Failure;
 use crate::frame::PyFrame;
-use crate::interrupt::{Stop, watched};
 use crate::json;
+use crate::pickled::Temporary;
 use crate::pool::guarded;
-use crate::scene::{controller_kind, scene};
 use crate::skin::{Skin, patch_index};
 use crate::table::{Column, PyTable};
 use crate::trials::Trials;
@@ -349,54 +345,7 @@ impl Reach {
     }
 }
 
-/// A place for the file of a recording that is pickled.
-struct Temporary(tempfile::TempDir);
-
-impl Temporary {
-    fn new() -> Result<Self, Failure> {
-        tempfile::tempdir()
-            .map(Temporary)
-            .map_err(|error| Failure::Run(error.to_string()))
-    }
-
-    fn path(&self) -> PathBuf {
-        self.0.path().join("reach.parquet")
-    }
-}
-
-/// Simulate one reach.
-#[pyfunction(name = "reach")]
-#[pyo3(signature = (scene, seed = 0, index = 0, *, controller = None, verdicts = None))]
-fn simulate(
-    py: Python<'_>,
-    scene: &Bound<'_, PyAny>,
-    seed: u64,
-    index: u64,
-    controller: Option<&Bound<'_, PyAny>>,
-    verdicts: Option<PathBuf>,
-) -> Result<Reach, Failure> {
-    let stop = Arc::new(Stop::default());
-    let (kind, own) = match controller {
-        None => (None, None),
-        Some(object) => match object.extract::<String>() {
-            Ok(name) => (Some(controller_kind(&name)?), None),
-            Err(_) => (None, Some(controller::maker(object, &stop)?)),
-        },
-    };
-    let mut plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
-    if let Some(make) = own {
-        plan = plan.with_controller(move |arm| make(arm));
-    }
-    if let Some(model) = verdicts {
-        plan = VerdictControl::load(&model)?.applied_to(plan)?;
-    }
-    let run = || Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
-    let recording = watched(py, None, &stop, |_| Ok(()), run)?;
-    Ok(Reach::new(Source::Memory(Arc::new(recording))))
-}
-
-/// Adds the class and the function of this file.
+/// Adds the class of this file.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Reach>()?;
-    module.add_function(wrap_pyfunction!(simulate, module)?)
+    module.add_class::<Reach>()
 }

@@ -6,14 +6,16 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PyList, PySlice};
 use underbrush_classifier::feature::FeatureSet;
+use underbrush_recording::Trial;
 use underbrush_recording::disk::{read_trials, trial_table, write_trials};
-use underbrush_recording::{Region, Sample, Trial};
 
 use crate::arguments::features;
 use crate::array;
 use crate::failure::Failure;
 use crate::pool::guarded;
+use crate::sequences::of_sequences;
 use crate::table::PyTable;
+use crate::trial::PyTrial;
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -42,100 +44,6 @@ impl Trials {
         let place = usize::try_from(place).ok().filter(|place| *place < length);
         place.ok_or_else(|| Failure::index(index, length))
     }
-}
-
-/// One sample of a sequence of features.
-///
-/// # Errors
-/// [`Failure::Input`] for features of the contact region, which a sequence cannot hold.
-fn sample(set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Failure> {
-    let mut sample = Sample {
-        time_s: place as f64 * underbrush_recording::FRAME_PERIOD_S,
-        force_n: 0.0,
-        motion_m: None,
-        region: None,
-        touched: None,
-    };
-    let mut region = Region {
-        taxels: 1,
-        largest_force_n: 0.0,
-        force_sum_n: 0.0,
-    };
-    for (feature, number) in set.iter().zip(numbers) {
-        match feature.column {
-            "force_n" => sample.force_n = *number,
-            "motion_m" => sample.motion_m = Some(*number),
-            "region_taxels" => region.taxels = *number as u32,
-            "region_largest_force_n" => region.largest_force_n = *number,
-            "region_force_sum_n" => region.force_sum_n = *number,
-            other => {
-                return Err(Failure::argument(
-                    "features",
-                    other,
-                    "force, motion",
-                    "give trials instead of sequences",
-                ));
-            }
-        }
-    }
-    if set.of_region().next().is_some() {
-        sample.region = Some(region);
-    }
-    Ok(sample)
-}
-
-/// Trials of sequences of features, one array for each. Their times are those of samples at 100 Hz.
-///
-/// # Errors
-/// [`Failure::Input`] for a sequence of the wrong shape, an empty one, or one with NaN.
-pub fn of_sequences(
-    sequences: &[Bound<'_, PyAny>],
-    set: &FeatureSet,
-    categories: Option<Vec<Option<String>>>,
-    groups: Option<Vec<u64>>,
-) -> Result<Vec<Trial>, Failure> {
-    for (name, length) in [
-        ("categories", categories.as_ref().map(Vec::len)),
-        ("groups", groups.as_ref().map(Vec::len)),
-    ] {
-        if let Some(length) = length.filter(|length| *length != sequences.len()) {
-            let found = format!("{length} for {} sequences", sequences.len());
-            return Err(Failure::argument(name, found, "one for each sequence", "give as many"));
-        }
-    }
-    let width = set.dimension();
-    let one = |(index, value): (usize, &Bound<'_, PyAny>)| {
-        let name = format!("sequence {index}");
-        let is_flat = width == 1
-            && value
-                .getattr("ndim")
-                .and_then(|ndim| ndim.extract::<usize>())
-                .unwrap_or(1)
-                == 1;
-        let shape: &[Option<usize>] = if is_flat { &[None] } else { &[None, Some(width)] };
-        let (numbers, _) = array::finite(value, &name, shape)?;
-        if numbers.is_empty() {
-            return Err(Failure::argument(
-                name,
-                "no samples",
-                "at least one sample",
-                "leave it out",
-            ));
-        }
-        let samples = numbers
-            .chunks_exact(width)
-            .enumerate()
-            .map(|(place, row)| sample(set, row, place));
-        Ok(Trial {
-            trial: index as u64,
-            category: categories.as_ref().and_then(|categories| categories[index].clone()),
-            reach: groups.as_ref().map(|groups| groups[index]),
-            patch: None,
-            taxel: None,
-            samples: samples.collect::<Result<_, Failure>>()?,
-        })
-    };
-    sequences.iter().enumerate().map(one).collect()
 }
 
 #[pymethods]
@@ -342,94 +250,7 @@ impl Trials {
     }
 }
 
-/// One contact trial.
-#[pyclass(frozen, name = "Trial", module = "underbrush._core")]
-pub struct PyTrial {
-    list: Arc<Vec<Trial>>,
-    place: usize,
-}
-
-impl PyTrial {
-    fn trial(&self) -> &Trial {
-        &self.list[self.place]
-    }
-
-    fn of_samples<'py>(&self, py: Python<'py>, number: impl Fn(&Sample) -> f64) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self.trial().samples.iter().map(number).collect();
-        let length = numbers.len();
-        array::lend(py, numbers, &[length])
-    }
-}
-
-#[pymethods]
-impl PyTrial {
-    /// Number of the trial in its table.
-    #[getter]
-    fn number(&self) -> u64 {
-        self.trial().trial
-    }
-
-    /// Ground truth; None if unknown.
-    #[getter]
-    fn category(&self) -> Option<&str> {
-        self.trial().category.as_deref()
-    }
-
-    /// The reach that it comes from; None if unknown.
-    #[getter]
-    fn reach(&self) -> Option<u64> {
-        self.trial().reach
-    }
-
-    /// Name of the patch; None if unknown.
-    #[getter]
-    fn patch(&self) -> Option<&str> {
-        self.trial().patch.as_deref()
-    }
-
-    /// Index of the taxel in its patch; None if unknown.
-    #[getter]
-    fn taxel(&self) -> Option<u32> {
-        self.trial().taxel
-    }
-
-    /// Ground truth: whether something truly pressed in at least one sample; None if unknown.
-    #[getter]
-    fn touched(&self) -> Option<bool> {
-        self.trial().touched()
-    }
-
-    /// Number of samples.
-    fn __len__(&self) -> usize {
-        self.trial().samples.len()
-    }
-
-    /// Time of each sample, s: (samples,).
-    #[getter]
-    fn time_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_samples(py, |sample| sample.time_s)
-    }
-
-    /// Sensed force, N: (samples,).
-    #[getter]
-    fn force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_samples(py, |sample| sample.force_n)
-    }
-
-    /// How far the contact has travelled since it began, m, NaN where unknown: (samples,).
-    #[getter]
-    fn motion_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_samples(py, |sample| sample.motion_m.unwrap_or(f64::NAN))
-    }
-
-    fn __repr__(&self) -> String {
-        let category = self.category().unwrap_or("unknown");
-        format!("Trial({}, {category}, {} samples)", self.number(), self.__len__())
-    }
-}
-
-/// Adds the classes of this file.
+/// Adds the class of this file.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Trials>()?;
-    module.add_class::<PyTrial>()
+    module.add_class::<Trials>()
 }

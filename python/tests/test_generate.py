@@ -21,8 +21,9 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_a_set_equals_that_of_the_command_line(tmp_path: Path, data: ub.Dataset, command) -> None:  # type: ignore[no-untyped-def]
-    """Pins that a data set from Python is the same, byte for byte, as one from the command line, and one made again from itself."""
+def test_a_set_equals_that_of_the_command_line(tmp_path: Path, data: ub.Dataset, command) -> None:
+    """Pins that a data set from Python is the same, byte for byte, as one from the command line, and one made again
+    from itself."""
     files = []
     for name in ("leaf", "trunk"):
         files.append(tmp_path / f"{name}-quick.toml")

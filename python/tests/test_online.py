@@ -87,7 +87,7 @@ def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
         stream(online, data[0])
 
 
-def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:  # type: ignore[no-untyped-def]
+def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
     """Pins that a touch model fitted from Python is the command line's file, that it is saved and pickled whole, and that its
     probabilities of known categories add up to 1."""
     model = ub.TouchModel.fit(list(data))

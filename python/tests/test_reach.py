@@ -118,7 +118,7 @@ def test_reaches_are_saved_and_pickled(tmp_path: Path) -> None:
         reach.frame(len(reach))
 
 
-def test_a_reach_equals_that_of_the_command_line(tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+def test_a_reach_equals_that_of_the_command_line(tmp_path: Path, command) -> None:
     """Pins that a reach from Python is the same file as one from the command line."""
     command("reach", _scene_file(tmp_path), "--seed", 5, "--out", tmp_path / "cli.parquet")
     ub.reach(tmp_path / "leaf-quick.toml", seed=5).save(tmp_path / "python.parquet")

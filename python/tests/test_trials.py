@@ -9,7 +9,7 @@ import pytest
 import underbrush as ub
 
 
-def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:
     """Pins that trials from Python are those that the command line writes, and that both write the same table."""
     options = ["--labels", "environment", "--min-samples", 20]
     command("trials", data.path, *options, "--out", tmp_path / "cli.csv")
@@ -43,7 +43,7 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
-def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:
     """Pins, for every classifier, that the model file, the scores and the evaluation from Python are bit for bit those of the
     command line; and that a saved and a pickled model give the same scores."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
@@ -61,7 +61,7 @@ def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tm
     assert ub.evaluate(trials, ub.Options(name)) == command("evaluate", table, "--classifier", name)
 
 
-def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
+def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path, command) -> None:
     """Pins that options of hidden Markov models and thresholds arrive: the model files are the same."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
     trials.save(table)
@@ -104,7 +104,7 @@ def test_bad_options_are_refused(trials: ub.Trials) -> None:
             call()
 
 
-def data_with(option: str):  # type: ignore[no-untyped-def]
+def data_with(option: str):
     def call(_: ub.Trials) -> None:
         ub.reach(ub.Scene("leaf").changed({"goals": {"count": 1}}), seed=1).trials(**{option: "no-such"})
 

@@ -86,12 +86,13 @@ def generate(
     InputError
         If a scene, an option or the folder is bad.
     """
-    listed = list(scenes) if isinstance(scenes, (list, tuple)) else [scenes]
+    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
+        scenes = [scenes]
     bar = _Bar()
     shown = bar if progress is True else (progress or None)
     try:
         return _core.generate(
-            listed,
+            list(scenes),
             reaches,
             Path(out),
             seed=seed,

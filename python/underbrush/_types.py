@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -20,7 +20,7 @@ Control: TypeAlias = Callable[[ControllerInput], ArrayLike]
 ControllerLike: TypeAlias = str | Control | Callable[[Arm], Control]
 """The name of a controller that ships, a function, or a class that is called with the arm at the start of every reach."""
 
-Features: TypeAlias = str | list[str] | tuple[str, ...] | None
+Features: TypeAlias = str | Sequence[str] | None
 """Names of features, as a list or joined by commas."""
 
 Decision: TypeAlias = str | float | tuple[float, float] | None

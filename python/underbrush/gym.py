@@ -12,7 +12,7 @@ duration, s; ``reached`` is added for each goal reached, and ``aborted`` taken o
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -29,8 +29,8 @@ Observation = dict[str, NDArray[np.float32]]
 _INFO = ("distance_m", "sensed_force_n", "contact_force_n", "reach_index", "outcome")
 
 
-def _spaces(environments: _core.Environments) -> tuple[spaces.Dict, spaces.Box]:
-    parts = {
+def _spaces(environments: _core.Environments) -> tuple[spaces.Space[Any], spaces.Space[Any]]:
+    parts: dict[str, spaces.Space[Any]] = {
         name: spaces.Box(low, high, tuple(shape), np.float32) for name, shape, _, low, high in environments.parts
     }
     return spaces.Dict(parts), spaces.Box(-1.0, 1.0, (environments.action_size,), np.float32)
@@ -46,7 +46,7 @@ def _split(environments: _core.Environments, rows: NDArray[np.float32]) -> Obser
     return found
 
 
-class ReachEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """One arm in one scene.
 
     Parameters
@@ -71,7 +71,7 @@ class ReachEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         The controller that follows waypoints; the scene's own by default.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": []}
 
     def __init__(self, scene: SceneLike = "mixed", *, render_mode: str | None = None, **options: Any) -> None:
         if render_mode is not None:
@@ -110,7 +110,7 @@ def _info(found: dict[str, Any]) -> dict[str, Any]:
     return {name: plain(found[name][0]) for name in _INFO}
 
 
-class ReachVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
+class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
     """Many arms that step at once in one native call, without the interpreter's lock.
 
     Environment i gives the numbers that :class:`ReachEnv` gives with the seed plus i, for any number of threads. The step
@@ -126,7 +126,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
         As for :class:`ReachEnv`.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(
         self, num_envs: int = 1, scene: SceneLike = "mixed", *, render_mode: str | None = None, **options: Any

@@ -1,8 +1,9 @@
 """The classifiers as estimators of scikit-learn.
 
-``fit(X, y)`` takes rows of equal width: a trial is a row of forces, N, at 100 Hz, and shorter trials are padded with NaN at
-the end (:meth:`Trials.padded` makes such rows). ``fit_sequences`` takes arrays of unequal length with one or more features,
-and ``fit_trials`` takes trials. Scores are those of the command line, bit for bit.
+``fit(X, y)`` takes rows of equal width: a trial is a row of forces, N, at 100 Hz, and NaN is a missing sample, such as the
+padding of a shorter trial (:meth:`Trials.padded` makes such rows). Missing samples are left out, and later ones move up.
+``fit_sequences`` takes arrays of unequal length with one or more features, and ``fit_trials`` takes trials. Scores are those
+of the command line, bit for bit.
 """
 
 from __future__ import annotations
@@ -39,13 +40,11 @@ def _inside(label: Any) -> str:
 
 
 def _sequences(rows: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """The rows without their padding."""
-    found = []
-    for number, row in enumerate(rows):
-        known = np.flatnonzero(~np.isnan(row))
-        if len(known) == 0 or known[-1] + 1 != len(known):
-            raise ValueError(f"row {number} of X has NaN before its end; a trial is padded with NaN at the end only")
-        found.append(row[: len(known)])
+    """The rows without their missing samples."""
+    found = [row[~np.isnan(row)] for row in rows]
+    for number, row in enumerate(found):
+        if len(row) == 0:
+            raise ValueError(f"row {number} of X has NaN only; a trial has at least one sample")
     return found
 
 
@@ -57,12 +56,15 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     features: str | Sequence[str] | None
 
     def _options(self) -> dict[str, Any]:
-        """The options of the classifier: its parameters."""
-        return dict(self.get_params(deep=False))
+        """The options of the classifier: its parameters. The option `score` is `score_kind`, as there is a method `score`."""
+        options = dict(self.get_params(deep=False))
+        if "score_kind" in options:
+            options["score"] = options.pop("score_kind")
+        return options
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
-        # Padding.
+        # Missing samples.
         tags.input_tags.allow_nan = True
         # The tests of scikit-learn judge by clouds of points, whose two columns are no course of a force in time.
         tags.classifier_tags.poor_score = True
@@ -74,7 +76,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         Parameters
         ----------
         X : array (trials, samples)
-            One trial a row, padded with NaN at the end. The feature is force, N, unless ``features`` names another.
+            One trial a row; NaN is a missing sample. The feature is force, N, unless ``features`` names another.
         y : array (trials,)
             Their categories.
         """
@@ -83,7 +85,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         )
         check_classification_targets(labels)
         if np.isinf(rows).any():
-            raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN as padding at the end")
+            raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN for missing samples")
         return self._fitted(_sequences(rows), labels, None)
 
     def fit_sequences(
@@ -138,7 +140,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         else:
             rows = validate_data(self, X, reset=False, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self)
             if np.isinf(rows).any():
-                raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN as padding at the end")
+                raise ValueError("Input X contains infinity; allowed are finite numbers, and NaN for missing samples")
             trials = _core.Trials.from_sequences(_sequences(rows), features=self.features)
         return self.model_.scores(trials)[:, self._columns]
 
@@ -163,7 +165,8 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def predict(self, X: Any) -> NDArray[Any]:
         """The likeliest class of each trial."""
-        return np.asarray(self.classes_[self._scored(X).argmax(axis=1)])
+        best = self._scored(X).argmax(axis=1)
+        return np.asarray(self.classes_[best])
 
     @property
     def categories(self) -> list[str]:
@@ -194,7 +197,7 @@ class HiddenMarkovClassifier(_TrialClassifier):
         The options that are ``None``.
     topology : {"left-right", "ergodic"}, optional
     initial : {"uniform", "first-state"}, optional
-    score : {"viterbi", "forward"}, optional
+    score_kind : {"viterbi", "forward"}, optional
     iterations : int, optional
     tolerance, variance_floor : float, optional
     max_samples : int, optional
@@ -214,7 +217,7 @@ class HiddenMarkovClassifier(_TrialClassifier):
         recipe: str = "authors",
         topology: str | None = None,
         initial: str | None = None,
-        score: str | None = None,
+        score_kind: str | None = None,
         iterations: int | None = None,
         tolerance: float | None = None,
         variance_floor: float | None = None,
@@ -225,7 +228,7 @@ class HiddenMarkovClassifier(_TrialClassifier):
         self.recipe = recipe
         self.topology = topology
         self.initial = initial
-        self.score = score
+        self.score_kind = score_kind
         self.iterations = iterations
         self.tolerance = tolerance
         self.variance_floor = variance_floor
@@ -233,6 +236,8 @@ class HiddenMarkovClassifier(_TrialClassifier):
 
 
 class _Baseline(_TrialClassifier):
+    """A classifier whose only parameter is its features; ``None`` for its own."""
+
     def __init__(self, features: str | Sequence[str] | None = "force") -> None:
         self.features = features
 
@@ -256,21 +261,18 @@ class EchoStateClassifier(_Baseline):
 
 
 class LogisticClassifier(_Baseline):
-    """Logistic regression over features of the contact so far. Needs the contact region, so fit it to trials."""
+    """Logistic regression over statistics of the contact so far.
+
+    ``features=None`` adds the contact region, which only trials have.
+    """
 
     _classifier = "logistic"
 
-    def __init__(self, features: str | Sequence[str] | None = None) -> None:
-        super().__init__(features)
-
 
 class LogisticTaxelClassifier(_Baseline):
-    """Logistic regression over features of the taxel so far."""
+    """Logistic regression over statistics of the taxel so far. ``features=None`` adds the motion of the contact."""
 
     _classifier = "logistic-taxel"
-
-    def __init__(self, features: str | Sequence[str] | None = None) -> None:
-        super().__init__(features)
 
 
 class FixedWindow:

@@ -91,21 +91,33 @@ impl Environments {
     /// As [`Environment::step`].
     pub fn step(&mut self, actions: &[f64], observations: &mut [f32]) -> Result<Vec<Stepped>, ReachError> {
         let (width, size) = (self.action_size().max(1), self.observation_size().max(1));
+        // One environment needs no other thread, and waking one can take longer than the step.
+        if let ([environment], [ended]) = (&mut self.all[..], &mut self.ended[..]) {
+            return Ok(vec![step_or_begin(environment, ended, actions, observations)?]);
+        }
         let rows = self.all.par_iter_mut().zip(&mut self.ended);
         let rows = rows
             .zip(actions.par_chunks(width))
             .zip(observations.par_chunks_mut(size));
         let stepped: Vec<Result<Stepped, ReachError>> = rows
-            .map(|(((environment, ended), action), row)| {
-                let stepped = if *ended { None } else { environment.step(action, row)? };
-                let stepped = match stepped {
-                    Some(stepped) => stepped,
-                    None => environment.reset(None, row)?,
-                };
-                *ended = stepped.terminated || stepped.truncated;
-                Ok(stepped)
-            })
+            .map(|(((environment, ended), action), row)| step_or_begin(environment, ended, action, row))
             .collect();
         stepped.into_iter().collect()
     }
+}
+
+/// Takes a step, or begins a new episode if the last step ended one.
+fn step_or_begin(
+    environment: &mut Environment,
+    ended: &mut bool,
+    action: &[f64],
+    row: &mut [f32],
+) -> Result<Stepped, ReachError> {
+    let stepped = if *ended { None } else { environment.step(action, row)? };
+    let stepped = match stepped {
+        Some(stepped) => stepped,
+        None => environment.reset(None, row)?,
+    };
+    *ended = stepped.terminated || stepped.truncated;
+    Ok(stepped)
 }

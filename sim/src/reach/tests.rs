@@ -202,3 +202,18 @@ fn a_watched_reach_is_the_recorded_one() {
         assert_eq!(early.track, finished.track[..early.track.len()]);
     }
 }
+
+#[test]
+fn a_reach_stops_when_it_is_told() {
+    // Pins that a reach that is stopped ends before its next frame, without a recording, and that the frames until then are those
+    // of a reach that is not stopped.
+    let plan = plan("");
+    let whole = plan.run(0, &mut |_, _| {}).unwrap();
+    let seen = std::cell::RefCell::new(Vec::new());
+    let mut observer = |_: &crate::simulation::Simulation, frame: &underbrush_recording::Frame| {
+        seen.borrow_mut().push(frame.clone());
+    };
+    let stopped = plan.run_until(0, &mut observer, &|| seen.borrow().len() == 5);
+    assert!(matches!(stopped, Err(super::ReachError::Stopped)), "{stopped:?}");
+    assert_eq!(seen.into_inner(), whole.frames[..5]);
+}

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# The Python package: builds the wheel into a virtual environment of its own, and runs tests, type checks, examples and docs.
+# Needs Python 3.11 or later. The engine that `cargo test --workspace` has built serves here, too.
+set -euo pipefail
+cd "$(dirname "$0")"
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../target}
+venv=$CARGO_TARGET_DIR/python-venv
+python=$venv/bin/python
+
+if [ ! -x "$python" ]; then
+    python3 -m venv "$venv"
+fi
+"$python" -m pip install --quiet 'maturin>=1.16,<2'
+wheels=$(mktemp -d)
+trap 'rm -rf "$wheels"' EXIT
+"$venv/bin/maturin" build --release --quiet --interpreter "$python" --out "$wheels"
+"$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
+"$python" -m pip install --quiet "underbrush[test] @ file://$(echo "$wheels"/*.whl)"
+
+# The installed package is tested, not the folder beside this file.
+export UNDERBRUSH=${UNDERBRUSH:-$CARGO_TARGET_DIR/release/underbrush}
+"$python" -m pytest tests
+# The stub says what the native module has, in both directions.
+"$python" -m mypy.stubtest underbrush._core
+"$python" -m mypy --strict examples
+for example in examples/*.py; do
+    case $example in
+    */policy.py) "$python" "$example" --quick > /dev/null ;;
+    *) "$python" "$example" > /dev/null ;;
+    esac
+done
+# The page of all calls is that of the docstrings.
+"$python" docs.py --check ../docs/python-api.md

@@ -1,0 +1,82 @@
+"""Writes docs/python-api.md, the page of all calls, from docstrings and signatures; with --check, compares it.
+
+    python docs.py ../docs/python-api.md
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import underbrush
+import underbrush.gym
+import underbrush.sklearn
+
+HEAD = """# Python: all calls
+
+This page is made from the docstrings by `python/docs.py`; do not edit it. [python.md](python.md) is the guide. Quantities are in
+SI units, which names end with; vectors are in the frame that their name ends with.
+"""
+
+
+def signature(found: object) -> str:
+    try:
+        text = str(inspect.signature(found))  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return ""
+    for old, new in (("'", ""), ("(self, /", "("), ("(self", "("), ("(, ", "("), ("_core.", "")):
+        text = text.replace(old, new)
+    return text
+
+
+def described(name: str, found: object, level: str) -> str:
+    call = "" if isinstance(found, property) or inspect.isgetsetdescriptor(found) else signature(found)
+    text = inspect.getdoc(found) or ""
+    return f"{level} `{name}{call}`\n\n{text}\n"
+
+
+def of_class(name: str, found: type) -> str:
+    parts = [described(name, found, "###")]
+    for member, value in sorted(vars(found).items()):
+        if member.startswith("_") and member != "__call__":
+            continue
+        own = value.__func__ if isinstance(value, (staticmethod, classmethod)) else value
+        doc = inspect.getdoc(own)
+        if doc:
+            is_attribute = isinstance(value, property) or inspect.isgetsetdescriptor(value)
+            call = "" if is_attribute else signature(own)
+            first = doc.split("\n\n")[0].replace("\n", " ")
+            parts.append(f"* `{member}{call}`: {first}")
+    return parts[0] + "\n" + "\n".join(parts[1:]) + ("\n" if len(parts) > 1 else "")
+
+
+def page() -> str:
+    parts = [HEAD]
+    modules: list[tuple[str, ModuleType, list[str]]] = [
+        ("underbrush", underbrush, list(underbrush.__all__)),
+        ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
+        ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
+    ]
+    for title, module, names in modules:
+        parts.append(f"## `{title}`\n\n{inspect.getdoc(module)}\n")
+        for name in names:
+            found = getattr(module, name)
+            if name == "__version__":
+                continue
+            parts.append(of_class(name, found) if isinstance(found, type) else described(name, found, "###"))
+    return "\n".join(parts)
+
+
+def main() -> None:
+    *options, path = sys.argv[1:]
+    text = page()
+    if "--check" not in options:
+        Path(path).write_text(text, encoding="utf-8")
+    elif Path(path).read_text(encoding="utf-8") != text:
+        sys.exit(f"{path} is not that of the docstrings; run: python docs.py {path}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,112 @@
+//! Arms: joints, links and skin.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use underbrush_sim::arm::Arm;
+
+use crate::array;
+use crate::failure::Failure;
+use crate::skin::Skin;
+
+/// An arm: joints, links and skin.
+#[pyclass(frozen, name = "Arm", module = "underbrush._core")]
+pub struct PyArm {
+    pub arm: Arm,
+}
+
+impl PyArm {
+    /// One number for each joint.
+    fn of_joints<'py>(
+        &self,
+        py: Python<'py>,
+        number: fn(&underbrush_sim::arm::Joint) -> f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let numbers: Vec<f64> = self.arm.joints.iter().map(number).collect();
+        array::copy(py, &numbers, &[numbers.len()], "float64")
+    }
+}
+
+#[pymethods]
+impl PyArm {
+    /// Read an arm from its TOML file.
+    #[staticmethod]
+    fn load(path: std::path::PathBuf) -> Result<Self, Failure> {
+        Ok(PyArm { arm: Arm::load(path)? })
+    }
+
+    /// The right arm of the robot Cody, which ships.
+    #[staticmethod]
+    fn cody() -> Result<Self, Failure> {
+        Ok(PyArm { arm: Arm::cody()? })
+    }
+
+    /// Name of the arm.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.arm.name
+    }
+
+    /// Names of the joints.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.arm.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// The skin.
+    #[getter]
+    fn skin(&self) -> Skin {
+        Skin {
+            layout: Arc::new(self.arm.skin.layout.clone()),
+        }
+    }
+
+    /// Joint angles at the start of a reach, rad: (joints,).
+    #[getter]
+    fn start_posture_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_joints(py, |joint| joint.start_rad)
+    }
+
+    /// Stiffness of the joints' springs, Nm/rad: (joints,).
+    #[getter]
+    fn stiffness_nm_per_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_joints(py, |joint| joint.stiffness_nm_per_rad)
+    }
+
+    /// Limits of the joint angles that a controller observes, rad: (joints, 2).
+    #[getter]
+    fn limits_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers: Vec<f64> = self
+            .arm
+            .joints
+            .iter()
+            .flat_map(|joint| joint.controller_limits_rad)
+            .collect();
+        array::copy(py, &numbers, &[self.arm.joints.len(), 2], "float64")
+    }
+
+    /// Position of the end effector, m, world frame, and its Jacobian, m/rad, (3, joints), at these joint angles.
+    fn end_effector<'py>(
+        &self,
+        py: Python<'py>,
+        joint_angle_rad: &Bound<'py, PyAny>,
+    ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>), Failure> {
+        let joints = self.arm.joints.len();
+        let (angles, _) = array::finite(joint_angle_rad, "joint_angle_rad", &[Some(joints)])?;
+        let links = self.arm.forward_kinematics(&angles);
+        let position = self.arm.end_effector_pose(&links).position;
+        let jacobian = self.arm.position_jacobian(&links, self.arm.end_effector_link, position);
+        let rows: Vec<f64> = jacobian.transpose().iter().copied().collect();
+        let place = array::copy(py, &position.to_array(), &[3], "float64")?;
+        Ok((place, array::copy(py, &rows, &[3, joints], "float64")?))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Arm({:?}, {} joints)", self.arm.name, self.arm.joints.len())
+    }
+}
+
+/// Adds the class of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyArm>()
+}

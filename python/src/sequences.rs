@@ -1,0 +1,102 @@
+//! Trials of sequences of features.
+
+use pyo3::prelude::*;
+use underbrush_classifier::feature::FeatureSet;
+use underbrush_recording::{Region, Sample, Trial};
+
+use crate::array;
+use crate::failure::Failure;
+
+/// One sample of a sequence of features.
+///
+/// # Errors
+/// [`Failure::Input`] for features of the contact region, which a sequence cannot hold.
+fn sample(set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Failure> {
+    let mut sample = Sample {
+        time_s: place as f64 * underbrush_recording::FRAME_PERIOD_S,
+        force_n: 0.0,
+        motion_m: None,
+        region: None,
+        touched: None,
+    };
+    let mut region = Region {
+        taxels: 1,
+        largest_force_n: 0.0,
+        force_sum_n: 0.0,
+    };
+    for (feature, number) in set.iter().zip(numbers) {
+        match feature.column {
+            "force_n" => sample.force_n = *number,
+            "motion_m" => sample.motion_m = Some(*number),
+            "region_taxels" => region.taxels = *number as u32,
+            "region_largest_force_n" => region.largest_force_n = *number,
+            "region_force_sum_n" => region.force_sum_n = *number,
+            other => {
+                return Err(Failure::argument(
+                    "features",
+                    other,
+                    "force, motion",
+                    "give trials instead of sequences",
+                ));
+            }
+        }
+    }
+    if set.of_region().next().is_some() {
+        sample.region = Some(region);
+    }
+    Ok(sample)
+}
+
+/// Trials of sequences of features, one array for each. Their times are those of samples at 100 Hz.
+///
+/// # Errors
+/// [`Failure::Input`] for a sequence of the wrong shape, an empty one, or one with NaN.
+pub fn of_sequences(
+    sequences: &[Bound<'_, PyAny>],
+    set: &FeatureSet,
+    categories: Option<Vec<Option<String>>>,
+    groups: Option<Vec<u64>>,
+) -> Result<Vec<Trial>, Failure> {
+    for (name, length) in [
+        ("categories", categories.as_ref().map(Vec::len)),
+        ("groups", groups.as_ref().map(Vec::len)),
+    ] {
+        if let Some(length) = length.filter(|length| *length != sequences.len()) {
+            let found = format!("{length} for {} sequences", sequences.len());
+            return Err(Failure::argument(name, found, "one for each sequence", "give as many"));
+        }
+    }
+    let width = set.dimension();
+    let one = |(index, value): (usize, &Bound<'_, PyAny>)| {
+        let name = format!("sequence {index}");
+        let is_flat = width == 1
+            && value
+                .getattr("ndim")
+                .and_then(|ndim| ndim.extract::<usize>())
+                .unwrap_or(1)
+                == 1;
+        let shape: &[Option<usize>] = if is_flat { &[None] } else { &[None, Some(width)] };
+        let (numbers, _) = array::finite(value, &name, shape)?;
+        if numbers.is_empty() {
+            return Err(Failure::argument(
+                name,
+                "no samples",
+                "at least one sample",
+                "leave it out",
+            ));
+        }
+        let samples = numbers
+            .chunks_exact(width)
+            .enumerate()
+            .map(|(place, row)| sample(set, row, place));
+        Ok(Trial {
+            trial: index as u64,
+            category: categories.as_ref().and_then(|categories| categories[index].clone()),
+            reach: groups.as_ref().map(|groups| groups[index]),
+            patch: None,
+            taxel: None,
+            samples: samples.collect::<Result<_, Failure>>()?,
+        })
+    };
+    sequences.iter().enumerate().map(one).collect()
+}
