@@ -19,7 +19,7 @@ fn constant(inputs: usize, scores: [f64; 2]) -> Value {
             "mean": vec![0.0; inputs],
             "scale": vec![0.0; inputs],
             "hidden": vec![vec![0.0; 24]; inputs + 1],
-            "output": [[0.0; 24]; 2],
+            "output": vec![vec![0.0; 24]; 2],
             "output_constant": scores,
         },
     })
