@@ -2,10 +2,8 @@
 
 use std::fmt::Write;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use underbrush_sim::snapshot::Blade;
-
-use super::panel::{Panel, View};
 
 /// Width at the tip relative to the blade's. Choice.
 const TIP: f64 = 0.55;
@@ -19,11 +17,11 @@ struct Knot {
     half: DVec3,
 }
 
-/// The outline of a blade as the `d` of a path.
+/// The outline of a blade as the `d` of a path; `to_pixels` projects a point onto the picture.
 ///
 /// Between two hinges each edge is a cubic whose direction at a hinge is the mean of the directions of the two pieces that
 /// meet there, as on the replay page. A projected Bézier curve is the curve of the projected points.
-pub fn path(panel: &Panel, view: &View, blade: &Blade) -> String {
+pub fn path(blade: &Blade, to_pixels: impl Fn(DVec3) -> DVec2) -> String {
     let knots = knots(blade);
     let lengths: Vec<f64> = blade.pieces.iter().map(|piece| piece.length_m).collect();
     let mut path = String::new();
@@ -31,7 +29,7 @@ pub fn path(panel: &Panel, view: &View, blade: &Blade) -> String {
         return path;
     };
     let point = |path: &mut String, command: &str, at: DVec3| {
-        let at = panel.to_pixels(view, at);
+        let at = to_pixels(at);
         let _ = write!(path, "{command}{:.1} {:.1}", at.x, at.y);
     };
     point(&mut path, "M", first.position - first.half);

@@ -189,7 +189,7 @@ impl Panel {
                 let middle = blade.pieces.iter().map(|piece| self.depth(piece.pose_world.position));
                 outlines.push(Outline {
                     depth: middle.sum::<f64>() / blade.pieces.len() as f64,
-                    path: blade::path(self, view, blade),
+                    path: blade::path(blade, |point| self.to_pixels(view, point)),
                     // Seen from the edge, a blade is a line.
                     style: format!(
                         "fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"2\" stroke-linejoin=\"round\" opacity=\"0.9\""

@@ -179,7 +179,7 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
         size_m: DVec2::ONE,
         scale: 1000.0,
     };
-    let path = blade::path(panel, &view, &blade(foot, 0.5));
+    let path = blade::path(&blade(foot, 0.5), |point| panel.to_pixels(&view, point));
     // From the right the blade is seen from its edge: up and down along the same curve.
     let points: Vec<DVec2> = numbers(&path)
         .chunks(2)
@@ -198,7 +198,9 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     );
     let tip = foot + DVec3::Z * 0.3 + DQuat::from_scaled_axis(DVec3::Y * 0.5) * (DVec3::Z * 0.3);
     assert!(points[6].distance(panel.to_pixels(&view, tip)) < 0.1, "{path}");
-    let above = numbers(&blade::path(&PANELS[1], &view, &blade(foot, 0.5)));
+    let above = numbers(&blade::path(&blade(foot, 0.5), |point| {
+        PANELS[1].to_pixels(&view, point)
+    }));
     let y: Vec<f64> = above.chunks(2).map(|pair| pair[1]).collect();
     let width = y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
     assert!((width - 50.0).abs() < 0.2, "{width} px");
