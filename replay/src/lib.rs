@@ -7,6 +7,7 @@
 //! The page is built from `page/` by Vite. Its built form is a single HTML file, which is checked in, so that building this
 //! crate needs no Node.
 
+mod answer;
 mod contact_trials;
 mod container;
 mod error;

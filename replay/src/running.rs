@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use tiny_http::Request;
 
+use crate::answer::Answer;
 use crate::live::{Live, News};
 use crate::pack::pack;
-use crate::server::Answer;
 use crate::source::summary;
 use crate::{Known, ReplayError};
 
@@ -47,7 +47,7 @@ impl Running {
             return no_answer();
         };
         match pack(&recording, &self.known, None) {
-            Ok(bytes) => Answer::new(200, "application/octet-stream", bytes),
+            Ok(bytes) => Answer::reach(Arc::new(bytes)),
             Err(error) => Answer::text(500, error.to_string()),
         }
     }

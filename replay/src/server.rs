@@ -1,16 +1,16 @@
 //! The server of the page on 127.0.0.1, with nothing but the page and the reaches it was given. It is read-only, but for the
 //! commands to a reach that runs.
 
-use std::io::Cursor;
 use std::net::Ipv4Addr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tiny_http::{Header, Method, Request, Response};
+use tiny_http::{Method, Request};
 
+use crate::answer::Answer;
 use crate::page::PAGE;
 use crate::running::Running;
-use crate::{Known, Live, ReplayError, Source, Summary};
+use crate::{Known, Live, ReplayError, Source};
 
 /// More requests at a time are answered with 503. Choice: a browser opens six connections.
 const MAX_REQUESTS: usize = 256;
@@ -20,39 +20,6 @@ const KEPT: usize = 4;
 /// Paths of the news of a running reach and of commands to it.
 const NEWS: &str = "/api/live";
 const COMMAND: &str = "/api/live/";
-
-/// The page may run its own script and ask this server for reaches, and nothing else.
-const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; \
-                      img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
-/// An answer's status, content type and content.
-pub struct Answer {
-    status: u16,
-    kind: &'static str,
-    bytes: Arc<Vec<u8>>,
-}
-
-impl Answer {
-    /// An answer with this content.
-    pub fn new(status: u16, kind: &'static str, bytes: impl Into<Vec<u8>>) -> Self {
-        Answer {
-            status,
-            kind,
-            bytes: Arc::new(bytes.into()),
-        }
-    }
-
-    /// A sentence.
-    pub fn text(status: u16, text: impl Into<String>) -> Self {
-        Answer::new(status, "text/plain; charset=utf-8", text.into())
-    }
-
-    /// The list of reaches.
-    pub fn list(reaches: &[Summary]) -> Self {
-        // Plain data can always be written.
-        Answer::new(200, "application/json", serde_json::to_vec(reaches).unwrap_or_default())
-    }
-}
 
 /// The packed reaches that were asked for last.
 type Kept = Vec<(usize, Arc<Vec<u8>>)>;
@@ -124,7 +91,7 @@ impl Server {
         for request in self.http.incoming_requests() {
             if self.shared.requests.fetch_add(1, Ordering::Relaxed) >= MAX_REQUESTS {
                 self.shared.requests.fetch_sub(1, Ordering::Relaxed);
-                respond(request, Answer::text(503, "too many requests at a time"));
+                Answer::text(503, "too many requests at a time").send(request);
                 continue;
             }
             let shared = Arc::clone(&self.shared);
@@ -143,7 +110,7 @@ impl Shared {
         match &self.content {
             // News are told until the reach ends.
             Content::Running(running) if answer.status == 200 && request.url() == NEWS => running.tell(request),
-            _ => respond(request, answer),
+            _ => answer.send(request),
         }
     }
 
@@ -211,43 +178,9 @@ fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Answer {
         kept.drain(..surplus);
     }
     let bytes = kept.last().map(|(_, bytes)| Arc::clone(bytes)).unwrap_or_default();
-    Answer {
-        status: 200,
-        kind: "application/octet-stream",
-        bytes,
-    }
+    Answer::reach(bytes)
 }
 
 fn is_number(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
-}
-
-/// Bytes that several answers share.
-struct SharedBytes(Arc<Vec<u8>>);
-
-impl AsRef<[u8]> for SharedBytes {
-    fn as_ref(&self) -> &[u8] {
-        &self.0
-    }
-}
-
-fn respond(request: Request, answer: Answer) {
-    let headers = [
-        ("Content-Type", answer.kind),
-        ("Content-Security-Policy", POLICY),
-        ("X-Content-Type-Options", "nosniff"),
-        ("Cross-Origin-Resource-Policy", "same-origin"),
-        ("Referrer-Policy", "no-referrer"),
-        ("Cache-Control", "no-store"),
-        ("Accept-Ranges", "none"),
-        ("Allow", "GET, HEAD"),
-    ];
-    let headers = headers
-        .into_iter()
-        .filter_map(|(name, value)| Header::from_bytes(name, value).ok());
-    let length = answer.bytes.len();
-    let body = Cursor::new(SharedBytes(answer.bytes));
-    let response = Response::new(answer.status.into(), headers.collect(), body, Some(length), None);
-    // The other side may have left.
-    let _ = request.respond(response.with_chunked_threshold(usize::MAX));
 }

@@ -8,6 +8,7 @@ pub mod evaluate;
 pub mod generate;
 pub mod inspect;
 mod model;
+mod pictures;
 pub mod reach;
 
 pub mod replay;

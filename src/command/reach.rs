@@ -1,7 +1,7 @@
 //! `underbrush reach`: simulates one reach.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
@@ -12,12 +12,11 @@ use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
-use underbrush_report::picture;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::{ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
-use underbrush_sim::snapshot::Snapshot;
 
+use super::pictures::Pictures;
 use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
@@ -95,14 +94,6 @@ struct Goal {
     position_world_m: [f64; 3],
 }
 
-/// An animation is drawn from the moments of every tenth frame, 0.1 s apart.
-const MOMENT_FRAMES: usize = 10;
-
-fn is_svg(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("svg"))
-}
-
 /// Runs the reach.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let mut plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
@@ -122,30 +113,15 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         )?;
     }
     dataset::say_doubts([&plan.arm], &Shown);
-    if let Some(path) = options.animation.as_deref().filter(|path| !is_svg(path)) {
-        return Err(Failure::usage(format!(
-            "--animation {}: an animation is written as SVG; give a file name that ends in .svg",
-            path.display()
-        )));
-    }
+    let mut pictures = Pictures::new(options.picture, options.animation)?;
     let mut watched = if options.watch {
         Some(Watched::begin(ReachSoFar::new(&plan, options.index))?)
     } else {
         None
     };
     let start = Instant::now();
-    let mut best: Option<Snapshot> = None;
-    let mut moments: Vec<Snapshot> = Vec::new();
-    let mut frames = 0;
     let recording = plan.run(options.index, &mut |simulation, frame| {
-        let max_taxels = best.as_ref().map_or(0, |snapshot| snapshot.frame.taxels.len());
-        if options.picture.is_some() && (best.is_none() || frame.taxels.len() > max_taxels) {
-            best = Some(Snapshot::take(simulation, frame));
-        }
-        if options.animation.is_some() && frames % MOMENT_FRAMES == 0 {
-            moments.push(Snapshot::take(simulation, frame));
-        }
-        frames += 1;
+        pictures.observe(simulation, frame);
         if let Some(watched) = &mut watched {
             watched.frame(simulation, frame);
         }
@@ -156,36 +132,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         remove_leftovers(path);
         write_recording(path, &recording)?;
     }
-    if let (Some(path), Some(snapshot)) = (&options.picture, &best) {
-        let caption = format!(
-            "{}, seed {}, reach {}: {:.2} s after the start",
-            plan.scene.file.summary, options.seed, options.index, snapshot.frame.time_s
-        );
-        let svg = picture::draw(
-            snapshot,
-            &recording.layout,
-            &input::object_categories(&recording),
-            &plan.scene.file.workspace,
-            &caption,
-        );
-        output::write_file(path, svg.as_bytes())?;
-    }
-    if let Some(path) = &options.animation {
-        let seconds = recording.frames.len() as f64 / recording.rate_hz;
-        let caption = format!(
-            "{}, seed {}, reach {}: {seconds:.0} s in a loop",
-            plan.scene.file.summary, options.seed, options.index
-        );
-        let categories = input::object_categories(&recording);
-        let svg = picture::animate(
-            &moments,
-            &recording.layout,
-            &categories,
-            &plan.scene.file.workspace,
-            &caption,
-        );
-        output::write_file(path, svg.unwrap_or_default().as_bytes())?;
-    }
+    pictures.write(&plan.scene.file, &recording)?;
     output::remarks(audit::reach_warnings(&recording));
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
     let report = Report::of(&recording, &options_of_trials, f_max_n, wall_s)?;

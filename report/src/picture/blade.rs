@@ -17,7 +17,7 @@ struct Knot {
     half: DVec3,
 }
 
-/// The outline of a blade as the `d` of a path. `to_pixels` projects a point of the world.
+/// The outline of a blade as the `d` of a path; `to_pixels` projects a point onto the picture.
 ///
 /// Between two hinges each edge is a cubic whose direction at a hinge is the mean of the directions of the two pieces that
 /// meet there, as on the replay page. A projected Bézier curve is the curve of the projected points.

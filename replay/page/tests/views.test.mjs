@@ -1,0 +1,162 @@
+// The views: colours, selection, the 3-D view and the address, by mouse and by keyboard.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, says, seek, serve, settle } from "./support.mjs";
+
+let browser;
+let server;
+before(async () => {
+  await makeData();
+  browser = await launch();
+  server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
+});
+after(() => finishAll(browser));
+
+async function start(hash = "") {
+  const page = await open(browser, `${server.address}${hash}`);
+  await ready(page, Number(/reach=(\d+)/.exec(hash)?.[1] ?? 0));
+  return page;
+}
+
+const state = (page) => page.evaluate(() => ({ ...window.underbrushReplay.state }));
+
+/** Ends a test: nothing may have gone wrong on the page. */
+async function finish(page) {
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+}
+
+/** Pins that the switch changes colours on the map and on the arm together, by mouse and by key. */
+test("one switch colours map and arm", async () => {
+  const { recording, rows } = await readRecording("mixed.parquet");
+  const page = await start();
+  const frame = fullestFrame(recording, rows);
+  await seek(page, frame);
+  const [{ taxel }] = felt(recording, rows[frame]).filter(({ object, patch }) => object >= 0 && patch === "forearm");
+  const colours = [];
+  for (const name of ["force", "truth", "verdict"]) {
+    await page.locator("#colour").getByText(name).click();
+    await settle(page);
+    colours.push((await page.evaluate((taxel) => window.underbrushReplay.drawn().taxel(taxel), taxel)).colour);
+  }
+  assert.notEqual(colours[0], colours[1]);
+  // Truth: the colour of the object's category.
+  const { category } = recording.objects[felt(recording, rows[frame]).find((own) => own.taxel === taxel).object];
+  assert.equal(colours[1], { leaf: "#1b8a4b", trunk: "#6b4423", block: "#a8904a" }[category]);
+  await page.locator("body").click({ position: { x: 2, y: 2 } });
+  for (const [key, colour] of [["1", "force"], ["2", "truth"], ["3", "verdict"]]) {
+    await page.keyboard.press(key);
+    assert.equal((await state(page)).colour, colour);
+  }
+  for (const camera of ["hand", "top", "side", "free"]) {
+    await page.keyboard.press("v");
+    assert.equal((await state(page)).camera, camera);
+  }
+  await finish(page);
+});
+
+/** Pins that a taxel chosen on the map is chosen everywhere: details, plots, strips and address; by mouse and by keyboard. */
+test("a taxel is chosen in all views at once", async () => {
+  const { recording, rows } = await readRecording("mixed.parquet");
+  const page = await start();
+  const frame = fullestFrame(recording, rows);
+  await seek(page, frame);
+  const [strongest] = felt(recording, rows[frame]).filter(({ patch }) => patch === "forearm");
+  const map = page.locator('.skin-map[data-patch="forearm"]');
+  const [x, y] = await page.evaluate((taxel) => window.underbrushReplay.maps()[0].placeOf(taxel), strongest.taxel);
+  await map.hover({ position: { x, y } });
+  await settle(page);
+  const name = `forearm row ${Math.floor(strongest.index / 24)}, column ${strongest.index % 24}`;
+  const under = await page.locator(".under").textContent();
+  assert.ok(under.startsWith(`${name}: `) && says(under, `${name}:`, strongest.force) && /: \d+\.\d\d N sensed/.test(under), under);
+  await map.click({ position: { x, y } });
+  await settle(page);
+  assert.equal((await state(page)).taxel, strongest.taxel);
+  const details = await page.locator("#details").textContent();
+  assert.ok(details.includes(name) && says(details, "sensed force", strongest.force), details);
+  assert.ok(details.includes("score of leaf") && details.includes("contact motion so far"), details);
+  assert.ok(await page.locator('[data-plot="taxel"]').isVisible() && await page.locator('[data-plot="scores"]').isVisible());
+  assert.ok(says(await page.locator('[data-plot="taxel"] output').textContent(), "sensed", strongest.force));
+  await page.waitForFunction((index) => location.hash.includes(`taxel=forearm.${index}`), strongest.index);
+  // By keyboard: one taxel to the right on the map, then Enter.
+  await map.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Enter");
+  const { taxel } = await state(page);
+  assert.equal(taxel, strongest.index % 24 === 23 ? strongest.taxel : strongest.taxel + 1);
+  await page.keyboard.press("Escape");
+  assert.equal((await state(page)).taxel, null);
+  await finish(page);
+});
+
+/** Pins that a click on the 3-D view chooses the object under the pointer, and that the keyboard turns the view. */
+test("the 3-D view can be clicked and turned", async () => {
+  const { recording } = await readRecording("mixed.parquet");
+  const page = await start("#reach=0&view=top");
+  const trunk = recording.objects.findIndex(({ category }) => category === "trunk");
+  const { position_world: foot, parameters } = recording.objects[trunk];
+  const body = recording.bodies.findIndex(({ owner, parts }) => owner.object === trunk && parts.length > 0);
+  const box = await page.locator(".view").boundingBox();
+  const [x, y] = await page.evaluate(([foot, height]) => window.underbrushReplay.drawn().project([foot[0], foot[1], foot[2] + height]), [foot, 0.98 * parameters.height_m]);
+  assert.ok(body >= 0);
+  await page.mouse.click(box.x + x, box.y + y);
+  await settle(page);
+  assert.equal((await state(page)).object, trunk);
+  assert.match(await page.locator("#details").textContent(), new RegExp(`trunk ${trunk}`));
+  const before = await page.evaluate(() => window.underbrushReplay.drawn().project([0.5, 0, 0]));
+  await page.locator(".view").focus();
+  await page.keyboard.press("ArrowLeft");
+  await settle(page);
+  const after = await page.evaluate(() => window.underbrushReplay.drawn().project([0.5, 0, 0]));
+  assert.ok(Math.hypot(after[0] - before[0], after[1] - before[1]) > 2, "the view did not turn");
+  assert.equal((await state(page)).frame, 0, "the key also moved time");
+  await finish(page);
+});
+
+/** Pins that the 3-D view turns when it is dragged, and zooms by the wheel and by the plus and minus keys. */
+test("the 3-D view can be dragged and zoomed", async () => {
+  const page = await start();
+  const box = await page.locator(".view").boundingBox();
+  /** Where two points of the world are on the screen, px. */
+  const places = () => page.evaluate(() => [[0.4, 0, 0], [0.6, 0, 0]].map((point) => window.underbrushReplay.drawn().project(point)));
+  const apart = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const before = await places();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 60, box.y + box.height / 2, { steps: 3 });
+  await page.mouse.up();
+  await settle(page);
+  const turned = await places();
+  assert.ok(Math.hypot(turned[0][0] - before[0][0], turned[0][1] - before[0][1]) > 2, "the view did not turn");
+  assert.deepEqual([(await state(page)).taxel, (await state(page)).object], [null, null], "a drag selected something");
+  await page.mouse.wheel(0, -300);
+  await page.waitForFunction((size) => {
+    const [a, b] = [[0.4, 0, 0], [0.6, 0, 0]].map((point) => window.underbrushReplay.drawn().project(point));
+    return Math.hypot(a[0] - b[0], a[1] - b[1]) > 1.02 * size;
+  }, apart(turned));
+  const zoomed = apart(await places());
+  await page.locator(".view").focus();
+  await page.keyboard.press("-");
+  const out = apart(await places());
+  await page.keyboard.press("+");
+  assert.ok(out < 0.97 * zoomed && apart(await places()) > 1.03 * out);
+  await finish(page);
+});
+
+/** Pins that an address brings back reach, moment, colours, view, rate and taxel, and that nonsense in it is ignored. */
+test("an address brings a finding back", async () => {
+  const page = await start("#reach=1&t=4.21&colour=truth&view=side&rate=0.5&taxel=flipper.7");
+  const found = await state(page);
+  assert.deepEqual([found.reach, found.colour, found.camera, found.rate], [1, "truth", "side", 0.5]);
+  assert.match(await page.locator("#clock").textContent(), /^4\.21 s/);
+  assert.match(await page.locator("#details").textContent(), /flipper taxel 7/);
+  await page.evaluate(() => (location.hash = "#reach=1&t=2"));
+  await page.waitForFunction(() => document.getElementById("clock").textContent.startsWith("2.00 s"));
+  await finish(page);
+  const odd = await start("#reach=0&t=-5&colour=pink&view=moon&rate=99&taxel=forearm.99999&object=77777&beside=12");
+  const kept = await state(odd);
+  assert.deepEqual([kept.frame, kept.colour, kept.camera, kept.rate, kept.taxel, kept.object], [0, "force", "free", 1, null, null]);
+  await finish(odd);
+});
