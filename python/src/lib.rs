@@ -22,6 +22,7 @@ mod json;
 mod online;
 mod pickled;
 mod pool;
+mod progress;
 mod python_classifier;
 mod reach;
 mod replay;
