@@ -1,4 +1,4 @@
-//! The progress of long calls, shown by Python.
+//! Passes the progress of a run on to Python.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
