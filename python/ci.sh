@@ -17,12 +17,12 @@ trap 'rm -rf "$wheels"' EXIT
 "$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
 "$python" -m pip install --quiet "underbrush[test] @ file://$(echo "$wheels"/*.whl)"
 
-# The installed package is tested, not the folder beside this file.
+# The installed package is tested, not the folder beside this file: programs of their own and -P leave this folder out.
 export UNDERBRUSH=${UNDERBRUSH:-$CARGO_TARGET_DIR/release/underbrush}
-"$python" -m pytest tests
+"$venv/bin/pytest" tests
 # The stub says what the native module has, in both directions.
-"$python" -m mypy.stubtest underbrush._core
-"$python" -m mypy --strict examples
+"$venv/bin/stubtest" underbrush._core
+"$venv/bin/mypy" --strict examples
 for example in examples/*.py; do
     case $example in
     */policy.py) "$python" "$example" --quick > /dev/null ;;
@@ -30,4 +30,4 @@ for example in examples/*.py; do
     esac
 done
 # The page of all calls is that of the docstrings.
-"$python" docs.py --check ../docs/python-api.md
+"$python" -P docs.py --check ../docs/python-api.md
