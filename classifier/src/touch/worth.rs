@@ -148,7 +148,11 @@ mod tests {
     fn the_feature_that_decides_is_worth_the_accuracy() {
         const ROWS: usize = 4000;
         let row = |index: usize| Row {
-            features: [if index.is_multiple_of(2) { -1.0 } else { 1.0 }, (index % 7) as f64, 3.0],
+            features: [
+                if index.is_multiple_of(2) { -1.0 } else { 1.0 },
+                (index % 7) as f64,
+                3.0,
+            ],
             class: index % 2,
             weight: 1.0,
         };
