@@ -90,7 +90,7 @@ impl PythonClassifier {
     /// A classifier that keeps in `raised` what the object raises.
     ///
     /// # Errors
-    /// [`Failure::Input`] if the object has no categories, or not in alphabetical order.
+    /// [`Failure::Input`] if the object has no categories, or if they are not in alphabetical order.
     pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
         let categories: Option<Vec<String>> = object.getattr("categories").ok().and_then(|own| own.extract().ok());
         let categories = categories
