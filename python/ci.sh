@@ -29,5 +29,6 @@ for example in examples/*.py; do
     *) "$python" "$example" > /dev/null ;;
     esac
 done
-# The page of all calls is that of the docstrings.
+# The notebooks are those of the scripts, and the page of all calls is that of the docstrings.
+"$python" -P notebooks.py --check examples/*.py
 "$python" -P docs.py --check ../docs/python-api.md

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import underbrush
+import underbrush.distributed
 import underbrush.gym
 import underbrush.sklearn
 
@@ -57,6 +58,7 @@ def page() -> str:
     modules: list[tuple[str, ModuleType, list[str]]] = [
         ("underbrush", underbrush, list(underbrush.__all__)),
         ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
+        ("underbrush.distributed", underbrush.distributed, ["generate"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

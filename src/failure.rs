@@ -6,14 +6,17 @@ use std::sync::Mutex;
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
+use underbrush_classifier::evaluate::touch_folds::TouchFoldsError;
 use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
+use underbrush_exchange::ExchangeError;
 use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
+use underbrush_recording::fault::Fault;
 use underbrush_replay::ReplayError;
-use underbrush_sim::campaign::CampaignError;
+use underbrush_report::reproduction::ReproductionError;
 use underbrush_sim::reach::ReachError;
 
 /// The reason why a command ended without a result.
@@ -130,88 +133,41 @@ impl From<InputError> for Failure {
     }
 }
 
-impl From<DiskError> for Failure {
-    fn from(error: DiskError) -> Self {
-        match error {
-            DiskError::Input(input) => input.into(),
-            // Here the run failed. All other errors mean a bad folder or file.
-            DiskError::Io { .. } | DiskError::Encode { .. } | DiskError::Unwritable { .. } => {
-                Failure::run(error.to_string())
-            }
-            other => Failure::usage(other.to_string()),
+impl From<Fault> for Failure {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Input(input) => (*input).into(),
+            Fault::Usage(text) => Failure::usage(text),
+            Fault::Run(text) | Fault::Storage(text) => Failure::run(text),
         }
     }
 }
 
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Self {
-        match error {
-            ModelError::Input(input) => (*input).into(),
-            ModelError::Training { .. } => Failure::run(error.to_string()),
-            other => Failure::usage(other.to_string()),
-        }
-    }
-}
-
-impl<E: std::error::Error + 'static> From<CampaignError<E>> for Failure
-where
-    Failure: From<E>,
-{
-    fn from(error: CampaignError<E>) -> Self {
-        match error {
-            CampaignError::Reach(error) => error.into(),
-            CampaignError::Receiver(error) => error.into(),
-            CampaignError::Engine { .. } => Failure::run(error.to_string()),
-        }
-    }
-}
-
-impl From<ReachError> for Failure {
-    fn from(error: ReachError) -> Self {
-        match error {
-            ReachError::Input(input) => input.into(),
-            ReachError::EquilibriumAngles { .. } | ReachError::Stopped => Failure::run(error.to_string()),
-        }
-    }
-}
-
-impl From<ExperimentError> for Failure {
-    fn from(error: ExperimentError) -> Self {
-        match error {
-            ExperimentError::Input(error) => error.into(),
-            ExperimentError::Reach(error) => error.into(),
-            ExperimentError::Disk(error) => error.into(),
-            ExperimentError::Model(error) => error.into(),
-            ExperimentError::Engine(_)
-            | ExperimentError::Io { .. }
-            | ExperimentError::Json { .. }
-            | ExperimentError::Unmatched { .. } => Failure::run(error.to_string()),
-            other => Failure::usage(other.to_string()),
-        }
-    }
-}
-
-impl From<ReplayError> for Failure {
-    fn from(error: ReplayError) -> Self {
-        match error {
-            ReplayError::Disk(error) => error.into(),
-            ReplayError::Serve { .. } => Failure::run(error.to_string()),
-            other => Failure::usage(other.to_string()),
-        }
-    }
-}
-
-/// Other errors of the classifier crate. All are about arguments or input.
-macro_rules! bad_usage {
+/// The errors of the libraries, which say themselves what they mean.
+macro_rules! library_errors {
     ($($error:ty),*) => {
         $(impl From<$error> for Failure {
             fn from(error: $error) -> Self {
-                Failure::usage(error.to_string())
+                Fault::from(error).into()
             }
         })*
     };
 }
-bad_usage!(TrialError, EvaluateError, ThresholdError, DecisionError, OnlineError);
+library_errors!(
+    DiskError,
+    ExchangeError,
+    ModelError,
+    TrialError,
+    EvaluateError,
+    TouchFoldsError,
+    ThresholdError,
+    DecisionError,
+    OnlineError,
+    ReachError,
+    ExperimentError,
+    ReplayError,
+    ReproductionError
+);
 
 /// Records panics instead of printing them.
 ///

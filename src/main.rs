@@ -80,6 +80,8 @@ enum Command {
     Reach(command::reach::Options),
     /// Simulate many reaches and write them as a data set
     Generate(command::generate::Options),
+    /// Join the parts that `generate --shard` made on several machines into one data set
+    Merge(command::merge::Options),
     /// Fit a classifier to trials, or to whole frames, and save it as a model file
     Train(command::train::Options),
     /// Classify contact trials or frames: leaf, trunk, uncertain or outlier
@@ -98,6 +100,10 @@ enum Command {
     Inspect(command::inspect::Options),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
     Replay(command::replay::Options),
+    /// Write reaches for other tools, as MCAP (Foxglove, ROS 2) or HDF5 (robomimic)
+    Export(command::export::Options),
+    /// Cut contact trials from a CSV, HDF5 or MCAP file of a real robot
+    Import(command::import::Options),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::Options),
 }
@@ -130,6 +136,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Reproduce(options) => command::reproduce::run(options, shared.json),
         Command::Reach(options) => command::reach::run(options, shared.json),
         Command::Generate(options) => command::generate::run(options, shared.json),
+        Command::Merge(options) => command::merge::run(options, shared.json),
         Command::Train(options) => command::train::run(options, shared.json),
         Command::Classify(options) => command::classify::run(options, shared.json),
         Command::Evaluate(options) => command::evaluate::run(options, shared.json),
@@ -139,6 +146,8 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Check(options) => command::check::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
         Command::Replay(options) => command::replay::run(options, shared.json),
+        Command::Export(options) => command::export::run(options, shared.json),
+        Command::Import(options) => command::import::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_recording::disk::{Dataset, is_recording, read_recording};
 use underbrush_recording::{InputError, Recording};
 
@@ -18,7 +19,7 @@ enum Source {
     Recording,
 }
 
-/// What commands accept that learn from whole frames.
+/// What commands accept that need whole frames.
 const ALLOWED: &str = "data sets (folders) or recordings (.parquet), which hold whole frames";
 
 impl Reaches {
@@ -45,23 +46,26 @@ impl Reaches {
         Ok(Reaches { sources: sources? })
     }
 
-    /// Number of reaches.
-    pub fn count(&self) -> usize {
-        let counts = self.sources.iter().map(|(_, source)| match source {
-            Source::Dataset(dataset) => dataset.episodes().len(),
-            Source::Recording => 1,
-        });
-        counts.sum()
-    }
-
-    /// Reads the reaches whose positions `keeps` returns true for, and hands each to `each`; with a progress bar.
+    /// Reads all reaches; see [`ReadReaches::read`].
     ///
     /// # Errors
-    /// If a file is damaged, or a recording has no ground truth. Errors of `each` are told with the file.
-    pub fn read(
+    /// As there.
+    pub fn read_all(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
+        self.read(&|_| true, &mut each)
+    }
+
+    /// Reads all reaches and hands each to `each`; with a progress bar. They need no ground truth.
+    ///
+    /// # Errors
+    /// If a file is damaged. Errors of `each` are told with the file.
+    pub fn read_any(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
+        self.read_chosen(|_| true, |_, _, recording| each(recording))
+    }
+
+    fn read_chosen(
         &self,
         keeps: impl Fn(usize) -> bool,
-        mut each: impl FnMut(&Recording) -> Result<(), Failure>,
+        mut each: impl FnMut(&Path, usize, &Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let bar = progress::bar(
             (0..self.count()).filter(|position| keeps(*position)).count() as u64,
@@ -79,8 +83,7 @@ impl Reaches {
                         Source::Dataset(dataset) => dataset.read_reach(index)?,
                         Source::Recording => read_recording(path)?,
                     };
-                    check_truth(path, index, &recording)?;
-                    each(&recording).map_err(|failure| failure.about(path))?;
+                    each(path, index, &recording).map_err(|failure| failure.about(path))?;
                     bar.inc(1);
                 }
                 position += 1;
@@ -88,6 +91,31 @@ impl Reaches {
         }
         bar.finish_and_clear();
         Ok(())
+    }
+}
+
+impl ReadReaches for Reaches {
+    type Error = Failure;
+
+    fn count(&self) -> usize {
+        let counts = self.sources.iter().map(|(_, source)| match source {
+            Source::Dataset(dataset) => dataset.episodes().len(),
+            Source::Recording => 1,
+        });
+        counts.sum()
+    }
+
+    /// With a progress bar. It fails if a file is damaged, or a recording has no ground truth; errors of `each` are told with the
+    /// file.
+    fn read(
+        &self,
+        keeps: &dyn Fn(usize) -> bool,
+        each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        self.read_chosen(keeps, |path, index, recording| {
+            check_truth(path, index, recording)?;
+            each(recording)
+        })
     }
 }
 

@@ -53,12 +53,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod any_model;
 pub mod baseline;
 pub mod decision;
 mod document;
 mod error;
 pub mod estimator;
 pub mod evaluate;
+mod fault;
 pub mod feature;
 pub mod hmm;
 mod hmm_classifier;
@@ -66,6 +68,7 @@ mod model_file;
 pub mod online;
 #[cfg(feature = "onnx")]
 pub mod onnx;
+pub mod paper_rule;
 pub mod recipe;
 pub mod registry;
 pub mod stream_feature;

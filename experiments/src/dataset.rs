@@ -214,10 +214,7 @@ impl Campaign {
             .iter()
             .enumerate()
             .flat_map(|(plan, (_, reaches))| (0..*reaches).map(move |reach_index| Job { plan, reach_index }));
-        let mine = |position: usize| {
-            self.shard
-                .is_none_or(|shard| position as u64 % shard.count == shard.index)
-        };
+        let mine = |position: usize| self.shard.is_none_or(|shard| shard.holds(position as u64));
         all.enumerate()
             .filter(|(position, _)| mine(*position))
             .map(|(_, job)| job)

@@ -9,6 +9,7 @@ use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
+use underbrush_recording::fault::Fault;
 use underbrush_sim::campaign::CampaignError;
 use underbrush_sim::reach::ReachError;
 
@@ -99,6 +100,22 @@ where
             CampaignError::Reach(error) => error.into(),
             CampaignError::Receiver(error) => error.into(),
             engine @ CampaignError::Engine { .. } => ExperimentError::Engine(engine.to_string()),
+        }
+    }
+}
+
+impl From<ExperimentError> for Fault {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Input(error) => error.into(),
+            ExperimentError::Reach(error) => error.into(),
+            ExperimentError::Disk(error) => error.into(),
+            ExperimentError::Model(error) => error.into(),
+            ExperimentError::Io { .. } => Fault::Storage(error.to_string()),
+            ExperimentError::Engine(_) | ExperimentError::Json { .. } | ExperimentError::Unmatched { .. } => {
+                Fault::Run(error.to_string())
+            }
+            other => Fault::Usage(other.to_string()),
         }
     }
 }

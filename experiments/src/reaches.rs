@@ -113,7 +113,7 @@ impl Search<'_> {
             }
         } else {
             while drawn < self.max_draws && reaches.len() < self.enough {
-                let recording = self.plan.run(drawn, &mut |_, _| {})?;
+                let recording = self.plan.run_until(drawn, &mut |_, _| {}, &|| progress.is_stopped())?;
                 if self.wanted.is(&recording, &self.options)? {
                     write_recording(file(drawn), &recording)?;
                     reaches.push(recording);

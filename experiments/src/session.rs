@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use underbrush_sim::reach::ReachError;
 
 use crate::definition::Experiment;
 use crate::error::ExperimentError;
@@ -76,12 +77,15 @@ impl<'a> Session<'a> {
     /// Runs a stage of the work and measures its wall time.
     ///
     /// # Errors
-    /// Those of the work.
+    /// Those of the work; [`ReachError::Stopped`] if the user ends the run.
     pub fn stage<T>(
         &self,
         name: &'static str,
         work: impl FnOnce() -> Result<T, ExperimentError>,
     ) -> Result<T, ExperimentError> {
+        if self.progress.is_stopped() {
+            return Err(ReachError::Stopped.into());
+        }
         self.progress.stage(name);
         let start = Instant::now();
         let result = work()?;

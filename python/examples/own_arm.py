@@ -5,7 +5,9 @@ from pathlib import Path
 
 import underbrush as ub
 
-folder = Path(__file__).resolve().parents[2] / "docs" / "arms" / "panda"
+# A notebook runs in its own folder.
+here = Path(globals().get("__file__", "own_arm.ipynb")).resolve()
+folder = here.parents[2] / "docs" / "arms" / "panda"
 arm = ub.Arm.load(folder / "panda.toml")
 print(arm, arm.skin)
 

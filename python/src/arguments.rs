@@ -70,22 +70,38 @@ pub fn cutting(
     Ok((unit, options))
 }
 
+/// Why the paper's thresholds do not apply to a classifier written in Python.
+pub const ANY_SCORES: &str = "the scores of a classifier written in Python may be of any kind";
+
 /// How scores become verdicts: `argmax`, `paper`, a margin in nats below which a verdict is uncertain, or a pair of them
-/// (uncertain below the first, a category above the second, an outlier in between). `None` is the model's own rule.
+/// (uncertain below the first, a category above the second, an outlier in between). `None` is the model's own rule. `misfit` says why
+/// the paper's thresholds do not apply to the scores, if they do not.
 ///
 /// # Errors
-/// [`Failure::Input`] for anything else.
-pub fn decision(value: Option<&Bound<'_, PyAny>>, own: Option<&Decision>) -> Result<Decision, Failure> {
+/// [`Failure::Input`] for anything else, and for the paper's thresholds where they do not apply.
+pub fn decision(
+    value: Option<&Bound<'_, PyAny>>,
+    own: Option<&Decision>,
+    misfit: Option<String>,
+) -> Result<Decision, Failure> {
     let Some(value) = value else {
         return Ok(own.cloned().unwrap_or(Decision::argmax()));
     };
     let prior = own.map(|own| own.prior.clone()).unwrap_or_default();
     let rule = if let Ok(name) = value.extract::<String>() {
-        named(
-            "decision",
-            &name,
-            &[("argmax", Rule::Argmax), ("paper", Decision::paper().rule)],
-        )?
+        let known = [("argmax", Rule::Argmax), ("paper", Decision::paper().rule)];
+        let rule = named("decision", &name, &known)?;
+        if let Some(misfit) = misfit.filter(|_| rule == Decision::paper().rule) {
+            let allowed = "\"paper\" for Viterbi scores of hidden Markov models of unscaled force, to which 15 and 80 nats belong";
+            let remedy = "give a margin in nats, or fit with false_positive_rate";
+            return Err(Failure::argument(
+                "decision",
+                format!("\"paper\", but {misfit}"),
+                allowed,
+                remedy,
+            ));
+        }
+        rule
     } else if let Ok(margin) = value.extract::<f64>() {
         Rule::UncertainBelow { margin }
     } else if let Ok((uncertain_below, category_above)) = value.extract::<(f64, f64)>() {

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use underbrush_classifier::Model;
+use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::{HmmClassifier, Model, paper_rule};
 
 use crate::arguments::{decision, named};
 use crate::array;
@@ -39,6 +40,31 @@ pub fn score_kind(name: &str) -> Result<ScoreKind, Failure> {
 pub fn scores_array<'py>(py: Python<'py>, scores: Vec<Vec<f64>>, width: usize) -> PyResult<Bound<'py, PyAny>> {
     let rows = scores.len();
     array::lend(py, scores.concat(), &[rows, width])
+}
+
+impl PyModel {
+    /// How scores become verdicts.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if the rule does not fit the scores.
+    pub fn deciding(&self, value: Option<&Bound<'_, PyAny>>) -> Result<Decision, Failure> {
+        let own = self.model.decision.as_ref();
+        let other_scores = |models: &HmmClassifier| models.score_kind() != models.own_score_kind();
+        if value.is_none()
+            && self.model.as_hmm().is_some_and(other_scores)
+            && own.is_some_and(|own| own.rule != Rule::Argmax)
+        {
+            let found = "none, and the model's own thresholds, which were chosen on the other kind of score";
+            let remedy = "give a decision, or leave with_score out";
+            return Err(Failure::argument(
+                "decision",
+                found,
+                "thresholds for these scores",
+                remedy,
+            ));
+        }
+        decision(value, own, paper_rule::misfit_of_model(&self.model))
+    }
 }
 
 #[pymethods]
@@ -151,7 +177,7 @@ impl PyModel {
         trials: &Trials,
         decision: Option<&Bound<'_, PyAny>>,
     ) -> Result<Vec<String>, Failure> {
-        let decision = self::decision(decision, self.model.decision.as_ref())?;
+        let decision = self.deciding(decision)?;
         let judge = decision.prepare(&self.model.classifier.categories())?;
         let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
         let verdict = |scores: &Vec<f64>| judge.verdict(judge.choose(scores)).name().to_owned();
@@ -170,7 +196,7 @@ impl PyModel {
         let options = OnlineOptions {
             patch,
             threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
-            decision: self::decision(decision, self.model.decision.as_ref())?,
+            decision: self.deciding(decision)?,
         };
         let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
         Ok(Online::of_contacts(classifier, self.categories(), skin))

@@ -123,6 +123,14 @@ impl PyControllerInput {
         array::copy(py, &numbers, &[numbers.len()], "float64")
     }
 
+    /// Force that it should not exceed, N, as verdicts allow; NaN where the controller's own limit holds: (contacts,).
+    #[getter]
+    fn contact_allowed_force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let allowed_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(f64::NAN);
+        let numbers: Vec<f64> = self.contacts.iter().map(allowed_n).collect();
+        array::copy(py, &numbers, &[numbers.len()], "float64")
+    }
+
     /// Its inward unit normal, world frame, the direction of the force on the arm: (contacts, 3).
     #[getter]
     fn contact_normal_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

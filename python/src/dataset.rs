@@ -16,8 +16,9 @@ use crate::interrupt::{Stop, watched};
 use crate::json;
 use crate::pool::{self, guarded};
 use crate::progress::Reported;
-use crate::reach::{Reach, Source};
+use crate::reach::Reach;
 use crate::skin::Skin;
+use crate::source::Source;
 use crate::table::{Column, PyTable};
 use crate::trials::Trials;
 
@@ -113,13 +114,8 @@ impl PyDataset {
     #[pyo3(signature = (name, dtype = None))]
     fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
         let single = dtype.map(Column::is_single).transpose()?;
-        let read = || {
-            let reaches = (0..self.dataset.episodes().len()).into_par_iter();
-            let batches: Result<Vec<_>, Failure> = reaches
-                .map(|reach| Ok(self.dataset.read_columns(reach, &[name])?))
-                .collect();
-            Column::of(&batches?.concat(), name, single)
-        };
+        let reaches: Vec<usize> = (0..self.__len__()).collect();
+        let read = || Column::of_reaches(&self.dataset, &reaches, name, single);
         Ok(pool::detached(py, None, read)?.lend(py)?)
     }
 

@@ -1,6 +1,6 @@
 //! Environments for agents that learn, in the shapes that Gymnasium wants.
 
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -10,7 +10,7 @@ use underbrush_sim::reach::ReachPlan;
 use crate::arguments::named;
 use crate::array;
 use crate::failure::Failure;
-use crate::pool;
+use crate::pool::{self, Helpers};
 use crate::scene::{controller_kind, scene};
 
 /// Some environments that step at once.
@@ -21,6 +21,7 @@ pub struct PyEnvironments {
     count: usize,
     action_size: usize,
     jobs: Option<usize>,
+    helpers: Helpers,
 }
 
 struct State {
@@ -120,6 +121,7 @@ impl PyEnvironments {
             count,
             action_size: environments.action_size(),
             jobs,
+            helpers: Helpers::new(jobs)?,
             state: Mutex::new(State {
                 observations: vec![0.0; count * environments.observation_size()],
                 environments,
@@ -183,11 +185,14 @@ impl PyEnvironments {
         let (actions, _) = array::finite(actions, "action", &shape)?;
         let mut state = self.lock()?;
         let own = &mut *state;
-        let step = || Ok(own.environments.step(&actions, &mut own.observations)?);
-        let stepped = match self.count {
-            1 => py.detach(|| pool::guarded(step))?,
-            _ => pool::detached(py, self.jobs, step)?,
-        };
+        let stepped = py.detach(|| {
+            // One environment needs no other thread.
+            let helpers = if self.count > 1 { self.helpers.get()? } else { None };
+            pool::guarded(|| {
+                let observations = &mut own.observations;
+                Ok(own.environments.step(helpers.as_deref(), &actions, observations)?)
+            })
+        })?;
         let stepped: Vec<Option<Stepped>> = stepped.into_iter().map(Some).collect();
         self.answer(py, &state, &stepped)
     }
@@ -215,33 +220,46 @@ fn reward(given: Option<&Bound<'_, PyDict>>) -> Result<Reward, Failure> {
     Ok(reward)
 }
 
-/// Environment steps a second of a loop without Python, for comparison: every action is 0.
+/// Seconds that a loop without Python takes for these actions, (steps, environments, numbers), after a first reset. It measures
+/// what stepping from Python costs.
 #[pyfunction]
-#[pyo3(signature = (scene, count, steps, seed = 0, jobs = None))]
-fn steps_per_second(
+#[pyo3(signature = (scene, actions, seed = 0, jobs = None))]
+fn seconds_without_python(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
-    count: usize,
-    steps: usize,
+    actions: &Bound<'_, PyAny>,
     seed: u64,
     jobs: Option<usize>,
 ) -> Result<f64, Failure> {
-    let plan = Arc::new(ReachPlan::new(self::scene(scene)?, None, seed)?);
-    pool::detached(py, jobs, || {
-        let mut environments = Environments::new(&plan, &EnvironmentOptions::default(), count)?;
-        let mut observations = vec![0.0; count * environments.observation_size()];
-        let actions = vec![0.0; count * environments.action_size()];
-        environments.reset(&vec![None; count], |_| true, &mut observations)?;
+    let (actions, shape) = array::finite(actions, "actions", &[None, None, None])?;
+    let plan = ReachPlan::new(self::scene(scene)?, None, seed)?;
+    let mut environments = Environments::new(&plan, &EnvironmentOptions::default(), shape[1])?;
+    let width = shape[1] * environments.action_size();
+    if width == 0 || shape[2] != environments.action_size() {
+        let allowed = format!("{} numbers for each environment", environments.action_size());
+        let found = format!("{} for each of {}", shape[2], shape[1]);
+        return Err(Failure::argument(
+            "actions",
+            found,
+            allowed,
+            "give an array of this shape",
+        ));
+    }
+    let mut observations = vec![0.0; shape[1] * environments.observation_size()];
+    let reset = || Ok(environments.reset(&vec![None; shape[1]], |_| true, &mut observations)?);
+    pool::detached(py, jobs, reset)?;
+    py.detach(|| {
+        let helpers = Helpers::new(jobs)?.get()?;
         let start = std::time::Instant::now();
-        for _ in 0..steps {
-            environments.step(&actions, &mut observations)?;
+        for row in actions.chunks(width) {
+            pool::guarded(|| Ok(environments.step(helpers.as_deref(), row, &mut observations)?))?;
         }
-        Ok((count * steps) as f64 / start.elapsed().as_secs_f64())
+        Ok(start.elapsed().as_secs_f64())
     })
 }
 
 /// Adds the class and the function of this file.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyEnvironments>()?;
-    module.add_function(wrap_pyfunction!(steps_per_second, module)?)
+    module.add_function(wrap_pyfunction!(seconds_without_python, module)?)
 }

@@ -9,10 +9,10 @@ use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
 };
 
-use crate::arguments::{decision, named};
+use crate::arguments::{self, decision, named};
 use crate::classifier::PyModel;
 use crate::failure::Failure;
-use crate::fitting::estimator_of;
+use crate::fitting::{Options, estimator_of};
 use crate::interrupt::Stop;
 use crate::json;
 use crate::pool;
@@ -61,12 +61,16 @@ fn evaluate_trials<'py>(
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let list = &trials.list;
     if let Ok(model) = classifier.cast::<PyModel>() {
+        let decision = model.get().deciding(decision)?;
         let model = &model.get().model;
-        let decision = self::decision(decision, model.decision.as_ref())?;
         let judged = pool::detached(py, jobs, || Ok(evaluate(model.classifier.as_ref(), list, &decision)?))?;
         return json::to_python(py, &without_folds(judged));
     }
-    let decision = self::decision(decision, None)?;
+    let misfit = match classifier.cast::<Options>() {
+        Ok(options) => options.get().misfit(),
+        Err(_) => Some(arguments::ANY_SCORES.into()),
+    };
+    let decision = self::decision(decision, None, misfit)?;
     if !classifier.hasattr("fit_trials")? && classifier.hasattr("scores")? {
         let raised = Arc::new(Stop::default());
         let fitted = PythonClassifier::of(classifier, &raised)?;

@@ -4,6 +4,7 @@ use pyo3::exceptions::{PyIndexError, PyKeyboardInterrupt};
 use pyo3::prelude::*;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
+use underbrush_classifier::evaluate::touch_folds::TouchFoldsError;
 use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::feature::FeatureError;
 use underbrush_classifier::online::OnlineError;
@@ -11,8 +12,9 @@ use underbrush_classifier::trial::TrialError;
 use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
+use underbrush_recording::fault::Fault;
 use underbrush_replay::ReplayError;
-use underbrush_sim::campaign::CampaignError;
+use underbrush_report::reproduction::ReproductionError;
 use underbrush_sim::controller::UnknownController;
 use underbrush_sim::reach::ReachError;
 use underbrush_sim::simulation::StateError;
@@ -21,6 +23,7 @@ use underbrush_sim::simulation::StateError;
 mod raised {
     pyo3::import_exception!(underbrush._errors, InputError);
     pyo3::import_exception!(underbrush._errors, RunError);
+    pyo3::import_exception!(underbrush._errors, StorageError);
 }
 
 /// Why a call ends in an exception.
@@ -33,6 +36,8 @@ pub enum Failure {
     Usage(String),
     /// A run that failed.
     Run(String),
+    /// A file that could not be read or written.
+    Storage(String),
 }
 
 impl Failure {
@@ -62,6 +67,7 @@ impl From<Failure> for PyErr {
         match failure {
             Failure::Raised(error) => error,
             Failure::Run(text) => raised::RunError::new_err(text),
+            Failure::Storage(text) => raised::StorageError::new_err(text),
             Failure::Usage(text) => raised::InputError::new_err((text,)),
             Failure::Input(error) => {
                 let message = error.to_string();
@@ -92,97 +98,52 @@ impl From<InputError> for Failure {
     }
 }
 
-impl From<DiskError> for Failure {
-    fn from(error: DiskError) -> Self {
-        match error {
-            DiskError::Input(input) => input.into(),
-            DiskError::Io { .. } | DiskError::Encode { .. } => Failure::Run(error.to_string()),
-            other => Failure::Usage(other.to_string()),
+impl From<Fault> for Failure {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Input(input) => Failure::Input(input),
+            Fault::Usage(text) => Failure::Usage(text),
+            Fault::Run(text) => Failure::Run(text),
+            Fault::Storage(text) => Failure::Storage(text),
         }
     }
 }
 
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Self {
-        match error {
-            ModelError::Input(input) => Failure::Input(input),
-            ModelError::BadOption { option, found, allowed } => {
-                Failure::argument(option, found, allowed, "change the option")
-            }
-            ModelError::Training { .. } => Failure::Run(error.to_string()),
-            other => Failure::Usage(other.to_string()),
-        }
-    }
-}
-
-impl From<ReachError> for Failure {
-    fn from(error: ReachError) -> Self {
-        match error {
-            ReachError::Input(input) => input.into(),
-            other => Failure::Run(other.to_string()),
-        }
-    }
-}
-
-impl<E: std::error::Error + 'static> From<CampaignError<E>> for Failure
-where
-    Failure: From<E>,
-{
-    fn from(error: CampaignError<E>) -> Self {
-        match error {
-            CampaignError::Reach(error) => error.into(),
-            CampaignError::Receiver(error) => error.into(),
-            CampaignError::Engine { .. } => Failure::Run(error.to_string()),
-        }
-    }
-}
-
-impl From<ExperimentError> for Failure {
-    fn from(error: ExperimentError) -> Self {
-        match error {
-            ExperimentError::Input(error) => error.into(),
-            ExperimentError::Reach(error) => error.into(),
-            ExperimentError::Disk(error) => error.into(),
-            ExperimentError::Model(error) => error.into(),
-            ExperimentError::Engine(_) | ExperimentError::Io { .. } | ExperimentError::Json { .. } => {
-                Failure::Run(error.to_string())
-            }
-            other => Failure::Usage(other.to_string()),
-        }
-    }
-}
-
-impl From<ReplayError> for Failure {
-    fn from(error: ReplayError) -> Self {
-        match error {
-            ReplayError::Disk(error) => error.into(),
-            other => Failure::Usage(other.to_string()),
-        }
-    }
-}
-
-impl From<EvaluateError> for Failure {
-    fn from(error: EvaluateError) -> Self {
-        Failure::Usage(error.to_string())
-    }
-}
-
-/// Other errors, all about arguments or input.
-macro_rules! bad_usage {
+/// The errors of the libraries, which say themselves what they mean.
+macro_rules! library_errors {
     ($($error:ty),*) => {
         $(impl From<$error> for Failure {
             fn from(error: $error) -> Self {
-                Failure::Usage(error.to_string())
+                Fault::from(error).into()
             }
         })*
     };
 }
-bad_usage!(
+library_errors!(
+    DiskError,
     TrialError,
+    EvaluateError,
+    TouchFoldsError,
     ThresholdError,
     DecisionError,
     OnlineError,
     FeatureError,
+    ReachError,
     StateError,
-    UnknownController
+    UnknownController,
+    ExperimentError,
+    ReplayError,
+    ReproductionError
 );
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        match error {
+            // An option is an argument here, so the exception has its parts.
+            ModelError::BadOption { option, found, allowed } => {
+                Failure::argument(option, found, allowed, "change the option")
+            }
+            other => Fault::from(other).into(),
+        }
+    }
+}

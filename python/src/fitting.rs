@@ -9,7 +9,7 @@ use underbrush_classifier::evaluate::{Folds, HeldOut, ThresholdTargets};
 use underbrush_classifier::hmm::{InitialDistribution, Topology};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
-use underbrush_classifier::{HmmClassifier, Model};
+use underbrush_classifier::{HmmClassifier, Model, paper_rule};
 
 use crate::arguments::{features, named};
 use crate::classifier::{PyModel, score_kind};
@@ -39,6 +39,13 @@ impl Options {
             (None, Some(kind)) => Ok((kind.estimator)(self.features)),
             (None, None) => Err(unknown(self.classifier)),
         }
+    }
+}
+
+impl Options {
+    /// Why the paper's thresholds do not apply to the scores; `None` if they do.
+    pub fn misfit(&self) -> Option<String> {
+        paper_rule::misfit_of_recipe(self.recipe.as_ref())
     }
 }
 

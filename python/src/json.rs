@@ -9,8 +9,12 @@ use crate::failure::Failure;
 
 /// A result as Python objects. Numbers that are not finite become `None`, as in JSON.
 pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Result<Bound<'py, PyAny>, Failure> {
-    let value = serde_json::to_value(result).map_err(|error| Failure::Run(error.to_string()))?;
-    Ok(object(py, &value)?)
+    Ok(object(py, &value(result)?)?)
+}
+
+/// A result as JSON, which may pass from one thread to another.
+pub fn value(result: &impl Serialize) -> Result<Value, Failure> {
+    serde_json::to_value(result).map_err(|error| Failure::Run(error.to_string()))
 }
 
 fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {

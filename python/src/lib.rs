@@ -19,6 +19,7 @@ mod frame;
 mod generate;
 mod interrupt;
 mod json;
+mod merge;
 mod online;
 mod pickled;
 mod pool;
@@ -31,6 +32,8 @@ mod sequences;
 mod simulate;
 mod simulation;
 mod skin;
+mod source;
+mod study;
 mod table;
 mod touch;
 mod trial;
@@ -54,6 +57,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     table::add_to(module)?;
     dataset::add_to(module)?;
     generate::add_to(module)?;
+    merge::add_to(module)?;
     trial::add_to(module)?;
     trials::add_to(module)?;
     classifier::add_to(module)?;
@@ -64,5 +68,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     environment::add_to(module)?;
     validation::add_to(module)?;
     replay::add_to(module)?;
+    study::add_to(module)?;
     array::add_to(module)
 }

@@ -150,7 +150,7 @@ fn online(
         threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
         decision: match decision {
             None => Decision::argmax(),
-            some => arguments::decision(some, None)?,
+            some => arguments::decision(some, None, Some(arguments::ANY_SCORES.into()))?,
         },
     };
     let made = OnlineClassifier::new(&own, &skin.layout, &options)?;

@@ -11,26 +11,87 @@ use crate::failure::Failure;
 /// Most threads. The same bound as that of the command line.
 const MAX_JOBS: usize = 1024;
 
-/// The pool of this process. A process that was forked has the pool's memory but none of its threads, so it makes a new one.
-static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+/// A pool that is made when it is first needed. A process that was forked has the pool's memory but none of its threads, so it makes
+/// a new one.
+struct Made(Mutex<Option<(u32, Arc<ThreadPool>)>>);
 
-fn build(jobs: usize) -> Result<ThreadPool, Failure> {
-    let pool = ThreadPoolBuilder::new().num_threads(jobs).build();
+impl Made {
+    const fn later() -> Self {
+        Made(Mutex::new(None))
+    }
+
+    /// The pool with so many threads; 0 stands for all cores.
+    fn get(&self, threads: usize) -> Result<Arc<ThreadPool>, Failure> {
+        let mut pool = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let process = std::process::id();
+        match &*pool {
+            Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
+            _ => {
+                // Dropping the parent's pool would wait for threads that are not there.
+                std::mem::forget(pool.take());
+                let new = Arc::new(build(threads)?);
+                *pool = Some((process, Arc::clone(&new)));
+                Ok(new)
+            }
+        }
+    }
+}
+
+impl Drop for Made {
+    fn drop(&mut self) {
+        let pool = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if pool.as_ref().is_some_and(|(owner, _)| *owner != std::process::id()) {
+            std::mem::forget(pool.take());
+        }
+    }
+}
+
+/// The pool of this process.
+static POOL: Made = Made::later();
+
+fn build(threads: usize) -> Result<ThreadPool, Failure> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|error| Failure::Run(format!("cannot start threads: {error}")))
 }
 
-fn shared() -> Result<Arc<ThreadPool>, Failure> {
-    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    let process = std::process::id();
-    match &*pool {
-        Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
-        _ => {
-            // Dropping the parent's pool would wait for threads that are not there.
-            std::mem::forget(pool.take());
-            let new = Arc::new(build(0)?);
-            *pool = Some((process, Arc::clone(&new)));
-            Ok(new)
-        }
+/// An error if a number of threads is out of range.
+fn check(jobs: usize) -> Result<usize, Failure> {
+    if (1..=MAX_JOBS).contains(&jobs) {
+        return Ok(jobs);
+    }
+    let allowed = format!("1 to {MAX_JOBS} threads");
+    let remedy = "use as many as there are cores";
+    Err(Failure::argument("jobs", jobs.to_string(), allowed, remedy))
+}
+
+/// Threads that help the calling one again and again.
+pub struct Helpers {
+    threads: usize,
+    pool: Made,
+}
+
+impl Helpers {
+    /// Together with the calling thread they are `jobs`, or as many as there are cores.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if `jobs` is out of range.
+    pub fn new(jobs: Option<usize>) -> Result<Self, Failure> {
+        let jobs = match jobs {
+            Some(jobs) => check(jobs)?,
+            None => std::thread::available_parallelism().map_or(1, usize::from),
+        };
+        Ok(Helpers {
+            threads: jobs - 1,
+            pool: Made::later(),
+        })
+    }
+
+    /// The threads, if there are any.
+    ///
+    /// # Errors
+    /// [`Failure::Run`] if they cannot be started.
+    pub fn get(&self) -> Result<Option<Arc<ThreadPool>>, Failure> {
+        (self.threads > 0).then(|| self.pool.get(self.threads)).transpose()
     }
 }
 
@@ -40,17 +101,8 @@ fn shared() -> Result<Arc<ThreadPool>, Failure> {
 /// Those of the work; [`Failure::Input`] if `jobs` is out of range.
 pub fn install<T: Send>(jobs: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
     let pool = match jobs {
-        None => shared()?,
-        Some(jobs) if (1..=MAX_JOBS).contains(&jobs) => Arc::new(build(jobs)?),
-        Some(jobs) => {
-            let allowed = format!("1 to {MAX_JOBS} threads");
-            return Err(Failure::argument(
-                "jobs",
-                jobs.to_string(),
-                allowed,
-                "use as many as there are cores",
-            ));
-        }
+        None => POOL.get(0)?,
+        Some(jobs) => Arc::new(build(check(jobs)?)?),
     };
     guarded(|| pool.install(work))
 }

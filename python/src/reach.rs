@@ -1,10 +1,8 @@
 //! Reaches: simulated, read from files, or parts of a data set.
 
-use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
-use arrow_array::RecordBatch;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use underbrush_experiments::contact_trials;
@@ -15,19 +13,12 @@ use crate::arguments::cutting;
 use crate::failure::Failure;
 use crate::frame::PyFrame;
 use crate::json;
-use crate::pickled::Temporary;
-use crate::pool::guarded;
+use crate::pickled;
+use crate::pool::{self, guarded};
 use crate::skin::{Skin, patch_index};
-use crate::table::{Column, PyTable};
+use crate::source::Source;
+use crate::table::{Column, LentColumns, PyTable};
 use crate::trials::Trials;
-
-/// Where a reach is.
-pub enum Source {
-    /// In memory.
-    Memory(Arc<Recording>),
-    /// In a data set, with its index.
-    Dataset(Arc<Dataset>, usize),
-}
 
 /// One reach: frames, goals, objects, contacts.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -36,8 +27,7 @@ pub struct Reach {
     /// All of it, once something needed all of it.
     whole: OnceLock<Arc<Recording>>,
     layout: OnceLock<Arc<SkinLayout>>,
-    /// Columns that were asked for, as arrays.
-    columns: Mutex<HashMap<(String, String), Py<PyAny>>>,
+    columns: LentColumns,
 }
 
 impl Reach {
@@ -47,7 +37,7 @@ impl Reach {
             source,
             whole: OnceLock::new(),
             layout: OnceLock::new(),
-            columns: Mutex::default(),
+            columns: LentColumns::default(),
         }
     }
 
@@ -66,20 +56,16 @@ impl Reach {
     }
 
     fn skin_layout(&self) -> Arc<SkinLayout> {
-        let layout = || match &self.source {
-            Source::Memory(recording) => Arc::new(recording.layout.clone()),
-            Source::Dataset(dataset, _) => Arc::new(dataset.layout().clone()),
-        };
-        Arc::clone(self.layout.get_or_init(layout))
+        Arc::clone(self.layout.get_or_init(|| Arc::new(self.source.layout())))
     }
 
-    /// The batches with a column: of the frames on disk, or else of the whole recording.
-    fn batches(&self, column: &str) -> Result<Vec<RecordBatch>, Failure> {
+    /// A column: of the frames on disk, or else of the whole recording.
+    fn read_column(&self, name: &str, single: Option<bool>) -> Result<Column, Failure> {
         match &self.source {
-            Source::Dataset(dataset, index) if !column.starts_with("truth.") => {
-                Ok(dataset.read_columns(*index, &[column])?)
+            Source::Dataset(dataset, index) if !name.starts_with("truth.") => {
+                Column::of_reaches(dataset, &[*index], name, single)
             }
-            _ => Ok(vec![recording_table(&*self.recording()?)?]),
+            _ => Column::of(&[recording_table(&*self.recording()?)?], name, single),
         }
     }
 
@@ -118,10 +104,7 @@ impl Reach {
 
     /// Number of frames.
     fn __len__(&self) -> usize {
-        match &self.source {
-            Source::Memory(recording) => recording.frames.len(),
-            Source::Dataset(dataset, index) => dataset.episodes()[*index].frames,
-        }
+        self.source.summary().frames()
     }
 
     /// One frame.
@@ -139,20 +122,10 @@ impl Reach {
     /// A column of the frames as an array, read only: (frames,) or (frames, width). The same array each time.
     #[pyo3(signature = (name, dtype = None))]
     fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let key = (name.to_owned(), dtype.unwrap_or_default().to_owned());
-        let known = |columns: &HashMap<_, Py<PyAny>>| columns.get(&key).map(|array| array.clone_ref(py));
-        if let Some(array) = known(&self.columns.lock().unwrap_or_else(PoisonError::into_inner)) {
-            return Ok(array.into_bound(py));
-        }
         let single = dtype.map(Column::is_single).transpose()?;
-        let column = py.detach(|| guarded(|| Column::of(&self.batches(name)?, name, single)))?;
-        let array = column.lend(py)?;
-        let mut columns = self.columns.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(columns
-            .entry(key)
-            .or_insert_with(|| array.unbind())
-            .clone_ref(py)
-            .into_bound(py))
+        self.columns.get(py, (name, single), || {
+            Ok(pool::detached(py, None, || self.read_column(name, single))?.lend(py)?)
+        })
     }
 
     /// Names of the columns that `column` reads.
@@ -209,41 +182,26 @@ impl Reach {
 
     /// Name of the scene.
     #[getter]
-    fn scene(&self) -> Result<String, Failure> {
-        Ok(match &self.source {
-            Source::Memory(recording) => recording.scene.clone(),
-            Source::Dataset(dataset, index) => dataset.episodes()[*index].scene.clone(),
-        })
+    fn scene(&self) -> String {
+        self.source.summary().scene().to_owned()
     }
 
     /// Name of the controller.
     #[getter]
     fn controller(&self) -> String {
-        match &self.source {
-            Source::Memory(recording) => recording.controller.clone(),
-            Source::Dataset(dataset, index) => dataset.episodes()[*index].controller.clone(),
-        }
+        self.source.summary().controller().to_owned()
     }
 
     /// Seed, and index of the reach among those of the seed.
     #[getter]
     fn seed_and_index(&self) -> (u64, u64) {
-        match &self.source {
-            Source::Memory(recording) => (recording.seed, recording.reach_index),
-            Source::Dataset(dataset, index) => {
-                let episode = &dataset.episodes()[*index];
-                (episode.seed, episode.reach_index)
-            }
-        }
+        self.source.summary().seed_and_index()
     }
 
     /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
     #[getter]
     fn outcome(&self) -> &'static str {
-        match &self.source {
-            Source::Memory(recording) => recording.outcome().name(),
-            Source::Dataset(dataset, index) => dataset.episodes()[*index].outcome.name(),
-        }
+        self.source.summary().outcome()
     }
 
     /// The skin.
@@ -303,12 +261,11 @@ impl Reach {
         Ok(Trials::new(py.detach(|| guarded(cut))?))
     }
 
-    fn __repr__(&self) -> Result<String, Failure> {
-        let (seed, index) = self.seed_and_index();
-        let (scene, outcome, frames) = (self.scene()?, self.outcome(), self.__len__());
-        Ok(format!(
-            "Reach(scene={scene:?}, seed={seed}, index={index}, {frames} frames, {outcome})"
-        ))
+    fn __repr__(&self) -> String {
+        let own = self.source.summary();
+        let ((seed, index), scene) = (own.seed_and_index(), own.scene());
+        let (frames, outcome) = (own.frames(), own.outcome());
+        format!("Reach(scene={scene:?}, seed={seed}, index={index}, {frames} frames, {outcome})")
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyAny>,)), Failure> {
@@ -319,19 +276,15 @@ impl Reach {
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
             Source::Memory(recording) => {
-                let file = Temporary::new()?;
-                write_recording(file.path(), recording)?;
-                let bytes = std::fs::read(file.path()).map_err(|error| Failure::Run(error.to_string()))?;
-                Ok((class.getattr("_from_bytes")?, (PyBytes::new(py, &bytes).into_any(),)))
+                let bytes = PyBytes::new(py, &pickled::bytes_of(recording)?).into_any();
+                Ok((class.getattr("_from_bytes")?, (bytes,)))
             }
         }
     }
 
     #[staticmethod]
     fn _from_bytes(bytes: &[u8]) -> Result<Self, Failure> {
-        let file = Temporary::new()?;
-        std::fs::write(file.path(), bytes).map_err(|error| Failure::Run(error.to_string()))?;
-        Ok(Reach::new(Source::Memory(Arc::new(read_recording(file.path())?))))
+        Ok(Reach::new(Source::Memory(Arc::new(pickled::recording_of(bytes)?))))
     }
 
     #[staticmethod]

@@ -6,21 +6,11 @@ use pyo3::prelude::*;
 use underbrush_classifier::Model;
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_experiments::audit;
-use underbrush_replay::{Judging, Known, Source, single_file};
-use underbrush_sim::controller::ControllerKind;
+use underbrush_replay::{Judging, Source, single_file};
+use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use crate::failure::Failure;
 use crate::pool;
-
-/// Largest size of a page, bytes; the same bound as that of the command line.
-const MAX_PAGE_BYTES: usize = 400_000_000;
-
-/// The force limit of a controller that ships.
-fn force_limit_n(controller: &str) -> Option<f64> {
-    let kind = ControllerKind::from_name(controller).ok()?;
-    Some(kind.preset().force_limit_n)
-}
 
 /// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
 #[pyfunction]
@@ -48,11 +38,7 @@ fn replay_page(
                 model,
             })
         };
-        let known = Known {
-            force_limit_n,
-            audit_warnings: audit::exceeded_bounds,
-        };
-        let source = Source::open(&paths, known, model.map(judging).transpose()?)?;
+        let source = Source::open(&paths, known(), model.map(judging).transpose()?)?;
         let all = (0..source.reaches().len()).collect();
         Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
     })

@@ -10,8 +10,9 @@ use underbrush_sim::reach::ReachPlan;
 use crate::controller;
 use crate::failure::Failure;
 use crate::interrupt::{Stop, watched};
-use crate::reach::{Reach, Source};
+use crate::reach::Reach;
 use crate::scene::scene;
+use crate::source::Source;
 
 /// Simulate one reach.
 #[pyfunction(name = "reach")]

@@ -1,6 +1,7 @@
 //! Arrow tables lent to Python, and their columns as NumPy arrays.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -9,6 +10,8 @@ use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, RecordBatch, RecordBatchI
 use arrow_schema::{DataType, SchemaRef};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
+use rayon::prelude::*;
+use underbrush_recording::disk::Dataset;
 
 use crate::array::{self, Store};
 use crate::failure::Failure;
@@ -203,10 +206,88 @@ impl Column {
         Ok(Column { numbers, shape })
     }
 
+    /// A column of the frames of some reaches of a data set, one after the other, read by all threads of the current pool.
+    ///
+    /// # Errors
+    /// As [`Column::of`], and those of reading.
+    pub fn of_reaches(dataset: &Dataset, reaches: &[usize], name: &str, single: Option<bool>) -> Result<Self, Failure> {
+        let Some(width) = dataset.width_of_doubles(name) else {
+            let batches: Result<Vec<_>, Failure> = reaches
+                .par_iter()
+                .map(|reach| Ok(dataset.read_columns(*reach, &[name])?))
+                .collect();
+            return Column::of(&batches?.concat(), name, single);
+        };
+        let numbers: Store = match single {
+            Some(true) => joined(dataset, reaches, (name, width), |number| number as f32)?.into(),
+            _ => joined(dataset, reaches, (name, width), |number| number)?.into(),
+        };
+        let rows = frames(dataset, reaches).sum();
+        let shape = if width == 1 { vec![rows] } else { vec![rows, width] };
+        Ok(Column { numbers, shape })
+    }
+
     /// As an array that views the numbers.
     pub fn lend(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         array::lend(py, self.numbers, &self.shape)
     }
+}
+
+/// A column's name, and its precision if one was asked for.
+type LentColumn = (String, Option<bool>);
+
+/// Columns that were asked for, as arrays. Each is made once.
+#[derive(Default)]
+pub struct LentColumns(Mutex<HashMap<LentColumn, Py<PyAny>>>);
+
+impl LentColumns {
+    /// The array, which is made if it was not asked for before.
+    ///
+    /// # Errors
+    /// Those of making it.
+    pub fn get<'py>(
+        &self,
+        py: Python<'py>,
+        (name, single): (&str, Option<bool>),
+        make: impl FnOnce() -> Result<Bound<'py, PyAny>, Failure>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let key = (name.to_owned(), single);
+        let known = |columns: &HashMap<_, Py<PyAny>>| columns.get(&key).map(|array| array.clone_ref(py));
+        if let Some(array) = known(&self.0.lock().unwrap_or_else(PoisonError::into_inner)) {
+            return Ok(array.into_bound(py));
+        }
+        // Not under the lock: another thread may make the same array, and both then get the first.
+        let array = make()?.unbind();
+        let mut columns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(columns.entry(key).or_insert(array).clone_ref(py).into_bound(py))
+    }
+}
+
+/// How many frames each of some reaches has.
+fn frames(dataset: &Dataset, reaches: &[usize]) -> impl Iterator<Item = usize> {
+    reaches.iter().map(|reach| dataset.episodes()[*reach].frames)
+}
+
+/// The numbers of a column with this name and width, written to where they belong as they are read.
+fn joined<N: Clone + Default + Send>(
+    dataset: &Dataset,
+    reaches: &[usize],
+    (name, width): (&str, usize),
+    convert: impl Fn(f64) -> N + Sync,
+) -> Result<Vec<N>, Failure> {
+    let mut numbers = vec![N::default(); frames(dataset, reaches).sum::<usize>() * width];
+    let mut rest = &mut numbers[..];
+    let mut parts = Vec::new();
+    for (reach, frames) in reaches.iter().zip(frames(dataset, reaches)) {
+        let (part, after) = rest.split_at_mut(frames * width);
+        parts.push((*reach, part));
+        rest = after;
+    }
+    let read = |(reach, part): (usize, &mut [N])| -> Result<(), Failure> {
+        Ok(dataset.read_doubles(reach, name, &convert, part)?)
+    };
+    parts.into_par_iter().try_for_each(read)?;
+    Ok(numbers)
 }
 
 /// Adds the classes of this file.

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_classifier::evaluate::TouchFigures;
-use underbrush_classifier::evaluate::touch::TouchEvaluation;
+use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
 use underbrush_classifier::touch::{TouchClassifier, TouchExamples, TouchModel, TouchOptions};
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, Recording};
 
 use crate::failure::Failure;
 use crate::json;
@@ -34,40 +33,30 @@ impl PyTouchModel {
         threshold_n: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
-        let default = TouchOptions::default();
-        let options = TouchOptions {
-            patch,
-            threshold_n: threshold_n.unwrap_or(default.threshold_n),
-        };
-        if reaches.len() < 2 {
-            let allowed = "two reaches or more, because probabilities are calibrated on reaches that are held out";
-            return Err(Failure::argument(
-                "reaches",
-                reaches.len().to_string(),
-                allowed,
-                "give more reaches",
-            ));
-        }
-        let reaches: Vec<&Reach> = reaches.iter().map(Py::get).collect();
-        let fit = || {
-            let mut examples = TouchExamples::new(options);
-            for reach in reaches {
-                let recording = reach.recording()?;
-                if recording.objects.is_empty() {
-                    let allowed = "reaches with the objects that may touch the skin";
-                    return Err(Failure::argument(
-                        "reaches",
-                        "one without ground truth",
-                        allowed,
-                        "leave it out",
-                    ));
-                }
-                examples.add(&recording)?;
-            }
-            Ok(examples.fit()?)
-        };
-        let model = Arc::new(pool::detached(py, jobs, fit)?);
+        let options = options(patch, threshold_n);
+        let reaches = Given(reaches.iter().map(Py::get).collect());
+        let model = Arc::new(pool::detached(py, jobs, || fitted(&reaches.examples(options)?))?);
         Ok(PyTouchModel { model })
+    }
+
+    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others.
+    #[staticmethod]
+    #[pyo3(signature = (reaches, patch = None, *, folds = 2, threshold_n = None, jobs = None))]
+    fn cross_validate<'py>(
+        py: Python<'py>,
+        reaches: Vec<Py<Reach>>,
+        patch: Option<String>,
+        folds: usize,
+        threshold_n: Option<f64>,
+        jobs: Option<usize>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let options = options(patch, threshold_n);
+        let reaches = Given(reaches.iter().map(Py::get).collect());
+        let judge = || {
+            check_folds(folds, reaches.count())?;
+            cross_validate_touch(folds, &reaches.examples(options)?, &reaches, fitted, Failure::from)
+        };
+        json::to_python(py, &pool::detached(py, jobs, judge)?)
     }
 
     /// Read a model file.
@@ -128,14 +117,8 @@ impl PyTouchModel {
 
     /// Judge the frames of reaches with ground truth.
     fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Result<Bound<'py, PyAny>, Failure> {
-        let reaches: Vec<&Reach> = reaches.iter().map(Py::get).collect();
-        let judge = || {
-            let mut all = TouchEvaluation::default();
-            for reach in reaches {
-                all.add(TouchEvaluation::of(&self.model, &*reach.recording()?)?);
-            }
-            Ok(TouchFigures::of(&all, self.model.categories()))
-        };
+        let reaches = Given(reaches.iter().map(Py::get).collect());
+        let judge = || judge_touch(self.model.as_ref().clone(), &reaches);
         json::to_python(py, &pool::detached(py, None, judge)?)
     }
 
@@ -145,6 +128,66 @@ impl PyTouchModel {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
         Ok((py.get_type::<PyTouchModel>().getattr("from_json")?, (self.to_json()?,)))
+    }
+}
+
+fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
+    let default = TouchOptions::default();
+    TouchOptions {
+        patch,
+        threshold_n: threshold_n.unwrap_or(default.threshold_n),
+    }
+}
+
+/// A model of these rows.
+fn fitted(examples: &TouchExamples) -> Result<TouchModel, Failure> {
+    let rows = examples.rows();
+    if rows.reaches < rows.held_out_parts {
+        let allowed = format!(
+            "{} reaches or more, because probabilities are calibrated on reaches that are held out",
+            rows.held_out_parts
+        );
+        let found = rows.reaches.to_string();
+        return Err(Failure::argument("reaches", found, allowed, "give more reaches"));
+    }
+    Ok(examples.fit()?)
+}
+
+/// Reaches that a caller gave.
+struct Given<'a>(Vec<&'a Reach>);
+
+impl Given<'_> {
+    /// The rows of all reaches.
+    fn examples(&self, options: TouchOptions) -> Result<TouchExamples, Failure> {
+        let mut examples = TouchExamples::new(options);
+        self.read(&|_| true, &mut |recording| Ok(examples.add(recording)?))?;
+        Ok(examples)
+    }
+}
+
+impl ReadReaches for Given<'_> {
+    type Error = Failure;
+
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// It fails if a reach has no ground truth: every reading would count as spurious.
+    fn read(
+        &self,
+        keeps: &dyn Fn(usize) -> bool,
+        each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        for (position, reach) in self.0.iter().enumerate().filter(|(position, _)| keeps(*position)) {
+            let recording = reach.recording()?;
+            if recording.objects.is_empty() {
+                let found = format!("reach {position} without ground truth");
+                let allowed = "reaches with the objects that may touch the skin";
+                return Err(Failure::argument("reaches", found, allowed, "leave it out"));
+            }
+            each(&recording)?;
+        }
+        Ok(())
     }
 }
 

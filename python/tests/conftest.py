@@ -13,6 +13,7 @@ import pytest
 
 import underbrush as ub
 
+ROOT = Path(__file__).parents[2]
 QUICK = {"goals": {"count": 1, "retries": 0, "patience_s": 1.0}}
 
 
@@ -35,7 +36,7 @@ def trials(data: ub.Dataset) -> ub.Trials:
 @pytest.fixture(scope="session")
 def command() -> Callable[..., Any]:
     """Runs the command line of the same build and returns what it prints as JSON."""
-    default = Path(__file__).parents[2] / "target" / "release" / "underbrush"
+    default = ROOT / "target" / "release" / "underbrush"
     program = Path(os.environ.get("UNDERBRUSH", default))
     if not program.exists():
         pytest.skip(f"no command line at {program}")

@@ -29,6 +29,16 @@ def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
     assert single.dtype == np.float32 and np.array_equal(single, files[TACTILE].to_numpy().astype(np.float32))
 
 
+def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
+    """Pins the columns of a reach of several thousand frames, whose numbers are in several pages of the Parquet file."""
+    data = ub.generate("leaf", 1, tmp_path / "set", seed=1, progress=False)
+    files = polars.read_parquet(f"{data.path}/data/**/*.parquet")
+    assert len(files) > 2048
+    for name in data.column_names:
+        assert np.array_equal(data.column(name), files[name].to_numpy()), name
+        assert np.array_equal(data[0].column(name), files[name].to_numpy()), name
+
+
 def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
     """Pins that an array is a view without a copy: it owns nothing, its base holds the numbers, nobody can write, and it
     outlives the reach."""

@@ -98,12 +98,16 @@ def test_a_failing_controller_leaves_the_set_sound(tmp_path: Path) -> None:
 
 
 def test_shards_make_the_whole(tmp_path: Path) -> None:
-    """Pins that two shards hold the reaches of the whole set, and that bad shards are refused."""
+    """Pins that two shards hold the reaches of the whole set, merge into it byte for byte, and that bad shards are refused."""
     whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
     parts = [ub.generate(quick("leaf"), 2, tmp_path / str(part), seed=3, shard=(part, 2), progress=False) for part in (1, 2)]
     assert [len(part) for part in parts] == [1, 1]
     for part, reach in zip(parts, whole, strict=True):
         assert np.array_equal(part[0].column("action"), reach.column("action"))
+    merged = ub.merge([parts[1].path, parts[0].path], tmp_path / "merged")
+    assert contents(merged.path) == contents(whole.path)
+    with pytest.raises(ub.InputError, match="2"):
+        ub.merge([parts[0].path], tmp_path / "none")
     with pytest.raises(ub.InputError, match="I <= N"):
         ub.generate(quick("leaf"), 2, tmp_path / "none", shard=(3, 2), progress=False)
     with pytest.raises(ub.InputError, match="names of their own"):

@@ -99,9 +99,25 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
     taxels = [taxel for frame in first for taxel in frame]
     assert taxels and all(sum(own["probabilities"].values()) == pytest.approx(1.0) for own in taxels)
     assert {own["verdict"] for own in taxels} <= {"nothing", "leaf", "trunk", "uncertain", "unknown"}
-    assert model.evaluate([reach])
-    with pytest.raises(ub.InputError, match="two reaches"):
+    with pytest.raises(ub.InputError, match="2 reaches"):
         ub.TouchModel.fit([reach])
+
+
+def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp_path, command) -> None:
+    """Pins that a touch model judged on reaches, and touch models cross-validated, give the command line's figures, for one thread
+    and for two, and that too many folds are refused."""
+    reaches = list(data)
+    model = ub.TouchModel.fit(reaches)
+    model.save(tmp_path / "touch.json")
+    assert model.evaluate(reaches) == command("evaluate", data.path, "--model", tmp_path / "touch.json")
+    judged = ub.TouchModel.cross_validate(reaches, folds=3, jobs=1)
+    assert judged["folds"] == 3 and judged["feature_worth"]
+    assert judged == ub.TouchModel.cross_validate(reaches, folds=3, jobs=2)
+    assert judged == command("evaluate", data.path, "--classifier", "touch", "--folds", 3)
+    # One and nine folds cannot be; without the first of two, no reach with a leaf is left.
+    for folds, reason in ((1, "at least 2"), (9, "fewer than the 9 folds"), (2, "only trunk")):
+        with pytest.raises(ub.InputError, match=reason):
+            ub.TouchModel.cross_validate(reaches, folds=folds)
 
 
 def test_bad_frames_are_refused(data: ub.Dataset) -> None:

@@ -129,3 +129,35 @@ def _scene_file(folder: Path) -> Path:
     path = folder / "leaf-quick.toml"
     path.write_text(quick("leaf").text)
     return path
+
+
+def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path, command) -> None:
+    """Pins that with a touch model the shipped controller called from Python gives the file, byte for byte, that the controller
+    itself gives with it, in Python and on the command line, and that a controller sees what the verdicts allow."""
+    touch, scene = tmp_path / "touch.json", quick("mixed")
+    ub.TouchModel.fit(list(data)).save(touch)
+    allowed_n: list[float] = []
+
+    class Twin:
+        name = "cody-2013"
+
+        def __init__(self, arm: ub.Arm) -> None:
+            self.own = ub.ShippedController(arm)
+
+        def __call__(self, given: ub.ControllerInput) -> np.ndarray:
+            assert given.contact_allowed_force_n.shape == given.contact_force_n.shape
+            allowed_n.extend(given.contact_allowed_force_n)
+            return self.own(given)
+
+    files = [tmp_path / f"{name}.parquet" for name in ("rust", "python", "cli")]
+    ub.reach(scene, seed=3, verdicts=touch).save(files[0])
+    reach = ub.reach(scene, seed=3, controller=Twin, verdicts=touch)
+    reach.save(files[1])
+    (tmp_path / "mixed-quick.toml").write_text(scene.text)
+    command("reach", tmp_path / "mixed-quick.toml", "--seed", 3, "--verdicts", touch, "--out", files[2])
+    assert files[0].read_bytes() == files[1].read_bytes() == files[2].read_bytes()
+    assert reach.controller != "cody-2013" and np.isfinite(allowed_n).any()
+    # Without a touch model nothing is allowed or forbidden to single contacts.
+    allowed_n.clear()
+    ub.reach(scene, seed=3, controller=Twin)
+    assert allowed_n and np.isnan(allowed_n).all()

@@ -116,3 +116,27 @@ def test_results_do_not_depend_on_threads(trials: ub.Trials) -> None:
     one, two = (ub.fit(trials, states=4, jobs=jobs).to_json() for jobs in (1, 2))
     assert one == two
     assert ub.evaluate(trials, ub.Options(states=4), jobs=1) == ub.evaluate(trials, ub.Options(states=4), jobs=2)
+
+
+def test_the_papers_thresholds_are_for_their_scores(trials: ub.Trials, tmp_path: Path, command) -> None:
+    """Pins that decision="paper" gives the command line's verdicts on Viterbi scores of unscaled force, and is refused, with the
+    reason, on all other scores, where its thresholds mean nothing."""
+    table = tmp_path / "trials.parquet"
+    trials.save(table)
+    found = ub.evaluate(trials, ub.Options(states=5), decision="paper")
+    assert found == command("evaluate", table, "--states", 5, "--decision", "paper")
+    model = ub.fit(trials, states=5)
+    assert set(model.classify(trials, decision="paper")) <= {"leaf", "trunk", "uncertain", "outlier"}
+    for options, reason in (
+        (ub.Options("logistic-taxel"), "log-posteriors"),
+        (ub.Options(states=5, score="forward"), "forward scores"),
+        (ub.Options(recipe="modern", states=5, score="viterbi"), "scaled"),
+    ):
+        with pytest.raises(ub.InputError, match=reason):
+            ub.evaluate(trials, options, decision="paper")
+    with pytest.raises(ub.InputError, match="forward scores"):
+        model.with_score("forward").classify(trials, decision="paper")
+    # A model's own thresholds are for its own kind of score.
+    chosen = ub.fit(trials, states=5, false_positive_rate=0.1)
+    with pytest.raises(ub.InputError, match="other kind of score"):
+        chosen.with_score("forward").classify(trials)

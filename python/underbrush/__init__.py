@@ -31,15 +31,18 @@ from ._core import (
     checks,
     classifiers,
     evaluate,
+    inspect,
+    merge,
     online,
     reach,
     step_many,
     validate,
 )
 from ._data import FrameDataset, TrialDataset
-from ._errors import InputError, RunError
+from ._errors import InputError, RunError, StorageError
 from ._generate import generate, generate_again
 from ._replay import Page, replay
+from ._study import check, reproduce
 from ._train import fit
 
 __all__ = [
@@ -60,21 +63,26 @@ __all__ = [
     "ShippedController",
     "Simulation",
     "Skin",
+    "StorageError",
     "Table",
     "TouchModel",
     "Trial",
     "TrialDataset",
     "Trials",
     "__version__",
+    "check",
     "checks",
     "classifiers",
     "evaluate",
     "fit",
     "generate",
     "generate_again",
+    "inspect",
+    "merge",
     "online",
     "reach",
     "replay",
+    "reproduce",
     "step_many",
     "validate",
 ]

@@ -34,17 +34,21 @@ __all__ = [
     "Trial",
     "Trials",
     "__version__",
+    "check",
     "checks",
     "classifiers",
     "evaluate",
     "fit",
     "generate",
     "generate_again",
+    "merge",
+    "inspect",
     "online",
     "reach",
     "replay_page",
+    "reproduce",
+    "seconds_without_python",
     "step_many",
-    "steps_per_second",
     "validate",
 ]
 
@@ -190,6 +194,8 @@ class ControllerInput:
     @property
     def contact_force_n(self) -> _Array: ...
     @property
+    def contact_allowed_force_n(self) -> _Array: ...
+    @property
     def contact_normal_world(self) -> _Array: ...
     @property
     def contact_jacobian(self) -> _Array: ...
@@ -326,6 +332,7 @@ def generate(
     progress: Callable[[int, int, str], object] | None = None,
     jobs: int | None = None,
 ) -> Dataset: ...
+def merge(parts: Sequence[_Path], out: _Path, *, resume: bool = False) -> Dataset: ...
 def generate_again(
     dataset: _Path,
     out: _Path,
@@ -502,6 +509,15 @@ class TouchModel:
     def decision(self) -> _Json: ...
     def online(self, skin: Skin) -> Online: ...
     def evaluate(self, reaches: Sequence[Reach]) -> _Json: ...
+    @staticmethod
+    def cross_validate(
+        reaches: Sequence[Reach],
+        patch: str | None = None,
+        *,
+        folds: int = 2,
+        threshold_n: float | None = None,
+        jobs: int | None = None,
+    ) -> _Json: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
@@ -531,13 +547,34 @@ class Environments:
     ) -> tuple[NDArray[np.float32], _Json]: ...
     def step(self, actions: ArrayLike) -> tuple[NDArray[np.float32], _Json]: ...
 
-def steps_per_second(
-    scene: SceneLike, count: int, steps: int, seed: int = 0, jobs: int | None = None
+def seconds_without_python(
+    scene: SceneLike, actions: ArrayLike, seed: int = 0, jobs: int | None = None
 ) -> float: ...
 def validate(
     only: Sequence[str] | None = None, *, tolerance_scale: float = 1.0, jobs: int | None = None
 ) -> list[_Json]: ...
 def checks() -> list[str]: ...
+def inspect(path: _Path, seed: int = 0) -> _Json: ...
+def check(
+    suites: Sequence[_Path],
+    *,
+    seed: int | None = None,
+    bless: bool = False,
+    out: _Path | None = None,
+    progress: Callable[[int, int, str], object] | None = None,
+    jobs: int | None = None,
+) -> _Json: ...
+def reproduce(
+    out: _Path,
+    *,
+    experiment: _Path | None = None,
+    quick: bool = False,
+    seed: int | None = None,
+    campaigns: int = 1,
+    fresh: bool = False,
+    progress: Callable[[int, int, str], object] | None = None,
+    jobs: int | None = None,
+) -> _Json: ...
 def replay_page(
     paths: Sequence[_Path],
     reaches: Sequence[int] | None = None,

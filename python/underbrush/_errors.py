@@ -41,8 +41,13 @@ class InputError(ValueError):
 
 
 class RunError(RuntimeError):
-    """A run that failed although its input was good: a full disk, or a fault inside the physics engine."""
+    """A run that failed although its input was good, as by a fault inside the physics engine."""
+
+
+class StorageError(RunError, OSError):
+    """A file that could not be read or written, as on a full disk. The same call may succeed later."""
 
 
 InputError.__module__ = "underbrush"
 RunError.__module__ = "underbrush"
+StorageError.__module__ = "underbrush"

@@ -3,36 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from . import _core
+from ._progress import Bar, Progress
 from ._types import ControllerLike, SceneLike
-
-Progress = Callable[[int, int, str], object]
-
-_WIDTH = 30
-
-
-class _Bar:
-    """A progress bar on standard error; nothing if that is no terminal."""
-
-    def __init__(self) -> None:
-        self.is_shown = sys.stderr.isatty()
-        self.last = ""
-
-    def __call__(self, done: int, total: int, text: str) -> None:
-        filled = _WIDTH * done // max(total, 1)
-        line = f"{'#' * filled}{'.' * (_WIDTH - filled)} {done}/{total} reaches  {text}"
-        if self.is_shown and line != self.last:
-            print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
-            self.last = line
-
-    def close(self) -> None:
-        if self.last:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
-
 
 def generate(
     scenes: SceneLike | Sequence[SceneLike],
@@ -88,9 +64,7 @@ def generate(
     """
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
-    bar = _Bar()
-    shown = bar if progress is True else (progress or None)
-    try:
+    with Bar("reaches").shown(progress) as shown:
         return _core.generate(
             list(scenes),
             reaches,
@@ -103,8 +77,6 @@ def generate(
             progress=shown,
             jobs=jobs,
         )
-    finally:
-        bar.close()
 
 
 def generate_again(
@@ -117,9 +89,7 @@ def generate_again(
     jobs: int | None = None,
 ) -> _core.Dataset:
     """Make a data set again from what it stores. Parameters are those of :func:`generate`."""
-    bar = _Bar()
-    shown = bar if progress is True else (progress or None)
-    try:
+    with Bar("reaches").shown(progress) as shown:
         return _core.generate_again(
             Path(dataset),
             Path(out),
@@ -128,5 +98,3 @@ def generate_again(
             progress=shown,
             jobs=jobs,
         )
-    finally:
-        bar.close()

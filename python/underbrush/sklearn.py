@@ -13,11 +13,12 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import BaseEstimator, ClassifierMixin, clone
+from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from . import _core
+from ._fixed_window import FixedWindow
 from ._train import fit as _fit
 
 __all__ = [
@@ -273,55 +274,3 @@ class LogisticTaxelClassifier(_Baseline):
     """Logistic regression over statistics of the taxel so far. ``features=None`` adds the motion of the contact."""
 
     _classifier = "logistic-taxel"
-
-
-class FixedWindow:
-    """Any classifier of scikit-learn, where underbrush expects one of its own: in ``evaluate`` and in online streams.
-
-    It sees the first ``samples`` samples of a trial as one row. Shorter trials, and contacts under way, are continued with
-    their last sample.
-
-    Parameters
-    ----------
-    estimator : classifier
-        With ``fit``, and ``predict_proba`` or ``predict``.
-    samples : int
-        Length of the window.
-    features : str or list of str
-        Features of each sample.
-    """
-
-    def __init__(self, estimator: Any, samples: int = 20, features: str | Sequence[str] = "force") -> None:
-        self.estimator = estimator
-        self.samples = samples
-        self.features = features
-        self.categories: list[str] = []
-
-    def _rows(self, trials: _core.Trials) -> NDArray[np.float64]:
-        rows = []
-        for sequence in trials.sequences(self.features):
-            window = sequence[: self.samples]
-            missing = self.samples - len(window)
-            rows.append(np.concatenate([window, np.repeat(window[-1:], missing, axis=0)]).ravel())
-        return np.asarray(rows)
-
-    def fit_trials(self, trials: _core.Trials) -> FixedWindow:
-        """A copy that is fitted to trials with categories. Blocks and outliers are left out."""
-        names = trials.categories
-        kept = [place for place, name in enumerate(names) if name is not None and name not in ("block", "outlier")]
-        chosen = trials[kept]
-        fitted = FixedWindow(clone(self.estimator), self.samples, self.features)
-        fitted.estimator.fit(fitted._rows(chosen), np.asarray(chosen.categories))
-        fitted.categories = [str(name) for name in fitted.estimator.classes_]
-        return fitted
-
-    def scores(self, trials: _core.Trials) -> NDArray[np.float64]:
-        """Logarithm of the probability of each category: (trials, categories)."""
-        rows = self._rows(trials)
-        if hasattr(self.estimator, "predict_proba"):
-            chances = self.estimator.predict_proba(rows)
-        else:
-            found = self.estimator.predict(rows)
-            chances = (found[:, np.newaxis] == np.asarray(self.categories)).astype(float)
-        with np.errstate(divide="ignore"):
-            return np.log(np.asarray(chances, np.float64))

@@ -10,6 +10,7 @@ pub mod body;
 pub mod category;
 #[cfg(feature = "disk")]
 pub mod disk;
+pub mod fault;
 pub mod frame;
 pub mod input_error;
 pub mod layout;

@@ -6,11 +6,12 @@ use underbrush_recording::Recording;
 use crate::container::Sections;
 
 /// Adds the contact trials of every taxel, sorted by patch, then first frame: one number per trial in the sections
-/// `trial_*`, and one per sample, which is one per frame of the trial, in `sample_*`.
+/// `trial_*`, and one per sample, which is one per frame of the trial, in `sample_*`. Of trials that last until frame `from`
+/// or longer there are the samples from this frame on; earlier ones are left out.
 ///
 /// # Errors
 /// If a frame does not fit the skin.
-pub fn add(recording: &Recording, threshold_n: f64, sections: &mut Sections) -> Result<(), TrialError> {
+pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut Sections) -> Result<(), TrialError> {
     let (mut taxels, mut firsts, mut starts, mut objects) = (Vec::new(), Vec::new(), vec![0], Vec::new());
     let (mut motions, mut regions, mut region_sums) = (Vec::new(), Vec::new(), Vec::new());
     let mut first_taxel = 0;
@@ -25,10 +26,14 @@ pub fn add(recording: &Recording, threshold_n: f64, sections: &mut Sections) -> 
             let Some(first) = samples.first() else { continue };
             // Times of samples are copied from frames, in which they rise.
             let frame = recording.frames.partition_point(|frame| frame.time_s < first.time_s);
+            let known = from.saturating_sub(frame);
+            if known >= samples.len() {
+                continue;
+            }
             taxels.push(first_taxel + contact.trial.taxel.unwrap_or_default());
             firsts.push(frame as u32);
             objects.push(contact.object.map_or(-1, |object| object as i16));
-            for sample in samples {
+            for sample in &samples[known..] {
                 motions.push(sample.motion_m.unwrap_or(f64::NAN));
                 regions.push(sample.region.map_or(0, |region| region.taxels as u16));
                 region_sums.push(sample.region.map_or(f64::NAN, |region| region.force_sum_n));

@@ -6,6 +6,7 @@ use thiserror::Error;
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
 use underbrush_recording::disk::DiskError;
+use underbrush_recording::fault::Fault;
 
 /// An error of this crate.
 #[derive(Debug, Error)]
@@ -66,4 +67,14 @@ pub enum ReplayError {
         /// The cause.
         source: io::Error,
     },
+}
+
+impl From<ReplayError> for Fault {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::Disk(error) => error.into(),
+            ReplayError::Serve { .. } => Fault::Run(error.to_string()),
+            other => Fault::Usage(other.to_string()),
+        }
+    }
 }

@@ -22,11 +22,11 @@ mod verdicts;
 
 pub use error::ReplayError;
 pub use known::Known;
-pub use live::Live;
+pub use live::{Live, SoFar};
 pub use page::single_file;
 pub use server::Server;
 pub use source::{Held, Source, Summary};
-pub use verdicts::Judging;
+pub use verdicts::{Judging, VerdictLog, Verdicts};
 
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,8 @@ use std::time::Duration;
 use serde::Serialize;
 use underbrush_recording::Recording;
 
+use crate::Verdicts;
+
 /// A request waits for the simulation at most this long, s. A frame takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -20,6 +22,14 @@ pub struct News {
     pub ended: bool,
 }
 
+/// A reach as far as it is simulated.
+pub struct SoFar {
+    /// The recording.
+    pub recording: Recording,
+    /// The verdicts on its frames, if there is a model.
+    pub verdicts: Option<Verdicts>,
+}
+
 #[derive(Default)]
 struct State {
     news: News,
@@ -27,9 +37,9 @@ struct State {
     watched: bool,
     /// Frames that are still to be simulated while paused.
     steps: usize,
-    /// Whether a request waits for the recording.
+    /// Whether a request waits for the reach so far.
     wanted: bool,
-    latest: Option<Arc<Recording>>,
+    latest: Option<Arc<SoFar>>,
 }
 
 /// What the threads share.
@@ -49,9 +59,9 @@ impl Live {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Says that one more frame is simulated. `so_far` gives the recording with it, and is called only if somebody asks.
+    /// Says that one more frame is simulated. `so_far` gives the reach with it, and is called only if somebody asks.
     /// Waits for the first page, and while the reach is paused.
-    pub fn frame(&self, so_far: impl Fn() -> Option<Recording>) {
+    pub fn frame(&self, so_far: impl Fn() -> Option<SoFar>) {
         let mut state = self.state();
         state.news.frames += 1;
         loop {
@@ -68,18 +78,18 @@ impl Live {
         state.steps = state.steps.saturating_sub(1);
     }
 
-    /// Says that the reach has ended, with its whole recording.
-    pub fn end(&self, recording: Recording) {
+    /// Says that the reach has ended, with the whole of it.
+    pub fn end(&self, whole: SoFar) {
         let mut state = self.state();
         state.news.ended = true;
         state.news.paused = false;
         state.wanted = false;
-        state.latest = Some(Arc::new(recording));
+        state.latest = Some(Arc::new(whole));
         self.changed.notify_all();
     }
 
-    /// The recording so far, and what is told about it. `None` if the simulation does not answer.
-    pub fn recording(&self) -> Option<(Arc<Recording>, News)> {
+    /// The reach so far, and what is told about it. `None` if the simulation does not answer.
+    pub fn so_far(&self) -> Option<(Arc<SoFar>, News)> {
         let mut state = self.state();
         if !state.news.ended {
             state.wanted = true;
@@ -88,7 +98,7 @@ impl Live {
             let waited = self.changed.wait_timeout_while(state, PATIENCE, waiting);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
-        state.latest.clone().map(|recording| (recording, state.news))
+        state.latest.clone().map(|latest| (latest, state.news))
     }
 
     /// Pauses the simulation or lets it go on.

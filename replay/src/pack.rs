@@ -11,7 +11,7 @@ use underbrush_recording::{
 
 use crate::container::{MAX_BYTES, Sections};
 use crate::verdicts::VerdictHeader;
-use crate::{Judging, Known, ReplayError, contact_trials};
+use crate::{Judging, Known, ReplayError, Verdicts, contact_trials};
 
 #[derive(Serialize)]
 struct Header<'a> {
@@ -21,23 +21,33 @@ struct Header<'a> {
     seed: String,
     reach_index: u64,
     rate_hz: f64,
+    /// The number of the first frame whose rows are here.
+    from: usize,
+    /// The number of frames from the start of the reach.
     frames: usize,
     outcome: Outcome,
     goal_outcomes: GoalOutcomes,
     safety_stop: Option<NamedStop>,
-    joint_names: &'a [String],
-    patches: Vec<PatchHeader<'a>>,
-    objects: &'a [ObjectRecord],
-    bodies: &'a [Body],
+    /// What does not change while a reach runs; left out of what follows its beginning.
+    #[serde(flatten)]
+    fixed: Option<Fixed<'a>>,
     goals: &'a [GoalRecord],
-    contacts: &'a [Contact],
+    contacts: Vec<&'a Contact>,
     audit: Audit,
     audit_warnings: Vec<String>,
     /// The controller's largest allowed force on a taxel, if the controller is known.
     force_limit_n: Option<f64>,
     /// A taxel is in contact where it senses more than this.
     threshold_n: f64,
-    verdicts: Option<VerdictHeader>,
+    verdicts: Option<&'a VerdictHeader>,
+}
+
+#[derive(Serialize)]
+struct Fixed<'a> {
+    joint_names: &'a [String],
+    patches: Vec<PatchHeader<'a>>,
+    objects: &'a [ObjectRecord],
+    bodies: &'a [Body],
 }
 
 #[derive(Serialize)]
@@ -63,60 +73,91 @@ fn name(recording: &Recording) -> String {
 /// [`ReplayError::Trials`] and [`ReplayError::Verdicts`] if frames do not fit skin or model, [`ReplayError::TooLarge`] for
 /// more than 1 GiB, which is hours.
 pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
-    let mut sections = Sections::default();
-    add_frames(recording, &mut sections);
-    add_taxels(recording, &mut sections);
-    add_readings(&recording.frames, &first_taxels(recording), &mut sections);
-    add_tracks(&recording.bodies, &mut sections);
-    let threshold_n = judging.map_or_else(
-        || TrialOptions::default().threshold_n,
-        |judging| judging.options.threshold_n,
-    );
-    contact_trials::add(recording, threshold_n, &mut sections).map_err(|source| ReplayError::Trials {
-        reach: name(recording),
-        source,
-    })?;
-    let verdicts = judging.map(|judging| judging.add(recording, &mut sections)).transpose();
+    let verdicts = judging.map(|judging| judging.judge(recording)).transpose();
     let verdicts = verdicts.map_err(|source| ReplayError::Verdicts {
         reach: name(recording),
         source,
     })?;
-    let patches = recording.layout.patches.iter().zip(first_taxels(recording));
+    pack_from(recording, known, verdicts.as_ref(), 0)
+}
+
+/// As [`pack`], with verdicts that are known, and without what a page has that got the frames before number `from`: earlier
+/// rows of all arrays, contacts and trials that ended earlier, and what does not change.
+///
+/// # Errors
+/// As [`pack`].
+pub fn pack_from(
+    recording: &Recording,
+    known: &Known,
+    verdicts: Option<&Verdicts>,
+    from: usize,
+) -> Result<Vec<u8>, ReplayError> {
+    let from = from.min(recording.frames.len());
+    let frames = &recording.frames[from..];
+    let mut sections = Sections::default();
+    add_frames(frames, &mut sections);
+    if from == 0 {
+        add_taxels(recording, &mut sections);
+    }
+    add_readings(frames, &first_taxels(recording), &mut sections);
+    add_tracks(&recording.bodies, from, &mut sections);
+    let threshold_n = verdicts.map_or_else(
+        || TrialOptions::default().threshold_n,
+        |verdicts| verdicts.header.threshold_n,
+    );
+    contact_trials::add(recording, threshold_n, from, &mut sections).map_err(|source| ReplayError::Trials {
+        reach: name(recording),
+        source,
+    })?;
+    if let Some(verdicts) = verdicts {
+        verdicts.add(from, &mut sections);
+    }
+    // One that lasted until the frame before may have gone on.
+    let goes_on = |contact: &&Contact| contact.last_frame as usize + 1 >= from;
     let header = Header {
         scene: &recording.scene,
         controller: &recording.controller,
         seed: recording.seed.to_string(),
         reach_index: recording.reach_index,
         rate_hz: recording.rate_hz,
+        from,
         frames: recording.frames.len(),
         outcome: recording.outcome(),
         goal_outcomes: recording.goal_outcomes(),
         safety_stop: recording.safety_stop(),
-        joint_names: &recording.joint_names,
-        patches: patches
-            .map(|(patch, first_taxel)| PatchHeader {
-                name: &patch.name,
-                link: &patch.link,
-                grid: patch.grid,
-                first_taxel,
-                taxels: patch.taxels.len(),
-            })
-            .collect(),
-        objects: &recording.objects,
-        bodies: &recording.bodies,
+        fixed: (from == 0).then(|| Fixed::of(recording)),
         goals: &recording.goals,
-        contacts: &recording.contacts,
+        contacts: recording.contacts.iter().filter(goes_on).collect(),
         audit: recording.audit,
         audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
         force_limit_n: (known.force_limit_n)(&recording.controller),
         threshold_n,
-        verdicts,
+        verdicts: verdicts.map(|verdicts| &verdicts.header),
     };
     sections.finish(&header).map_err(|bytes| ReplayError::TooLarge {
         reach: name(recording),
         bytes,
         limit: MAX_BYTES,
     })
+}
+
+impl<'a> Fixed<'a> {
+    fn of(recording: &'a Recording) -> Self {
+        let patches = recording.layout.patches.iter().zip(first_taxels(recording));
+        let patches = patches.map(|(patch, first_taxel)| PatchHeader {
+            name: &patch.name,
+            link: &patch.link,
+            grid: patch.grid,
+            first_taxel,
+            taxels: patch.taxels.len(),
+        });
+        Fixed {
+            joint_names: &recording.joint_names,
+            patches: patches.collect(),
+            objects: &recording.objects,
+            bodies: &recording.bodies,
+        }
+    }
 }
 
 /// The number of the first taxel of each patch.
@@ -138,8 +179,7 @@ fn pose_numbers(pose: &Pose) -> [f64; 7] {
 }
 
 /// One row a frame.
-fn add_frames(recording: &Recording, sections: &mut Sections) {
-    let frames = &recording.frames;
+fn add_frames(frames: &[Frame], sections: &mut Sections) {
     sections.add("time_s", frames.iter().map(|frame| frame.time_s));
     let each = |read: fn(&Frame) -> &[f64]| frames.iter().flat_map(move |frame| read(frame).iter().copied());
     sections.add_single("joint_angle_rad", each(|frame| &frame.joint_angle_rad));
@@ -191,16 +231,17 @@ fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Section
     sections.add("reading_object", object);
 }
 
-/// One row a stored pose; those of body b are the rows `track_start[b]` to `track_start[b + 1]`, and each holds until the
-/// next.
-fn add_tracks(bodies: &[Body], sections: &mut Sections) {
+/// One row a stored pose from frame `from` on; those of body b are the rows `track_start[b]` to `track_start[b + 1]`, and each
+/// holds until the next.
+fn add_tracks(bodies: &[Body], from: usize, sections: &mut Sections) {
+    let news = |body: &'_ Body| body.track.partition_point(|point| (point.frame as usize) < from);
     let mut end = 0;
     let starts = bodies.iter().map(|body| {
-        end += body.track.len() as u32;
+        end += (body.track.len() - news(body)) as u32;
         end
     });
     sections.add("track_start", std::iter::once(0).chain(starts));
-    let points = || bodies.iter().flat_map(|body| &body.track);
+    let points = || bodies.iter().flat_map(|body| &body.track[news(body)..]);
     sections.add("track_frame", points().map(|point| point.frame));
     let poses = points().flat_map(|point| {
         let ([x, y, z], [i, j, k, w]) = (point.position_world_m, point.orientation_world);

@@ -8,7 +8,7 @@ use tiny_http::Request;
 
 use crate::answer::Answer;
 use crate::live::{Live, News};
-use crate::pack::pack;
+use crate::pack::pack_from;
 use crate::source::summary;
 use crate::{Known, ReplayError};
 
@@ -28,25 +28,30 @@ pub struct Running {
 impl Running {
     /// The list, which holds this reach alone.
     pub fn list(&self) -> Answer {
-        let Some((recording, news)) = self.live.recording() else {
+        let Some((latest, news)) = self.live.so_far() else {
             return no_answer();
         };
-        let mut summary = summary(0, &recording, String::new(), &self.known);
+        let mut summary = summary(0, &latest.recording, String::new(), &self.known);
         summary.running = !news.ended;
         Answer::list(&[summary])
     }
 
-    /// The reach so far.
-    pub fn reach(&self, number: &str) -> Answer {
+    /// The reach so far; with `from=N` in the query only what follows the first N frames.
+    pub fn reach(&self, number: &str, query: &str) -> Answer {
+        let mut parts = query.split('&').filter_map(|part| part.strip_prefix("from="));
+        let Ok(from) = parts.next().map_or(Ok(0), str::parse) else {
+            return Answer::text(400, "from is the number of frames that are known");
+        };
+
         if !number.trim_start_matches('0').is_empty() {
             let count = 1;
             let number = number.parse().unwrap_or(usize::MAX);
             return Answer::text(404, ReplayError::NoSuchReach { number, count }.to_string());
         }
-        let Some((recording, _)) = self.live.recording() else {
+        let Some((latest, _)) = self.live.so_far() else {
             return no_answer();
         };
-        match pack(&recording, &self.known, None) {
+        match pack_from(&latest.recording, &self.known, latest.verdicts.as_ref(), from) {
             Ok(bytes) => Answer::reach(Arc::new(bytes)),
             Err(error) => Answer::text(500, error.to_string()),
         }

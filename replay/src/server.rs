@@ -144,7 +144,7 @@ impl Shared {
     }
 
     fn answer(&self, request: &Request) -> Answer {
-        let path = request.url().split('?').next().unwrap_or_default();
+        let (path, query) = request.url().split_once('?').unwrap_or((request.url(), ""));
         let number = path.strip_prefix("/api/reach/").filter(|number| is_number(number));
         let command = path.strip_prefix(COMMAND).filter(|_| *request.method() == Method::Post);
         match (&self.content, number, command) {
@@ -152,7 +152,7 @@ impl Shared {
             (Content::Stored(source, _), ..) if path == "/api/reaches" => Answer::list(source.reaches()),
             (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
-            (Content::Running(running), Some(number), _) => running.reach(number),
+            (Content::Running(running), Some(number), _) => running.reach(number, query),
             (Content::Running(running), _, Some(command)) => running.command(command),
             (Content::Running(_), ..) if path == NEWS && *request.method() == Method::Get => Answer::text(200, ""),
             _ => Answer::text(404, "no such page"),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use underbrush_classifier::Model;
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use underbrush_recording::{Recording, SkinLayout};
+use underbrush_recording::{Frame, Recording, SkinLayout};
 
 use crate::container::Sections;
 
@@ -19,7 +19,7 @@ pub struct Judging {
 }
 
 /// What the page has to know to read the verdicts.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct VerdictHeader {
     /// The model.
     model: String,
@@ -30,7 +30,7 @@ pub struct VerdictHeader {
     /// The patch that it judges.
     patch: usize,
     /// A taxel is judged where it senses more than this, N.
-    threshold_n: f64,
+    pub threshold_n: f64,
     /// The categories of the scores.
     categories: Vec<String>,
     /// The names of the verdicts.
@@ -46,14 +46,12 @@ impl Judging {
         OnlineClassifier::new(self.model.classifier.as_ref(), layout, &self.options).map(drop)
     }
 
-    /// Adds the verdicts on a recording: those of frame f are the rows `verdict_start[f]` to `verdict_start[f + 1]` of the
-    /// sections `verdict_*`, and `verdict_score` has one number a category.
+    /// Begins to judge the frames of this skin.
     ///
     /// # Errors
-    /// [`OnlineError`] if a frame does not fit.
-    pub fn add(&self, recording: &Recording, sections: &mut Sections) -> Result<VerdictHeader, OnlineError> {
+    /// As [`Judging::check`].
+    pub fn begin(&self, layout: &SkinLayout) -> Result<VerdictLog, OnlineError> {
         let classifier = self.model.classifier.as_ref();
-        let layout = &recording.layout;
         let categories = classifier.categories();
         let mut verdicts = categories.clone();
         for other in ["uncertain", "outlier"] {
@@ -63,34 +61,96 @@ impl Judging {
         }
         let patch = layout.chosen_patch(self.options.patch.as_deref()).unwrap_or_default();
         let earlier = layout.patches.iter().take(patch);
-        let first_taxel: usize = earlier.map(|patch| patch.taxels.len()).sum();
-        let mut online = OnlineClassifier::new(classifier, layout, &self.options)?;
-        let (mut starts, mut taxels, mut codes) = (vec![0], Vec::new(), Vec::new());
-        let (mut samples, mut scores) = (Vec::new(), Vec::new());
-        for frame in &recording.frames {
-            for taxel in online.update(frame)? {
-                let code = verdicts.iter().position(|name| name == taxel.verdict.name());
-                taxels.push((first_taxel + taxel.taxel) as u32);
-                codes.push(code.unwrap_or_default() as u8);
-                samples.push(taxel.samples as u32);
-                scores.extend(&taxel.scores);
-            }
-            starts.push(taxels.len() as u32);
-        }
-        sections.add("verdict_start", starts);
-        sections.add("verdict_taxel", taxels);
-        sections.add("verdict_code", codes);
-        sections.add("verdict_samples", samples);
-        sections.add_single("verdict_score", scores);
         let columns = classifier.features().columns();
-        Ok(VerdictHeader {
-            model: self.name.clone(),
-            classifier: classifier.name(),
-            features: columns.into_iter().map(|column| column.to_string()).collect(),
-            patch,
-            threshold_n: self.options.threshold_n,
-            categories,
-            verdicts,
+        Ok(VerdictLog {
+            online: OnlineClassifier::new(classifier, layout, &self.options)?,
+            first_taxel: earlier.map(|patch| patch.taxels.len()).sum(),
+            verdicts: Verdicts {
+                header: VerdictHeader {
+                    model: self.name.clone(),
+                    classifier: classifier.name(),
+                    features: columns.into_iter().map(|column| column.to_string()).collect(),
+                    patch,
+                    threshold_n: self.options.threshold_n,
+                    categories,
+                    verdicts,
+                },
+                starts: vec![0],
+                taxels: Vec::new(),
+                codes: Vec::new(),
+                samples: Vec::new(),
+                scores: Vec::new(),
+            },
         })
+    }
+
+    /// The verdicts on all frames of a recording.
+    ///
+    /// # Errors
+    /// [`OnlineError`] if a frame does not fit.
+    pub fn judge(&self, recording: &Recording) -> Result<Verdicts, OnlineError> {
+        let mut log = self.begin(&recording.layout)?;
+        recording.frames.iter().try_for_each(|frame| log.update(frame))?;
+        Ok(log.verdicts)
+    }
+}
+
+/// Judges frame by frame and keeps all verdicts.
+#[derive(Debug)]
+pub struct VerdictLog {
+    online: OnlineClassifier,
+    first_taxel: usize,
+    verdicts: Verdicts,
+}
+
+impl VerdictLog {
+    /// Judges the next frame.
+    ///
+    /// # Errors
+    /// [`OnlineError`] if it does not fit.
+    pub fn update(&mut self, frame: &Frame) -> Result<(), OnlineError> {
+        let own = &mut self.verdicts;
+        for taxel in self.online.update(frame)? {
+            let code = own.header.verdicts.iter().position(|name| name == taxel.verdict.name());
+            own.taxels.push((self.first_taxel + taxel.taxel) as u32);
+            own.codes.push(code.unwrap_or_default() as u8);
+            own.samples.push(taxel.samples as u32);
+            own.scores.extend(&taxel.scores);
+        }
+        own.starts.push(own.taxels.len() as u32);
+        Ok(())
+    }
+
+    /// The verdicts so far.
+    pub fn verdicts(&self) -> &Verdicts {
+        &self.verdicts
+    }
+}
+
+/// Verdicts on every taxel in contact: those of frame f are the rows `starts[f]` to `starts[f + 1]`.
+#[derive(Clone, Debug)]
+pub struct Verdicts {
+    /// What the page has to know to read them.
+    pub(crate) header: VerdictHeader,
+    starts: Vec<u32>,
+    taxels: Vec<u32>,
+    codes: Vec<u8>,
+    samples: Vec<u32>,
+    scores: Vec<f64>,
+}
+
+impl Verdicts {
+    /// Adds those on the frames from number `from` on as the sections `verdict_*`; rows are counted from the first of these,
+    /// and `verdict_score` has one number a category.
+    pub(crate) fn add(&self, from: usize, sections: &mut Sections) {
+        let starts = self.starts.get(from..).unwrap_or_default();
+        let first = starts.first().copied().unwrap_or_default() as usize;
+        let rows = first..self.taxels.len();
+        sections.add("verdict_start", starts.iter().map(|start| start - first as u32));
+        sections.add("verdict_taxel", self.taxels[rows.clone()].iter().copied());
+        sections.add("verdict_code", self.codes[rows.clone()].iter().copied());
+        sections.add("verdict_samples", self.samples[rows].iter().copied());
+        let scores = &self.scores[first * self.header.categories.len()..];
+        sections.add_single("verdict_score", scores.iter().copied());
     }
 }

@@ -7,23 +7,25 @@
 mod agreement;
 pub mod category_looks;
 pub mod drawing;
+mod error;
 pub mod junit;
 pub mod picture;
 pub mod portrait;
+pub mod replay_links;
+mod replay_pages;
+pub mod replayed;
 mod report;
+pub mod reproduction;
 pub mod section;
 pub mod skin_map;
 mod style;
+pub mod suite_text;
 pub mod text;
 
 use underbrush_experiments::results::Results;
 
 use drawing::{Cell, Table};
 use report::Report;
-
-/// Name of the file beside the page that replays the reaches of the figures. This crate only links to it: it is written by
-/// who knows the replay page, if the results have moments.
-pub const REPLAY_FILE: &str = "replay.html";
 
 /// A report, ready to be written.
 pub struct Written {

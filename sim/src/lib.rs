@@ -21,6 +21,7 @@ pub mod contact;
 mod contact_log;
 pub mod controller;
 pub mod environment;
+mod fault;
 pub mod geometry;
 mod newton;
 pub mod object;

@@ -3,14 +3,13 @@
 use clap::{Args, ValueEnum};
 use underbrush_classifier::Model;
 use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::hmm::ScoreKind;
-use underbrush_classifier::recipe::{Recipe, ScalingKind};
+use underbrush_classifier::paper_rule;
+use underbrush_classifier::recipe::Recipe;
 
 use crate::failure::Failure;
 
 /// How scores become verdicts.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct DecisionArguments {
     /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has none]
     #[arg(long, value_enum)]
@@ -55,43 +54,22 @@ pub struct Scores<'a> {
 impl<'a> Scores<'a> {
     /// Scores by this model.
     pub fn of_model(model: &'a Model) -> Self {
-        let (are_own, misfit) = match model.as_hmm() {
-            None => (true, Some(NOT_HMM.to_owned())),
-            Some(models) => {
-                let kind = models.score_kind();
-                let misfit = misfit(kind, models.features(), models.scaling().is_some());
-                (kind == models.own_score_kind(), misfit)
-            }
-        };
         Scores {
             own: model.decision.as_ref(),
-            are_own,
-            misfit,
+            are_own: model
+                .as_hmm()
+                .is_none_or(|models| models.score_kind() == models.own_score_kind()),
+            misfit: paper_rule::misfit_of_model(model),
         }
     }
 
     /// Scores of hidden Markov models by this recipe, or of another classifier.
     pub fn of_recipe(recipe: Option<&Recipe>) -> Self {
-        let misfit = match recipe {
-            None => Some(NOT_HMM.to_owned()),
-            Some(recipe) => misfit(recipe.score, recipe.features, recipe.scaling != ScalingKind::Unscaled),
-        };
         Scores {
             own: None,
             are_own: true,
-            misfit,
+            misfit: paper_rule::misfit_of_recipe(recipe),
         }
-    }
-}
-
-const NOT_HMM: &str = "this classifier gives log-posteriors";
-
-fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String> {
-    match kind {
-        ScoreKind::Forward => Some("these are forward scores".into()),
-        ScoreKind::Viterbi if features != FeatureSet::FORCE => Some(format!("these are scores of {features}")),
-        ScoreKind::Viterbi if scaled => Some("these are scores of scaled features".into()),
-        ScoreKind::Viterbi => None,
     }
 }
 

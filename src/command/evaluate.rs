@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
+use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
@@ -16,7 +17,6 @@ use underbrush_recording::Trial;
 
 use super::decision_arguments::{DecisionArguments, Scores};
 use super::estimator_arguments::EstimatorArguments;
-use super::model::{self, AnyModel};
 use super::touch::{self, Judge, TouchDecisionArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
@@ -87,7 +87,7 @@ enum Group {
 /// Evaluates and prints the confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.check()?;
-    let model = options.model.as_deref().map(model::load).transpose()?;
+    let model = options.model.as_deref().map(any_model::load).transpose()?;
     let model = match model {
         Some(AnyModel::Touch(model)) => {
             options.cut.refuse_for_touch_model()?;

@@ -5,16 +5,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
-use underbrush_experiments::audit::{self, Worst};
+use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, PROGRAM_VERSION, Written};
-use underbrush_experiments::ends::Ends;
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, Shard};
-use underbrush_report::text;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::Scene;
 
+use super::dataset_summary::Summary;
 use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{input, interrupt, output};
@@ -48,7 +46,7 @@ pub struct Options {
     /// Continue an interrupted data set
     #[arg(long)]
     resume: bool,
-    /// Run only part I of N (counted from 1), into a separate folder
+    /// Run only part I of N (counted from 1), into a separate folder. `underbrush merge` joins the parts
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
 }
@@ -63,63 +61,6 @@ fn shard(text: &str) -> Result<Shard, String> {
         })
     };
     parse().ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
-}
-
-/// Summary of a data set.
-#[derive(Serialize)]
-struct Summary {
-    #[serde(serialize_with = "output::path")]
-    dataset: PathBuf,
-    reaches: usize,
-    frames: usize,
-    simulated_s: f64,
-    /// How long it took to make; `None` for a set that was already finished.
-    wall_s: Option<f64>,
-    #[serde(flatten)]
-    ends: Ends,
-    /// The worst residuals of the audit, each with its reach.
-    audit: BTreeMap<&'static str, Worst>,
-    /// The counts of the audit, summed over the reaches.
-    audit_counts: BTreeMap<&'static str, u64>,
-}
-
-impl Summary {
-    /// Sums up a data set that took `wall_s` to make.
-    fn of(dataset: &Dataset, wall_s: Option<f64>) -> Self {
-        let episodes = dataset.episodes();
-        let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
-        Summary {
-            dataset: dataset.dir().to_path_buf(),
-            reaches: episodes.len(),
-            frames,
-            simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
-            wall_s,
-            ends: Ends::of(episodes),
-            audit: audit::worst(episodes, dataset.layout()),
-            audit_counts: audit::counts(episodes),
-        }
-    }
-
-    /// Readable text.
-    fn text(&self) -> String {
-        let pace = self.wall_s.map_or(String::new(), |wall_s| {
-            format!(
-                " in {wall_s:.0} s ({:.0} times real time)",
-                self.simulated_s / wall_s.max(1e-9)
-            )
-        });
-        format!(
-            "{} reaches, {:.0} s of simulated time{pace}\n\
-             {}\n\
-             {}\n\
-             data set in {}",
-            self.reaches,
-            self.simulated_s,
-            self.ends.text(),
-            text::audit(&self.audit),
-            self.dataset.display()
-        )
-    }
 }
 
 /// The campaign that the options describe.

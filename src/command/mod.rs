@@ -2,12 +2,15 @@
 
 pub mod check;
 pub mod classify;
+mod dataset_summary;
 mod decision_arguments;
 mod estimator_arguments;
 pub mod evaluate;
+pub mod export;
 pub mod generate;
+pub mod import;
 pub mod inspect;
-mod model;
+pub mod merge;
 mod pictures;
 pub mod reach;
 

@@ -16,7 +16,9 @@ use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::{ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
 
+use super::decision_arguments::DecisionArguments;
 use super::pictures::Pictures;
+use super::replay;
 use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
@@ -54,6 +56,9 @@ pub struct Options {
     /// The page is served on 127.0.0.1 until Ctrl-C. The reach begins when the page is opened.
     #[arg(long)]
     watch: bool,
+    /// With --watch: model file; the page also shows its verdicts on the patch
+    #[arg(long, value_name = "FILE", requires = "watch")]
+    model: Option<PathBuf>,
     /// Patch of skin whose trials are counted [default: the first]
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
@@ -114,8 +119,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
     dataset::say_doubts([&plan.arm], &Shown);
     let mut pictures = Pictures::new(options.picture, options.animation)?;
+    let judging = options.model.as_deref();
+    let judging = judging.map(|path| replay::judging_by(path, options.patch.as_deref(), &DecisionArguments::default()));
+    let judging = judging.transpose()?;
     let mut watched = if options.watch {
-        Some(Watched::begin(ReachSoFar::new(&plan, options.index))?)
+        let so_far = ReachSoFar::new(&plan, options.index);
+        Some(Watched::begin(so_far, &plan.arm.skin.layout, judging.as_ref())?)
     } else {
         None
     };

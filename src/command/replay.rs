@@ -8,10 +8,9 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_experiments::audit;
 use underbrush_recording::disk::remove_leftovers;
-use underbrush_replay::{Judging, Known, Server, Source, single_file};
-use underbrush_sim::controller::ControllerKind;
+use underbrush_replay::{Judging, Server, Source, single_file};
+use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::decision_arguments::{DecisionArguments, Scores};
 use super::score;
@@ -71,9 +70,6 @@ struct Written {
     bytes: usize,
 }
 
-/// Largest size of a single file, bytes. Choice: browsers refuse texts of more than about 500 MB, and nobody sends that.
-pub const MAX_FILE_BYTES: usize = 400_000_000;
-
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     for path in &options.inputs {
@@ -96,37 +92,28 @@ fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
         }
         return Ok(None);
     };
+    judging_by(path, options.patch.as_deref(), &options.decision).map(Some)
+}
+
+/// The model of a file, and how it judges a patch, or the first.
+pub fn judging_by(path: &Path, patch: Option<&str>, decision: &DecisionArguments) -> Result<Judging, Failure> {
     let model = score::load(path, None, "--score")?;
-    let decision = options.decision.decision(&Scores::of_model(&model))?;
-    Ok(Some(Judging {
+    let decision = decision.decision(&Scores::of_model(&model))?;
+    Ok(Judging {
         name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         options: OnlineOptions {
-            patch: options.patch.clone(),
+            patch: patch.map(str::to_owned),
             threshold_n: TrialOptions::default().threshold_n,
             decision,
         },
         model,
-    }))
-}
-
-/// What recordings do not say and the page shows.
-pub fn known() -> Known {
-    Known {
-        force_limit_n,
-        audit_warnings: audit::exceeded_bounds,
-    }
-}
-
-/// The force limit of a controller that ships.
-fn force_limit_n(controller: &str) -> Option<f64> {
-    let kind = ControllerKind::from_name(controller).ok()?;
-    Some(kind.preset().force_limit_n)
+    })
 }
 
 fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {
     let all: Vec<usize> = (0..source.reaches().len()).collect();
     let numbers = if chosen.is_empty() { &all } else { chosen };
-    let page = single_file(source, numbers, MAX_FILE_BYTES)?;
+    let page = single_file(source, numbers, MAX_PAGE_BYTES)?;
     remove_leftovers(path);
     output::write_file(path, page.as_bytes())?;
     let written = Written {

@@ -1,20 +1,11 @@
 //! `underbrush reproduce`: runs an experiment, the paper's if no other is given, and writes its report.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use underbrush_classifier::{HmmClassifier, Model};
 use underbrush_experiments::definition::Experiment;
-use underbrush_experiments::experiment::moments;
-use underbrush_experiments::plan::Plan;
-use underbrush_experiments::results::Results;
-use underbrush_experiments::session::Session;
-use underbrush_experiments::{audit, models, training};
-use underbrush_recording::disk::write_trials;
-use underbrush_replay::{Held, Judging, Source, single_file};
-use underbrush_report::{REPLAY_FILE, Written};
+use underbrush_report::reproduction::Reproduction;
 
-use super::replay;
 use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{interrupt, output};
@@ -61,9 +52,14 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         Some(path) => Experiment::load(path)?,
         None => Experiment::paper()?,
     };
+    let reproduction = Reproduction {
+        experiment: &experiment,
+        seed: options.seed.unwrap_or(experiment.file.seed),
+        quick: options.quick,
+        campaigns: options.campaigns,
+        fresh: options.fresh,
+    };
     let out = &options.out;
-    let seed = options.seed.unwrap_or(experiment.file.seed);
-    Plan::new(&experiment, seed, options.quick).settle(out, options.fresh)?;
     let command = if options.fresh {
         "the same command without --fresh"
     } else {
@@ -73,46 +69,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         "finished stages are cached in {}; run {command} to go on (it needs no --resume)",
         out.display()
     ));
-    let session = Session::new(&experiment, (seed, options.quick, options.campaigns), out, &Shown);
-    let data = session.once(training::run)?;
-    output::remarks(audit::warnings(data.dataset.episodes(), data.dataset.layout()));
-    let trials = &data.trials;
-    write_trials(out.join("trials-component.parquet"), trials.component.iter().cloned())?;
-    write_trials(out.join("trials-taxel.parquet"), trials.taxel.iter().cloned())?;
-    let models = session.once(models::run)?;
-    let model = Model::new(Box::new(models.0.clone()));
-    output::write_file(&out.join("model.json"), model.save_string()?.as_bytes())?;
-
-    let results = Results::of(&session)?;
-    let summary = serde_json::to_vec_pretty(&results).map_err(|error| Failure::run(error.to_string()))?;
-    output::write_file(&out.join("summary.json"), &summary)?;
-    let moments = session.once(moments::run)?;
-    let report = Written::of(&results);
-    for file in &report.files {
-        output::write_file(&out.join("report").join(&file.path), file.text.as_bytes())?;
-    }
-    write_replay(&moments, &models.0, &out.join("report").join(REPLAY_FILE))?;
+    let (results, report) = reproduction.run(out, &Shown)?;
     output::result(json, &results, || {
         let page = out.join("report/index.html");
         format!("{}; report in {}", report.terminal, page.display())
     })
-}
-
-/// Writes the reaches whose moments the report shows as one file with the replay page, to which the report links.
-fn write_replay(moments: &moments::Outcome, models: &HmmClassifier, path: &Path) -> Result<(), Failure> {
-    let held = moments.all().map(|moment| Held {
-        recording: moment.recording.clone(),
-        judging: Some(Judging {
-            name: "model.json".into(),
-            model: Model::new(Box::new(models.clone())),
-            options: moment.options.clone(),
-        }),
-    });
-    let source = Source::of(held.collect(), replay::known())?;
-    let numbers: Vec<usize> = (0..source.reaches().len()).collect();
-    if numbers.is_empty() {
-        return Ok(());
-    }
-    let page = single_file(&source, &numbers, replay::MAX_FILE_BYTES)?;
-    output::write_file(path, page.as_bytes())
 }

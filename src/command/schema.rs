@@ -26,6 +26,8 @@ enum Kind {
     Experiment,
     /// Suite: scenes with bounds on what a run of them gives, for `underbrush check`
     Suite,
+    /// Mapping: where a file of another robot holds times and forces, for `underbrush import`
+    Mapping,
     /// Model: a fitted classifier of trials
     Model,
     /// Touch: a fitted classifier of frames (--classifier touch)
@@ -40,6 +42,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         Kind::Skin => underbrush_sim::arm::skin_schema(),
         Kind::Experiment => underbrush_experiments::definition::schema(),
         Kind::Suite => underbrush_experiments::suite::schema(),
+        Kind::Mapping => underbrush_exchange::import::mapping_schema(),
         Kind::Model => underbrush_classifier::model_schema(),
         Kind::Touch => underbrush_classifier::touch::TouchModel::schema(),
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::Model;
+use underbrush_classifier::any_model;
 use underbrush_classifier::hmm::ScoreKind;
 
 use crate::failure::Failure;
@@ -43,7 +44,7 @@ impl From<Score> for ScoreKind {
 
 /// Reads a model and chooses its kind of score; `option` names the option that asks for it.
 pub fn load(path: &Path, by: Option<Score>, option: &str) -> Result<Model, Failure> {
-    by_kind(super::model::load_of_trials(path)?, path, by, option)
+    by_kind(any_model::load_of_trials(path)?, path, by, option)
 }
 
 /// Chooses the kind of score of a model that was read from `path`.

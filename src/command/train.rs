@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use underbrush_classifier::any_model;
 use underbrush_classifier::decision::Rule;
 use underbrush_classifier::estimator::{Classifier, Estimator};
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
@@ -13,7 +14,7 @@ use underbrush_classifier::{HmmClassifier, Model, ModelError, TrainingReport, is
 use underbrush_recording::Trial;
 
 use super::estimator_arguments::EstimatorArguments;
-use super::{model, touch};
+use super::touch;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -128,7 +129,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
 /// The models of a file, trained further.
 fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
-    let start = model::load_of_trials(start)?;
+    let start = any_model::load_of_trials(start)?;
     let provenance = start.provenance.clone();
     let models = start.into_hmm().map_err(|_| {
         Failure::usage(

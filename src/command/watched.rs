@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-use underbrush_recording::{Frame, Recording};
-use underbrush_replay::{Live, Server};
+use underbrush_classifier::online::OnlineError;
+use underbrush_recording::{Frame, Recording, SkinLayout};
+use underbrush_replay::{Judging, Live, ReplayError, Server, SoFar, VerdictLog};
 use underbrush_sim::reach::ReachSoFar;
 use underbrush_sim::simulation::Simulation;
 
@@ -15,20 +16,27 @@ use crate::output;
 /// A reach and the server that shows it.
 pub struct Watched<'a> {
     so_far: ReachSoFar<'a>,
+    verdicts: Option<VerdictLog>,
+    /// Why there are no more verdicts.
+    fault: Option<ReplayError>,
     live: Arc<Live>,
     server: JoinHandle<()>,
 }
 
 impl<'a> Watched<'a> {
-    /// Starts the server and says where the page is.
-    pub fn begin(so_far: ReachSoFar<'a>) -> Result<Self, Failure> {
+    /// Starts the server and says where the page is. With a model the page shows its verdicts.
+    pub fn begin(so_far: ReachSoFar<'a>, skin: &SkinLayout, judging: Option<&Judging>) -> Result<Self, Failure> {
+        let verdicts = judging.map(|judging| judging.begin(skin)).transpose();
+        let verdicts = verdicts.map_err(fault)?;
         let live = Arc::new(Live::new());
-        let server = Server::watch(Arc::clone(&live), replay::known(), 0)?;
+        let server = Server::watch(Arc::clone(&live), underbrush_report::replayed::known(), 0)?;
         let address = server.address();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
         replay::show(&address);
         Ok(Watched {
             so_far,
+            verdicts,
+            fault: None,
             live,
             server: std::thread::spawn(move || server.run()),
         })
@@ -37,14 +45,37 @@ impl<'a> Watched<'a> {
     /// Shows one more frame. Waits while the reach is paused.
     pub fn frame(&mut self, simulation: &Simulation, frame: &Frame) {
         self.so_far.observe(simulation, frame);
-        self.live.frame(|| self.so_far.recording());
+        if let Some(Err(source)) = self.verdicts.as_mut().map(|verdicts| verdicts.update(frame)) {
+            self.verdicts = None;
+            self.fault = Some(fault(source));
+        }
+        self.live
+            .frame(|| self.so_far.recording().map(|recording| self.with_verdicts(recording)));
+    }
+
+    fn with_verdicts(&self, recording: Recording) -> SoFar {
+        SoFar {
+            recording,
+            verdicts: self.verdicts.as_ref().map(|log| log.verdicts().clone()),
+        }
     }
 
     /// Shows the whole reach until the program is ended.
     pub fn end(self, recording: Recording) -> Result<(), Failure> {
-        self.live.end(recording);
+        self.live.end(self.with_verdicts(recording));
+        if let Some(fault) = self.fault {
+            return Err(fault.into());
+        }
         output::remark("the page can be used until Ctrl-C");
         let ended = self.server.join();
         ended.map_err(|_| Failure::run("the server of the page has failed; please report this"))
+    }
+}
+
+/// The error of a model that does not fit.
+fn fault(source: OnlineError) -> ReplayError {
+    ReplayError::Verdicts {
+        reach: "this reach".into(),
+        source,
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{Fault, assert_empty};
+use crate::cli::touch::model as touch_model;
 use crate::support::fixture::fixture;
 use crate::support::{scenes, underbrush};
 
@@ -22,6 +23,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     let file = folder.path().join("suite.toml");
     scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
     std::fs::copy(fixture().model(), folder.path().join("model.json")).unwrap();
+    std::fs::copy(touch_model(), folder.path().join("touch.json")).unwrap();
     std::fs::write(&file, text).unwrap();
     let fault = Fault {
         file: &file,
@@ -122,7 +124,8 @@ fn numbers_out_of_range() {
     }
 }
 
-/// Pins that verdicts need a model, that the model must exist and that its patch must be one of the skin's.
+/// Pins that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a touch model
+/// takes no options but its own.
 #[test]
 fn models_that_do_not_fit() {
     refuses_change(
@@ -142,6 +145,14 @@ fn models_that_do_not_fit() {
         Some(3),
         &["model.file", "threshold_n"],
     );
+    for (key, value) in [("patch", "\"forearm\""), ("threshold_n", "0.1"), ("rule", "\"argmax\"")] {
+        let text = with_model(&format!("file = \"touch.json\"\n{key} = {value}"));
+        refuses(
+            &text,
+            Some(4),
+            &[&format!("model.{key}"), "no such key with a touch model"],
+        );
+    }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("suite.toml");
     scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use xml::reader::{EventReader, XmlEvent};
 
+use super::touch;
 use crate::support::fixture::fixture;
 use crate::support::{Answer, underbrush};
 
@@ -106,6 +107,34 @@ fn small(folder: &Path) -> PathBuf {
                 right.trunk = { at_least = 0 }\n";
     std::fs::write(&file, text).unwrap();
     file
+}
+
+/// Pins that a suite can have a touch model, whose verdict that nothing presses has metrics of its own.
+#[test]
+fn touch_models_judge_suites() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = small(folder.path());
+    std::fs::copy(touch::model(), folder.path().join("model.json")).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let bounds = "wrong.trunk = { at_most = 1 }\nuncertain.trunk = { at_most = 1 }\ncalled_nothing.trunk = { at_most = 1 }\n\
+                  spurious_called_nothing = { at_least = 0 }\n";
+    std::fs::write(&file, text + bounds).unwrap();
+    let answer = underbrush!["check", &file, "--json"];
+    assert_eq!(broken(&answer), ["peak_force_n.trunk"]);
+    let report: Value = serde_json::from_str(&answer.stdout).unwrap();
+    let bounds = report["suites"][0]["scenes"][0]["bounds"].as_array().unwrap();
+    let found = |name: &str| {
+        let bound = bounds.iter().find(|bound| bound["name"] == name);
+        bound.and_then(|bound| bound["found"].as_f64()).unwrap()
+    };
+    let [right, wrong, uncertain] = ["right", "wrong", "uncertain"].map(|name| found(&format!("{name}.trunk")));
+    assert!(
+        (right + wrong + uncertain - 1.0).abs() < 1e-12,
+        "{right} {wrong} {uncertain}"
+    );
+    let nothing = found("called_nothing.trunk");
+    assert!((0.0..=wrong).contains(&nothing), "{nothing} of {wrong}");
+    assert!((0.0..=1.0).contains(&found("spurious_called_nothing")));
 }
 
 /// Elements of a document with their attributes.

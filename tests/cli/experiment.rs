@@ -1,5 +1,6 @@
 //! `underbrush reproduce --experiment`: experiments other than the paper's.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::support::underbrush;
@@ -62,13 +63,25 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
         "{page}"
     );
     assert!(!page.contains("the paper's experiment"));
-    // The moments that the page shows can be replayed, and nothing else is promised.
-    let replayed = page.matches("href=\"replay.html#reach=").count();
-    let file = std::fs::read_to_string(out.join("report/replay.html"));
-    let held = file.map_or(0, |file| {
-        file.matches("<script type=\"application/octet-stream\"").count()
-    });
-    assert_eq!(held, replayed);
+    // The reaches that figures link to can be replayed, and nothing else is promised.
+    let mut files = 0;
+    for name in ["replay.html", "replay-engineered.html", "replay-training.html"] {
+        let address = format!("href=\"{name}#reach=");
+        let links = page.split(&address).skip(1);
+        let places: BTreeSet<&str> = links.map(|rest| rest.split(['&', '"']).next().unwrap()).collect();
+        let file = std::fs::read_to_string(out.join("report").join(name));
+        files += usize::from(file.is_ok());
+        let held = file.map_or(0, |file| {
+            file.matches("<script type=\"application/octet-stream\"").count()
+        });
+        assert_eq!(held, places.len(), "{name}");
+        let expected: BTreeSet<String> = (0..held).map(|place| place.to_string()).collect();
+        assert!(
+            places.iter().all(|place| expected.contains(*place)),
+            "{name}: {places:?}"
+        );
+    }
+    assert!(files > 0);
     // The same folder goes on only with the same experiment.
     underbrush!["reproduce", "--out", &out, "--quick"].refused(&["another run"]);
 }

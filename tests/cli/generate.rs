@@ -58,34 +58,3 @@ fn taxel_forces_add_up_to_contact_forces() {
     );
     assert_eq!(summary["touched_reaches"]["forearm"], 1, "{summary}");
 }
-
-/// Pins that two shards together hold the same recordings as the undivided campaign.
-#[test]
-fn shards_hold_the_reaches_of_the_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
-    let [whole, first, second] = ["whole", "first", "second"].map(|name| folder.path().join(name));
-    underbrush!["generate", scene, "--reaches", "3", "--seed", "4", "--out", whole].success();
-    for (shard, out) in [("1/2", &first), ("2/2", &second)] {
-        underbrush![
-            "generate",
-            scene,
-            "--reaches",
-            "3",
-            "--seed",
-            "4",
-            "--out",
-            out,
-            "--shard",
-            shard
-        ]
-        .success();
-    }
-    let open = |path| underbrush_recording::disk::Dataset::open(path).unwrap();
-    let (whole, first, second) = (open(&whole), open(&first), open(&second));
-    assert_eq!([first.episodes().len(), second.episodes().len()], [2, 1]);
-    let parts = [first.read_reach(0), second.read_reach(0), first.read_reach(1)].map(Result::unwrap);
-    for (index, part) in parts.into_iter().enumerate() {
-        assert!(whole.read_reach(index).unwrap() == part, "reach {index} differs");
-    }
-}

@@ -4,11 +4,13 @@ mod check;
 mod classifiers;
 mod classify;
 mod evaluate;
+mod exchange;
 mod experiment;
 mod flips;
 mod generate;
 mod inspect;
 mod live;
+mod merge;
 mod oracle;
 #[cfg(unix)]
 mod paths;

@@ -16,6 +16,7 @@ mod stream;
 mod threshold;
 pub mod touch;
 mod touch_figures;
+pub mod touch_folds;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
@@ -28,7 +29,9 @@ pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use prediction::Prediction;
 pub use rates::Rates;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
-pub use stream::{Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream};
+pub use stream::{
+    NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream, classify_touch_stream,
+};
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{
     FALSE_ALARMS, OutlierFigures, RightWithin, TouchFigures, TruthFigures, found_at_false_alarms, outlier_curve,

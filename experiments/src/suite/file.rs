@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 use underbrush_classifier::decision::Rule;
-use underbrush_classifier::trial::TrialOptions;
 use underbrush_sim::controller::ControllerKind;
 
 use super::bound::Bounds;
@@ -34,23 +33,18 @@ pub struct SuiteFile {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelSection {
-    /// Model file, relative to the suite file.
+    /// Model file of any classifier, relative to the suite file. A touch model has its own patch, threshold and decision.
     pub file: String,
     /// Patch of skin that is classified; the first if not given.
     #[serde(default)]
     pub patch: Option<String>,
-    /// A taxel is in contact where its sensed force is above this, N.
-    #[serde(default = "default_threshold")]
-    pub threshold_n: f64,
+    /// A taxel is in contact where its sensed force is above this, N; as for `underbrush train` and `classify` if not given.
+    #[serde(default)]
+    pub threshold_n: Option<f64>,
     /// Rule to use instead of the model's own: `"argmax"`, `{ uncertain_below = { margin = NATS } }` or
     /// `{ outlier_band = { uncertain_below = NATS, category_above = NATS } }`. A model without one uses `argmax`.
     #[serde(default)]
     pub rule: Option<Rule>,
-}
-
-/// That of `underbrush train` and `classify`.
-fn default_threshold() -> f64 {
-    TrialOptions::default().threshold_n
 }
 
 /// How `--bless` computes bounds.

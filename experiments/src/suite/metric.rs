@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::evaluate::{Stream, Tally};
+use underbrush_classifier::evaluate::{NOTHING, Stream, Tally};
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::audit;
 
@@ -85,7 +85,7 @@ const VERDICT: Metric = Metric {
 };
 
 /// All metrics, in the order of the documentation.
-pub const METRICS: [Metric; 14] = [
+pub const METRICS: [Metric; 16] = [
     Metric {
         name: "audit",
         summary: "Largest error of the physics, each relative to the simulator's own bound for it",
@@ -162,7 +162,21 @@ pub const METRICS: [Metric; 14] = [
     Metric {
         name: "called_outlier",
         summary: "Share of those taxels that are called an outlier",
-        of_reach: called_outlier,
+        of_reach: |reach, category| share_called(reach, category?, Verdict::Outlier.name()),
+        ..VERDICT
+    },
+    Metric {
+        name: "called_nothing",
+        summary: "Share of those taxels that are called nothing, which only a touch model does",
+        of_reach: |reach, category| share_called(reach, category?, NOTHING),
+        ..VERDICT
+    },
+    Metric {
+        name: "spurious_called_nothing",
+        summary: "Share of the taxels with a reading on which nothing presses, over all frames, that a touch model calls nothing",
+        by_category: false,
+        sides: Sides::AtLeast,
+        of_reach: |reach, _| share_of_row(reach.stream?, reach.stream?.truths.len(), NOTHING),
         ..VERDICT
     },
     Metric {
@@ -231,15 +245,19 @@ fn share(reach: &Measured, category: Option<Category>, part: fn(&Tally) -> usize
     (tally.judged() > 0).then(|| part(&tally) as f64 / tally.judged() as f64)
 }
 
-fn called_outlier(reach: &Measured, category: Option<Category>) -> Option<f64> {
-    let (stream, category) = (reach.stream?, category?);
+/// The share of the taxels in contact with a category that have this verdict.
+fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f64> {
+    let stream = reach.stream?;
     let row = stream.truths.iter().position(|truth| *truth == category)?;
-    let column = stream
-        .verdicts
-        .iter()
-        .position(|name| name == Verdict::Outlier.name())?;
-    let judged: usize = stream.taxel_frames[row].iter().sum();
-    (judged > 0).then(|| stream.taxel_frames[row][column] as f64 / judged as f64)
+    share_of_row(stream, row, verdict)
+}
+
+/// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` for an empty row or if the model never says so.
+fn share_of_row(stream: &Stream, row: usize, verdict: &str) -> Option<f64> {
+    let column = stream.verdicts.iter().position(|name| name == verdict)?;
+    let row = &stream.taxel_frames[row];
+    let judged: usize = row.iter().sum();
+    (judged > 0).then(|| row[column] as f64 / judged as f64)
 }
 
 /// The number of samples to the first right verdict of each contact with this category; `None` for those without one.

@@ -8,9 +8,6 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use underbrush_classifier::Model;
-use underbrush_classifier::decision::Decision;
-use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
@@ -21,7 +18,9 @@ use crate::source::{self, Source};
 pub mod bless;
 mod bound;
 mod check;
+mod checked;
 pub mod file;
+mod judging;
 pub mod metric;
 pub mod result;
 mod run;
@@ -30,8 +29,10 @@ mod statistics;
 mod tests;
 
 pub use bound::Bound;
+pub use checked::Checked;
 
 use file::{BlessSection, SceneEntry, SuiteFile};
+use judging::Judging;
 use metric::Metric;
 
 /// A suite with its checked file, its scenes and its model.
@@ -77,13 +78,6 @@ pub struct SceneBound {
     span: Range<usize>,
 }
 
-/// A model and how it judges.
-#[derive(Debug)]
-struct Judging {
-    model: Model,
-    options: OnlineOptions,
-}
-
 /// The JSON Schema of suite files.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SuiteFile)
@@ -110,17 +104,7 @@ impl Suite {
         let file: SuiteFile = source.parse("suite")?;
         check::numbers(&file, &source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let model = file.model.as_ref().map(|own| {
-            let model = Model::load(folder.join(&own.file))?;
-            let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
-            decision.rule = own.rule.unwrap_or(decision.rule);
-            let options = OnlineOptions {
-                patch: own.patch.clone(),
-                threshold_n: own.threshold_n,
-                decision,
-            };
-            Ok::<_, ExperimentError>(Judging { model, options })
-        });
+        let model = file.model.as_ref().map(|own| Judging::load(own, folder, &source));
         let model = model.transpose()?;
         let (mut scenes, mut names) = (Vec::new(), BTreeSet::new());
         for entry in &file.scenes {
@@ -169,8 +153,7 @@ fn scene(
     let path: PathBuf = folder.join(&entry.scene);
     let plan = ReachPlan::new(Scene::load(path)?, file.controller, file.seed)?;
     if let Some(judging) = model {
-        let (classifier, layout) = (judging.model.classifier.as_ref(), &plan.arm.skin.layout);
-        OnlineClassifier::new(classifier, layout, &judging.options).map_err(|error| {
+        judging.fits(&plan.arm.skin.layout).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());
             let allowed = format!(
                 "a model, patch, threshold and rule that fit the skin of {}",

@@ -2,7 +2,6 @@
 
 use std::sync::Mutex;
 
-use underbrush_classifier::evaluate::{StreamTruth, classify_stream};
 use underbrush_classifier::online::OnlineError;
 use underbrush_recording::{GoalOutcomes, Recording};
 use underbrush_sim::campaign::{self, Job};
@@ -28,7 +27,7 @@ impl Suite {
     /// threads.
     ///
     /// # Errors
-    /// When a reach cannot be run or judged. A broken bound is a result, not an error.
+    /// When a reach cannot be run or judged, or the user ends the run. A broken bound is a result, not an error.
     pub fn run(&self, progress: &dyn Progress) -> Result<SuiteResult, ExperimentError> {
         let plans: Vec<ReachPlan> = self.scenes.iter().map(|scene| scene.plan.clone()).collect();
         say_doubts(plans.iter().map(|plan| &plan.arm), progress);
@@ -37,7 +36,7 @@ impl Suite {
             .collect();
         let done: Mutex<Vec<(Job, OneReach)>> = Mutex::default();
         let count = progress.count("reaches", jobs.len() as u64, 0);
-        campaign::run(&plans, &jobs, |position, recording| {
+        let receive = |position: usize, recording: Recording| {
             let job = jobs[position];
             let own = self.measure(&self.scenes[job.plan], &recording)?;
             count.reach(own.goals);
@@ -45,7 +44,8 @@ impl Suite {
                 done.push((job, own));
             }
             Ok::<(), OnlineError>(())
-        })?;
+        };
+        campaign::run_until(&plans, &jobs, receive, &|| progress.is_stopped())?;
         drop(count);
         let mut done = done.into_inner().unwrap_or_default();
         done.sort_by_key(|(job, _)| (job.plan, job.reach_index));
@@ -79,11 +79,11 @@ impl Suite {
     }
 
     fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
-        let judge = |judging: &super::Judging| {
-            let classifier = judging.model.classifier.as_ref();
-            classify_stream(classifier, recording, &judging.options, StreamTruth::Object)
-        };
-        let stream = self.model.as_ref().map(judge).transpose()?;
+        let stream = self
+            .model
+            .as_ref()
+            .map(|judging| judging.stream(recording))
+            .transpose()?;
         let measured = Measured {
             recording,
             goals: scene.plan.scene.file.goals.count,

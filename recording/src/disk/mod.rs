@@ -19,6 +19,7 @@ mod features;
 mod frames;
 mod input_file;
 mod parquet_file;
+mod plain_pages;
 mod recording_file;
 mod seal;
 mod table;
@@ -31,10 +32,10 @@ mod whole_file;
 
 pub use dataset::{
     ArmText, Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode, Provenance,
-    SceneText, Shard,
+    SceneText, Shard, Shards,
 };
 pub use error::DiskError;
 pub use recording_file::{is_recording, read_recording, recording_table, write_recording};
 pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;
-pub use whole_file::{remove_leftovers, write_file};
+pub use whole_file::{remove_leftovers, write_file, write_whole};

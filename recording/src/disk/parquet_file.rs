@@ -136,7 +136,7 @@ pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
 
 /// Runs a step of the Parquet decoder. Some damaged files (with a negative offset in the footer, for example) make it
 /// panic instead of returning an error, and bad input must never end the program.
-fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
+pub(super) fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
     match catch_unwind(AssertUnwindSafe(step)) {
         Ok(result) => result.map_err(|error| broken(path, error)),
         Err(_) => Err(broken(path, "damaged bytes that cannot be decoded")),

@@ -121,6 +121,18 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     write_bytes(path, bytes)
 }
 
+/// Lets `write` fill a file under a temporary name, and gives it its final name if that succeeds. For libraries that want to
+/// open a file themselves.
+///
+/// # Errors
+/// Those of `write`, and [`DiskError::Io`] if the file cannot be created or renamed.
+pub fn write_whole<E: From<DiskError>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+    remove_leftovers(path);
+    let temporary = begin(path)?;
+    write(temporary.file.path())?;
+    Ok(commit(temporary, path)?)
+}
+
 /// Makes renames in a folder survive a power failure. Only Unix systems can open folders for this.
 pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
     if cfg!(unix) {

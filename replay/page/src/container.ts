@@ -17,7 +17,14 @@ const ARRAYS = {
 } as const;
 
 export type NumberType = keyof typeof ARRAYS;
-type ArrayOf<T extends NumberType> = InstanceType<(typeof ARRAYS)[T]>;
+export type ArrayOf<T extends NumberType> = InstanceType<(typeof ARRAYS)[T]>;
+export type Numbers = ArrayOf<NumberType>;
+
+/** What a reach is read from: a description, and arrays by their names. */
+export interface ReachData {
+  readonly reach: unknown;
+  array<T extends NumberType>(name: string, type: T): ArrayOf<T>;
+}
 
 interface Section {
   name: string;
@@ -39,7 +46,7 @@ function crc32(bytes: Uint8Array): number {
 }
 
 /** The header and the arrays of one reach. */
-export class Container {
+export class Container implements ReachData {
   readonly reach: unknown;
   readonly #buffer: ArrayBuffer;
   readonly #start: number;
@@ -76,8 +83,9 @@ export class Container {
     for (const section of header.sections) this.#sections.set(section.name, section);
   }
 
-  has(name: string): boolean {
-    return this.#sections.has(name);
+  /** All arrays by their names. */
+  get all(): Map<string, Numbers> {
+    return new Map([...this.#sections.values()].map(({ name, type }) => [name, this.array(name, type as NumberType)]));
   }
 
   /** An array by its name, as a view of the bytes. */

@@ -18,6 +18,9 @@ function parameter(name: string, value: number): Row {
   return [name.replace(ending, "").replace(/_/g, " "), `${Number(value.toPrecision(4))} ${unit}`.trim()];
 }
 
+/** Weaker forces would be shown as 0.00 N. */
+const LEAST_N = 0.005;
+
 export class Details {
   constructor(readonly box: HTMLElement, readonly seek: (frame: number) => void, readonly selectObject: (object: number) => void) {}
 
@@ -34,7 +37,7 @@ export class Details {
 
   /** What presses on the skin at the moment: the arrows as text. */
   #touching(reach: Reach, frame: number): Node[] {
-    const pushes = pushesAt(reach, frame).map((push) => ({ ...push, size: Math.hypot(...push.force) }));
+    const pushes = pushesAt(reach, frame).map((push) => ({ ...push, size: Math.hypot(...push.force) })).filter(({ size }) => size >= LEAST_N);
     const limit = reach.header.force_limit_n ?? Number.POSITIVE_INFINITY;
     const lines = pushes.sort((a, b) => b.size - a.size).map(({ object, patch, size, largest }) => {
       const link = element("button", { type: "button", class: "link" }, reach.objectName(object));

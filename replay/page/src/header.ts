@@ -1,6 +1,6 @@
 // The head of the page: which reach it is, how it went, and the choice of reaches and theme.
 
-import { element, find, say } from "./dom.ts";
+import { find, say } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import type { Summary } from "./source.ts";
 import type { State } from "./state.ts";
@@ -17,19 +17,31 @@ export interface HeaderActions {
   themed(): void;
 }
 
+/** The number in a field if it is that of a reach. */
+function numberOf(input: HTMLInputElement, count: number): number | null {
+  const number = Number(input.value);
+  return input.value !== "" && Number.isInteger(number) && number >= 0 && number < count ? number : null;
+}
+
 const THEMES = ["system", "light", "dark"];
 
 export class Header {
-  readonly #reach = find<HTMLSelectElement>("reach");
-  readonly #beside = find<HTMLSelectElement>("beside");
+  readonly #reach = find<HTMLInputElement>("reach");
+  readonly #beside = find<HTMLInputElement>("beside");
+
+  #shown = "";
 
   constructor(all: Summary[], actions: HeaderActions) {
     find("reach-controls").hidden = all.length < 2;
-    const options = () => all.map((reach) => element("option", { value: reach.number }, nameOf(reach)));
-    this.#reach.append(...options());
-    this.#reach.addEventListener("change", () => actions.open(Number(this.#reach.value)));
-    this.#beside.append(element("option", { value: "" }, "none"), ...options());
-    this.#beside.addEventListener("change", () => actions.beside(this.#beside.value === "" ? null : Number(this.#beside.value)));
+    say(find("reach-count"), `of ${all.length}`);
+    // A number, and not a choice among names: a set can have thousands of reaches, and the list below has the names.
+    for (const input of [this.#reach, this.#beside]) input.max = String(all.length - 1);
+    this.#reach.addEventListener("change", () => {
+      const number = numberOf(this.#reach, all.length);
+      if (number !== null) actions.open(number);
+      else this.#reach.value = this.#shown;
+    });
+    this.#beside.addEventListener("change", () => actions.beside(numberOf(this.#beside, all.length)));
     find("previous-reach").addEventListener("click", () => actions.step(-1));
     find("next-reach").addEventListener("click", () => actions.step(1));
     find("theme").addEventListener("click", () => {
@@ -39,9 +51,13 @@ export class Header {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => actions.themed());
   }
 
+  /** Shows the numbers of both reaches, but not where a reader types another. */
   show(state: State): void {
-    this.#reach.value = String(state.reach);
-    this.#beside.value = state.beside === null ? "" : String(state.beside);
+    this.#shown = String(state.reach);
+    const beside = state.beside === null ? "" : String(state.beside);
+    for (const [input, value] of [[this.#reach, this.#shown], [this.#beside, beside]] as const) {
+      if (document.activeElement !== input && input.value !== value) input.value = value;
+    }
   }
 
   /** Says what a reach is and how it went. */

@@ -26,9 +26,9 @@ export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
       { title: "reach", text: (reach) => String(reach.reach_index), value: (reach) => reach.reach_index },
       { title: "controller", text: (reach) => reach.controller },
       { title: "outcome", text: (reach) => reach.outcome.replace("_", " ") },
-      { title: "goals reached", text: goals, value: (reach) => reach.goal_outcomes.reached },
+      { title: "goals", text: goals, value: (reach) => reach.goal_outcomes.reached },
       { title: "length / s", text: (reach) => reach.duration_s.toFixed(1), value: (reach) => reach.duration_s },
-      { title: "peak force / N", text: (reach) => reach.peak_force_n.toFixed(2), value: (reach) => reach.peak_force_n },
+      { title: "peak / N", text: (reach) => reach.peak_force_n.toFixed(2), value: (reach) => reach.peak_force_n },
       { title: "contacts", text: (reach) => String(reach.contacts), value: (reach) => reach.contacts },
       { title: "audit", text: audit, value: (reach) => reach.audit_warnings.length, hint: (reach) => reach.audit_warnings.join("\n") },
     ],
@@ -91,7 +91,7 @@ export class Lists {
   }
 
   load(number: number, reach: Reach, trials: Trials): void {
-    this.#reaches.mark((row) => row.number === number);
+    this.#reaches.reveal((row) => row.number === number);
     this.#trials.fill(trials.all.map((trial) => ({ trial, reach })));
     this.#mistakes.fill(trials.mistakes.map((trial) => ({ trial, reach })));
     const judged = reach.header.verdicts !== null;

@@ -18,11 +18,13 @@ export class Live {
   readonly #steps: HTMLButtonElement[];
   readonly #events = new EventSource("api/live");
   #news: News = { frames: 0, paused: false, ended: false };
-  #shown = -1;
   #busy = false;
+  /** Number of frames that the page has. */
+  #shown: number;
 
-  /** `grown` loads the reach anew. */
-  constructor(box: HTMLElement, readonly grown: (ended: boolean) => Promise<void>) {
+  /** The page has `shown` frames, and `grown` loads those that follow and gives their number. */
+  constructor(box: HTMLElement, shown: number, readonly grown: (ended: boolean) => Promise<number>) {
+    this.#shown = shown;
     this.#pause = button("Pause", "Pause the simulation or let it go on", () => void this.#send(this.#news.paused ? "run" : "pause"));
     this.#pause.removeAttribute("aria-label");
     this.#steps = [1, 10].map((count) => button(`+${plural(count, "frame")}`, `Simulate ${plural(count, "frame")}, then pause`, () => void this.#send(`step/${count}`)));
@@ -52,11 +54,12 @@ export class Live {
     if (this.#busy) return;
     this.#busy = true;
     while (this.#shown < this.#news.frames || this.#news.ended) {
-      const { frames, paused, ended } = this.#news;
-      this.#shown = frames;
+      const { paused, ended } = this.#news;
       if (ended) this.#close("The reach has ended.");
-      await this.grown(ended);
-      if (ended) break;
+      const before = this.#shown;
+      this.#shown = await this.grown(ended);
+      // Without new frames something failed; the next news tries again.
+      if (ended || this.#shown === before) break;
       if (!paused) await new Promise((done) => setTimeout(done, EVERY_MS));
     }
     this.#busy = false;

@@ -21,7 +21,7 @@ async function start(): Promise<void> {
     if (all[reach] === undefined) throw new DataError(`There is no reach ${reach}; the list has ${all.length}, from 0.`);
     await page.open(reach, asked);
     if (asked.beside !== null) page.compare(asked.beside);
-    if (all[reach].running) new Live(find("live"), (ended) => page.grow(ended));
+    if (all[reach].running) new Live(find("live"), page.frames, (ended) => page.grow(ended));
   } catch (error) {
     explain(error);
   }

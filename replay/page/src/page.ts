@@ -5,6 +5,7 @@ import { Palette } from "./colours.ts";
 import { Container } from "./container.ts";
 import { Details } from "./details.ts";
 import { find, newtons, say, seconds } from "./dom.ts";
+import { join } from "./grow.ts";
 import { Header, nameOf } from "./header.ts";
 import { drawLegend } from "./legend.ts";
 import { describe, Lists } from "./lists.ts";
@@ -12,6 +13,7 @@ import { explain } from "./message.ts";
 import { Loaded, Pane } from "./pane.ts";
 import { Plots } from "./plots.ts";
 import { plotsOf } from "./plotlist.ts";
+import { followPrint } from "./print.ts";
 import { Reach } from "./reach.ts";
 import type { Source, Summary } from "./source.ts";
 import { type State, Store } from "./state.ts";
@@ -24,6 +26,8 @@ import { type Actions, addTransport } from "./transport.ts";
 const ADDRESS_MS = 400;
 /** While a reach plays, the selection is described this often, ms: nobody reads faster. */
 const DETAILS_MS = 200;
+/** While a reach plays, everything but the 3-D view and the maps follows this often where the processor draws, ms. */
+const SOFTWARE_MS = 100;
 
 export class Page {
   readonly #store: Store;
@@ -42,6 +46,9 @@ export class Page {
   #clock = { time: 0, at: 0 };
   #addressTimer = 0;
   #described = 0;
+  #followed = 0;
+  /** Whether texts, lines at the current time and the scrubber follow in this frame. */
+  #follows = true;
 
   constructor(readonly source: Source, readonly all: Summary[], asked: Asked) {
     const reach = asked.reach !== null && asked.reach < all.length ? asked.reach : 0;
@@ -79,7 +86,11 @@ export class Page {
     }).observe(find("main"));
     const dock = find("transport");
     new ResizeObserver(() => document.documentElement.style.setProperty("--dock-height", `${dock.offsetHeight + 12}px`)).observe(dock);
-    addEventListener("beforeprint", () => this.#panes.forEach((pane) => pane.print()));
+    followPrint(() => this.#everything(), () => {
+      this.#store.flush();
+      if (this.#loaded !== null) this.#draw();
+      this.#panes.forEach((pane) => pane.print(this.#palette));
+    });
   }
 
   get #loaded(): Loaded | null {
@@ -137,9 +148,7 @@ export class Page {
       this.#panes[0].load(loaded, nameOf(summary));
       this.#timeline.load(reach);
       this.#lists.load(number, reach, loaded.trials);
-      const judged = reach.header.verdicts !== null;
-      this.#switches.allowVerdict(judged);
-      find("jump-mistake").hidden = !judged;
+      const judged = this.#allowVerdict(reach);
       const colour = judged || this.#store.state.colour !== "verdict" ? this.#store.state.colour : "truth";
       const object = asked?.object ?? null;
       this.#store.set({ reach: number, playing: false, colour, taxel: findTaxel(reach, asked?.taxel ?? null), object: reach.header.objects[object ?? -1] === undefined ? null : object });
@@ -154,23 +163,40 @@ export class Page {
     }
   }
 
-  /** Loads a reach that runs anew. Who looks at its last frame goes on doing so. */
-  async grow(ended: boolean): Promise<void> {
+  /** Whether there are verdicts. Without them nothing leads to them. */
+  #allowVerdict({ header }: Reach): boolean {
+    const judged = header.verdicts !== null;
+    this.#switches.allowVerdict(judged);
+    find("jump-mistake").hidden = !judged;
+    return judged;
+  }
+
+  /** The number of frames of the reach that is shown. */
+  get frames(): number {
+    return this.#loaded?.reach.frames ?? 0;
+  }
+
+  /** Loads what is new of a reach that runs, and gives the number of its frames. Who looks at its last frame goes on doing so. */
+  async grow(ended: boolean): Promise<number> {
     try {
       if (ended) this.all.splice(0, 1, ...(await this.source.list()));
-      const loaded = await this.#fetch(0);
-      const before = this.#loaded;
-      const follows = before === null || this.#store.state.frame >= before.reach.frames - 1;
+      const before = this.#loaded?.reach ?? null;
+      const known = before?.frames ?? 0;
+      const piece = new Container(await this.source.bytes(0, known));
+      const loaded = new Loaded(0, new Reach(before === null ? piece : join(before, piece)));
+      const follows = this.#store.state.frame >= known - 1;
       this.#panes[0].grow(loaded);
       this.#timeline.load(loaded.reach);
       this.#lists.load(0, loaded.reach, loaded.trials);
       this.#header.describe(this.all[0]!, loaded.reach);
+      this.#allowVerdict(loaded.reach);
       this.#store.touch("reach", "frame");
       if (follows) this.seek(loaded.reach.frames - 1);
       this.#wake(true);
     } catch (error) {
       explain(error);
     }
+    return this.frames;
   }
 
   /** Shows a second reach beside the first. */
@@ -243,9 +269,9 @@ export class Page {
     this.#dirty = false;
     const { state } = this.#store;
     const { reach } = this.#loaded!;
-    this.#panes[0].show(state.frame, state, this.#palette, true);
+    this.#panes[0].show(state.frame, state, this.#palette, true, this.#follows);
     const second = this.#panes[1].loaded;
-    if (second !== null) this.#panes[1].show(second.reach.frameAt(reach.time[state.frame]!), state, this.#palette, false);
+    if (second !== null) this.#panes[1].show(second.reach.frameAt(reach.time[state.frame]!), state, this.#palette, false, this.#follows);
     for (const pane of this.#panes) if (pane.loaded !== null) pane.view?.render(state.playing);
     document.body.dataset["frame"] = String(state.frame);
   }
@@ -264,11 +290,16 @@ export class Page {
       this.#strips.draw(reach, trials, palette, state.taxel);
       this.#plots.draw(plotsOf(reach, trials, series, state.taxel, this.#panes[1].loaded), palette);
     }
+    const now = performance.now();
+    const playsOn = state.playing && changed.size === 1 && changed.has("frame");
+    const every = this.#panes[0].view?.software === true ? SOFTWARE_MS : 0;
+    this.#follows = !playsOn || now - this.#followed >= every;
+    if (!this.#follows) return;
+    this.#followed = now;
     const time = reach.time[state.frame]!;
     this.#timeline.show(reach, state.frame);
     this.#strips.show(time);
     this.#plots.show(state.frame);
-    const now = performance.now();
     if (!state.playing || anew || now - this.#described > DETAILS_MS) {
       this.#described = now;
       this.#details.show(reach, trials, state);

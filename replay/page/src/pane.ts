@@ -66,7 +66,7 @@ export class Pane {
         this.#hovered = taxel;
         this.redraw();
       };
-      return new SkinMap(loaded.reach, patch, point, (taxel) => this.picked({ taxel, object: null }));
+      return new SkinMap(loaded.reach, patch, point, (taxel) => this.picked({ taxel, object: null }), this.redraw);
     });
     this.skins.replaceChildren(...this.maps.map((map) => map.box), this.#under);
     if (this.maps.length === 0) this.skins.replaceChildren(element("p", { class: "key" }, "This arm has no skin."));
@@ -103,23 +103,23 @@ export class Pane {
     return (taxel) => found.get(taxel) ?? QUIET;
   }
 
-  /** Draws everything for a frame of this pane's reach. */
-  show(frame: number, state: State, palette: Palette, own: boolean): void {
+  /** Draws everything for a frame of this pane's reach; `texts` brings the texts up to date, too. */
+  show(frame: number, state: State, palette: Palette, own: boolean, texts: boolean): void {
     if (this.loaded === null) return;
     this.#looks = this.looks(frame, state.colour, palette);
     const [taxel, object] = own ? [state.taxel, state.object] : [null, null];
     const quiet = palette.variable("plate");
     const looks = this.#looks;
-    this.view?.show(frame, { palette, camera: state.camera, taxel, object, colourOf: (at) => looks(at).colour ?? quiet });
+    this.view?.show(frame, { palette, camera: state.camera, taxel, object, texts, colourOf: (at) => looks(at).colour ?? quiet });
     for (const map of this.maps) map.draw(palette, looks, taxel, this.#hovered);
-    this.#say(frame, taxel);
+    if (texts) this.#say(frame, taxel);
   }
 
   /** Puts the 3-D picture into the page as an image, because printers get no WebGL. */
-  print(): void {
+  print(palette: Palette): void {
     if (this.view === null || this.loaded === null) return;
     this.view.box.querySelector("img")?.remove();
-    this.view.box.append(element("img", { src: this.view.picture(), alt: "The arm and the objects at this moment", class: "print" }));
+    this.view.box.append(element("img", { src: this.view.picture(palette), alt: "The arm and the objects at this moment", class: "print" }));
   }
 
   /** Says what the taxel under the pointer, or the chosen one, feels. */

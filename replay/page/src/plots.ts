@@ -35,6 +35,7 @@ const AXIS = 24;
 class Plot {
   readonly box: HTMLElement;
   readonly #value = element("output", { class: "value", "aria-live": "off" });
+  #entries: HTMLElement[] = [];
   readonly #place = element("div", { role: "img" });
   readonly #head = element("div", { class: "playhead" });
   #plot: uPlot | null = null;
@@ -51,6 +52,7 @@ class Plot {
     say(this.title, `${data.title} / ${data.unit}`);
     this.box.dataset["plot"] = data.id;
     const colour = (name: string) => (name.startsWith("#") ? name : palette.variable(name));
+    this.#legend(data, colour, palette);
     const series: uPlot.Series[] = data.curves.map((curve) => ({
       label: curve.name,
       stroke: colour(curve.colour),
@@ -96,16 +98,24 @@ class Plot {
     if (this.#plot.cursor.idx == null) this.#say(at);
   }
 
+  /** The names of all lines with a piece of each; their values are filled in later. */
+  #legend(data: PlotData, colour: (name: string) => string, palette: Palette): void {
+    const entry = (name: string, stroke: string, dash: boolean) => {
+      const line = element("i", { class: "dash", style: `border-top: 2px ${dash ? "dashed" : "solid"} ${stroke}` });
+      return element("span", { class: "entry" }, line, element("span", {}, name));
+    };
+    const entries = data.curves.map((curve) => entry(curve.name, colour(curve.colour), curve.dash === true));
+    this.#entries = entries.map((made) => made.lastElementChild as HTMLElement);
+    if (data.level != null) entries.push(entry(`${data.level.name} ${data.level.value}`, palette.variable("over"), true));
+    this.#value.replaceChildren(...entries.flatMap((made) => [made, " "]), data.unit);
+  }
+
   /** Says the values at a frame. */
   #say(frame: number): void {
-    const data = this.#data;
-    if (data === null) return;
-    const values = data.curves.flatMap((curve) => {
+    this.#data?.curves.forEach((curve, index) => {
       const value = curve.values[Math.min(frame, curve.values.length - 1)];
-      return value == null || Number.isNaN(value) ? [] : [`${curve.name} ${value.toFixed(2)}`];
+      say(this.#entries[index]!, `${curve.name} ${value == null || Number.isNaN(value) ? "–" : value.toFixed(2)}`);
     });
-    const level = data.level == null ? "" : `, ${data.level.name} ${data.level.value}`;
-    say(this.#value, values.length === 0 ? "no contact" : `${values.join(", ")}${level} ${data.unit}`);
   }
 
   hide(hidden: boolean): void {

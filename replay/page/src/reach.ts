@@ -1,6 +1,6 @@
 // One reach in memory: what the program packed, as arrays, with the questions that the views ask.
 
-import { Container, DataError } from "./container.ts";
+import { DataError, type ReachData } from "./container.ts";
 
 export interface Vector3 extends Array<number> {}
 
@@ -74,6 +74,8 @@ export interface Header {
   seed: string;
   reach_index: number;
   rate_hz: number;
+  /** The number of the first frame that is here; not 0 for what follows the beginning of a running reach. */
+  from: number;
   frames: number;
   outcome: string;
   goal_outcomes: { reached: number; stuck: number; timed_out: number; aborted: number };
@@ -123,7 +125,7 @@ export class Reach {
   /** The patch of each taxel. */
   readonly patchOf: Uint16Array;
 
-  constructor(readonly data: Container) {
+  constructor(readonly data: ReachData) {
     this.header = data.reach as Header;
     this.frames = this.header.frames;
     this.time = data.array("time_s", "f64");

@@ -30,6 +30,9 @@ export class SkinMap {
   readonly #height: number;
   #scale = 1;
   #cursor: number | null = null;
+  #room = 0;
+  /** What is on the map, so that it is drawn only when it changes. */
+  #shown = "";
   #drawn: { canvas: HTMLCanvasElement; palette: Palette } | null = null;
 
   constructor(
@@ -37,6 +40,7 @@ export class SkinMap {
     readonly patch: number,
     readonly pointed: (taxel: number | null) => void,
     readonly chosen: (taxel: number) => void,
+    resized: () => void,
   ) {
     const { name, grid, taxels } = reach.header.patches[patch]!;
     const plan = layOut(reach, patch);
@@ -50,6 +54,10 @@ export class SkinMap {
       "data-patch": name,
     });
     this.box = element("figure", { class: "skin-figure" }, element("figcaption", {}, element("b", {}, name), ` ${size}`), this.#canvas);
+    new ResizeObserver(([entry]) => {
+      this.#room = entry!.contentRect.width;
+      resized();
+    }).observe(this.box);
     this.#listen();
   }
 
@@ -112,29 +120,31 @@ export class SkinMap {
 
   /** Draws all taxels; `chosen` and `hovered` have a frame. */
   draw(palette: Palette, lookOf: (taxel: number) => TaxelLook, chosen: number | null, hovered: number | null): void {
-    const width = Math.min(this.box.clientWidth, LARGEST_WIDTH);
+    const width = Math.min(this.#room, LARGEST_WIDTH);
     if (width === 0) return;
+    const looks = this.#cells.map((cell) => ({ cell, look: lookOf(cell.taxel) })).filter(({ look }) => look.colour !== null);
+    const shown = JSON.stringify([width, window.devicePixelRatio, chosen, hovered, looks.map(({ cell, look }) => [cell.taxel, look])]);
+    if (this.#drawn?.palette === palette && this.#shown === shown) return;
+    this.#shown = shown;
     this.#scale = (width - MARGIN.left - MARGIN.right) / this.#width;
     const height = this.#height * this.#scale + MARGIN.top + MARGIN.bottom;
     const context = prepare(this.#canvas, width, height);
     context.drawImage(this.#ground(palette, width, height), 0, 0, width, height);
     const ink = palette.variable("ink");
-    for (const cell of this.#cells) {
-      const shown = lookOf(cell.taxel);
-      if (shown.colour === null) continue;
+    for (const { cell, look: own } of looks) {
       const [x, y] = this.centre(cell);
       const side = cell.size * this.#scale - 1;
-      context.fillStyle = shown.colour;
+      context.fillStyle = own.colour!;
       context.fillRect(x - side / 2, y - side / 2, side, side);
-      const mark = shown.mark ?? (shown.stray ? "spurious" : null);
+      const mark = own.mark ?? (own.stray ? "spurious" : null);
       if (mark !== null) {
-        context.fillStyle = context.strokeStyle = shown.mark === null ? ink : palette.variable("panel");
+        context.fillStyle = context.strokeStyle = own.mark === null ? ink : palette.variable("panel");
         drawMark(context, look(mark).mark, x, y, side * 0.32);
       }
-      if (shown.over || shown.wrong) {
+      if (own.over || own.wrong) {
         context.strokeStyle = palette.variable("over");
         context.lineWidth = 2;
-        context.setLineDash(shown.wrong && !shown.over ? [2, 2] : []);
+        context.setLineDash(own.wrong && !own.over ? [2, 2] : []);
         context.strokeRect(x - side / 2 + 1, y - side / 2 + 1, side - 2, side - 2);
         context.setLineDash([]);
       }

@@ -22,7 +22,8 @@ export interface Summary {
 
 export interface Source {
   list(): Promise<Summary[]>;
-  bytes(number: number): Promise<ArrayBuffer>;
+  /** The data of a reach; of one that runs, those that follow its first `from` frames. */
+  bytes(number: number, from?: number): Promise<ArrayBuffer>;
 }
 
 function decode(text: string): ArrayBuffer {
@@ -73,8 +74,8 @@ class Served implements Source {
     return (await (await this.#get("api/reaches")).json()) as Summary[];
   }
 
-  async bytes(number: number): Promise<ArrayBuffer> {
-    return (await this.#get(`api/reach/${number}`)).arrayBuffer();
+  async bytes(number: number, from = 0): Promise<ArrayBuffer> {
+    return (await this.#get(`api/reach/${number}${from > 0 ? `?from=${from}` : ""}`)).arrayBuffer();
   }
 }
 

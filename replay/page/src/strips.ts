@@ -119,8 +119,9 @@ export class Strips {
       let bottom = top + HEIGHT;
       for (const name of [...counts.keys()].sort(byName)) {
         const height = (HEIGHT * counts.get(name)!) / total;
-        context.fillStyle = name === "spurious" && (x + Math.round(bottom)) % 4 < 2 ? palette.variable("cell") : palette.category(name);
-        context.fillRect(LEFT + x, bottom - height, 1, height);
+        context.fillStyle = palette.category(name);
+        if (name === "spurious") hatch(context, LEFT + x, bottom - height, height);
+        else context.fillRect(LEFT + x, bottom - height, 1, height);
         bottom -= height;
         seen.set(name, (seen.get(name) ?? 0) + 1);
         const run = runs.get(name);
@@ -136,6 +137,11 @@ export class Strips {
       }
     }
   }
+}
+
+/** One column of oblique lines. */
+function hatch(context: CanvasRenderingContext2D, x: number, top: number, height: number): void {
+  for (let y = Math.floor(top); y < top + height; y++) if ((x + y) % 6 < 2) context.fillRect(x, y, 1, 1);
 }
 
 const ORDER = ["leaf", "trunk", "block", "outlier", "uncertain", "spurious"];

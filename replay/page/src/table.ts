@@ -1,6 +1,6 @@
 // A table that can be sorted by its columns and filtered, with rows that can be chosen by mouse and keyboard.
 
-import { element, find, plural, say } from "./dom.ts";
+import { button, element, find, plural, say } from "./dom.ts";
 
 export interface Column<T> {
   title: string;
@@ -18,8 +18,8 @@ export interface Filter<T> {
   of: (row: T) => string;
 }
 
-/** Rows that are drawn at most; the rest is counted, and filters lead to it. */
-const MOST_ROWS = 1500;
+/** Rows on one page of a table: a browser needs seconds for thousands, and nobody reads them. */
+const PAGE_ROWS = 50;
 
 export class Table<T> {
   readonly box: HTMLElement;
@@ -27,7 +27,13 @@ export class Table<T> {
   readonly #body = element("tbody", {});
   readonly #heads: HTMLTableCellElement[];
   readonly #filters: { filter: Filter<T>; select: HTMLSelectElement }[];
+  readonly #turn: HTMLElement;
+  readonly #back: HTMLButtonElement;
+  readonly #on: HTMLButtonElement;
   #rows: T[] = [];
+  /** The rows that pass the filters, in order. */
+  #shown: T[] = [];
+  #page = 0;
   #stale = true;
   #order: { column: number; down: boolean } | null = null;
   #current: (row: T) => boolean = () => false;
@@ -42,16 +48,19 @@ export class Table<T> {
     this.#heads = columns.map((column, index) => {
       const sort = element("button", { type: "button" }, column.title);
       sort.addEventListener("click", () => this.#sort(index));
-      return element("th", { scope: "col", "aria-sort": "none" }, sort);
+      return element("th", { scope: "col", "aria-sort": "none", class: kind(column) }, sort);
     });
     this.#filters = filters.map((filter) => {
       const select = element("select", {});
-      select.addEventListener("change", () => this.#draw());
+      select.addEventListener("change", () => this.#draw(0));
       return { filter, select };
     });
     const fields = this.#filters.map(({ filter, select }) => element("label", { class: "field" }, `${filter.label} `, select));
+    this.#back = button("‹", `Previous page of ${name.toLowerCase()}`, () => this.#draw(this.#page - 1));
+    this.#on = button("›", `Next page of ${name.toLowerCase()}`, () => this.#draw(this.#page + 1));
+    this.#turn = element("span", { class: "group" }, this.#back, this.#on);
     const table = element("table", {}, element("caption", { class: "sr" }, name), element("thead", {}, element("tr", {}, ...this.#heads)), this.#body);
-    this.box = element("div", { class: "table-box" }, element("div", { class: "filters" }, ...fields), this.#count, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": name }, table));
+    this.box = element("div", { class: "table-box" }, element("div", { class: "filters" }, ...fields), element("div", { class: "pages" }, this.#count, this.#turn), element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": name }, table));
   }
 
   /** Shows other rows. */
@@ -64,24 +73,33 @@ export class Table<T> {
       select.value = names.includes(kept) ? kept : "";
     }
     this.#stale = true;
+    this.#page = 0;
     this.refresh();
   }
 
   /** Draws new rows if the table can be seen: most lists are never looked at. */
   refresh(): void {
-    if (this.#stale && this.box.offsetParent !== null) this.#draw();
+    if (this.#stale && this.box.offsetParent !== null) this.#draw(this.#page);
   }
 
   /** Marks the current row. */
   mark(current: (row: T) => boolean): void {
     this.#current = current;
     if (this.#stale) return;
-    const rows = this.shown;
+    const rows = this.#shown.slice(this.#page * PAGE_ROWS);
     [...this.#body.rows].forEach((line, index) => {
-      const own = rows[index] !== undefined && current(rows[index]!);
-      if (own) line.setAttribute("aria-current", "true");
+      if (current(rows[index]!)) line.setAttribute("aria-current", "true");
       else line.removeAttribute("aria-current");
     });
+  }
+
+  /** Marks the current row and turns to its page. */
+  reveal(current: (row: T) => boolean): void {
+    this.mark(current);
+    if (this.#stale) return;
+    const at = this.#shown.findIndex(current);
+    const page = Math.floor(at / PAGE_ROWS);
+    if (at >= 0 && page !== this.#page) this.#draw(page);
   }
 
   #sort(column: number): void {
@@ -89,11 +107,11 @@ export class Table<T> {
     this.#heads.forEach((head, index) => {
       head.setAttribute("aria-sort", index !== column ? "none" : this.#order!.down ? "descending" : "ascending");
     });
-    this.#draw();
+    this.#draw(0);
   }
 
   /** The rows that pass the filters, in order. */
-  get shown(): T[] {
+  #chosen(): T[] {
     const rows = this.#rows.filter((row) => this.#filters.every(({ filter, select }) => select.value === "" || filter.of(row) === select.value));
     if (this.#order === null) return rows;
     const { column, down } = this.#order;
@@ -103,26 +121,39 @@ export class Table<T> {
     return rows;
   }
 
-  #draw(): void {
+  #draw(page: number): void {
+    if (this.#stale || page === 0) this.#shown = this.#chosen();
     this.#stale = false;
-    const rows = this.shown;
-    const lines = rows.slice(0, MOST_ROWS).map((row) => {
-      const cells = this.columns.map((column, index) => {
-        const hint = column.hint?.(row) ?? "";
-        if (index > 0) return element("td", { title: hint, class: column.value === undefined ? "" : "number" }, column.text(row));
-        const open = element("button", { type: "button", class: "link" }, column.text(row));
-        return element("th", { scope: "row" }, open);
-      });
-      const line = element("tr", {}, ...cells);
-      line.addEventListener("click", () => this.choose(row));
-      return line;
-    });
-    this.#body.replaceChildren(...lines);
+    const pages = Math.max(Math.ceil(this.#shown.length / PAGE_ROWS), 1);
+    this.#page = Math.min(Math.max(page, 0), pages - 1);
+    const first = this.#page * PAGE_ROWS;
+    const rows = this.#shown.slice(first, first + PAGE_ROWS);
+    this.#body.replaceChildren(...rows.map((row) => this.#line(row)));
     const [one, many] = this.noun;
-    const cut = rows.length > MOST_ROWS ? `, the first ${MOST_ROWS} are shown` : "";
-    say(this.#count, rows.length === this.#rows.length ? `${plural(rows.length, one, many)}${cut}` : `${rows.length} of ${plural(this.#rows.length, one, many)}${cut}`);
+    const [count, all] = [this.#shown.length, this.#rows.length];
+    const part = pages === 1 ? "" : `, ${first + 1} to ${first + rows.length} shown`;
+    say(this.#count, (count === all ? plural(count, one, many) : `${count} of ${plural(all, one, many)}`) + part);
+    this.#turn.hidden = pages === 1;
+    this.#back.disabled = this.#page === 0;
+    this.#on.disabled = this.#page === pages - 1;
     this.mark(this.#current);
   }
+
+  #line(row: T): HTMLTableRowElement {
+    const cells = this.columns.map((column, index) => {
+      const hint = column.hint?.(row) ?? "";
+      if (index > 0) return element("td", { title: hint, class: kind(column) }, column.text(row));
+      return element("th", { scope: "row" }, element("button", { type: "button", class: "link" }, column.text(row)));
+    });
+    const line = element("tr", {}, ...cells);
+    line.addEventListener("click", () => this.choose(row));
+    return line;
+  }
+}
+
+/** Numbers stand on the right of their column. */
+function kind<T>(column: Column<T>): string {
+  return column.value === undefined ? "" : "number";
 }
 
 /** Tabs with one panel each. */

@@ -110,6 +110,7 @@ function onKey(event: KeyboardEvent, actions: Actions): void {
   if (event.ctrlKey || event.metaKey || event.altKey || find<HTMLDialogElement>("help").open) return;
   const target = event.target as HTMLElement;
   const range = target instanceof HTMLInputElement && target.type === "range";
+  if (target instanceof HTMLInputElement && target.type === "number") return;
   if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && !range && /^Arrow| /.test(event.key))) return;
   // Space presses a button that has the focus.
   if (event.key === " " && target instanceof HTMLButtonElement) return;

@@ -42,6 +42,53 @@ test("axe-core finds nothing at any size or theme", async () => {
   }
 });
 
+/** Pins that nothing is wider than its place after the window has become narrower, as the 3-D view once was. */
+test("the page follows a narrower window", async () => {
+  const page = await open(browser, server.address);
+  await ready(page);
+  for (const width of [700, 390]) {
+    await page.setViewportSize({ width, height: 900 });
+    await page.waitForFunction(() => {
+      const [view, panel] = [document.querySelector(".view"), document.querySelector(".stage")].map((element) => element.getBoundingClientRect());
+      return view.right < panel.right && document.documentElement.scrollWidth <= document.documentElement.clientWidth;
+    });
+  }
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
+/** Pins that a page in the dark theme is printed in light colours, with a picture of the 3-D view, and is dark again afterwards. */
+test("print is light and has the 3-D view", async () => {
+  const page = await open(browser, `${server.address}#reach=0&t=3`, { colorScheme: "dark" });
+  await ready(page);
+  const empty = () => page.evaluate(() => {
+    const canvas = document.querySelector(".skin-map");
+    const [x, y] = window.underbrushReplay.maps()[0].placeOf(200);
+    return canvas.getContext("2d").getImageData(x, y, 1, 1).data[0];
+  });
+  const dark = await empty();
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  assert.ok((await empty()) > dark + 100, "the map is still dark");
+  await page.emulateMedia({ media: "print" });
+  const [colours, shown] = await page.locator("img.print").evaluate(async (image) => {
+    await image.decode();
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    return [new Set(new Uint32Array(data.buffer)).size, image.checkVisibility()];
+  });
+  assert.ok(shown && colours > 100, `${colours} colours`);
+  assert.ok(await page.locator(".scrubber").isHidden());
+  await page.emulateMedia({ media: "screen" });
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  await settle(page);
+  assert.equal(await empty(), dark);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
 /** Pins that the list of trials, the help and two reaches side by side are accessible too. */
 test("other states of the page are accessible", async () => {
   const page = await open(browser, `${server.address}#reach=0&beside=1&t=4`, { bypassCSP: true });

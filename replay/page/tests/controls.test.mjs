@@ -3,30 +3,11 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, seek, serve, settle } from "./support.mjs";
+import { felt, finish, fullestFrame, mixedSite, readRecording, ready, seek, settle, state } from "./support.mjs";
 
-let browser;
-let server;
-before(async () => {
-  await makeData();
-  browser = await launch();
-  server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
-});
-after(() => finishAll(browser));
-
-async function start(hash = "") {
-  const page = await open(browser, `${server.address}${hash}`);
-  await ready(page, Number(/reach=(\d+)/.exec(hash)?.[1] ?? 0));
-  return page;
-}
-
-const state = (page) => page.evaluate(() => ({ ...window.underbrushReplay.state }));
-
-/** Ends a test: nothing may have gone wrong on the page. */
-async function finish(page) {
-  assert.deepEqual(page.problems, []);
-  await page.context().close();
-}
+const { begin, end, start } = mixedSite();
+before(begin);
+after(end);
 
 /** Pins the step, first and last buttons and their keys, and that neither end can be passed. */
 test("steps by mouse and keyboard", async () => {
@@ -144,7 +125,8 @@ test("reaches are listed, filtered, opened and compared", async () => {
   assert.match(await page.locator("#title").textContent(), /^trunk, seed 3/);
   await page.keyboard.press("[");
   await ready(page, 1);
-  await page.locator("#beside").selectOption("0");
+  await page.locator("#beside").fill("0");
+  await page.keyboard.press("Enter");
   await page.waitForSelector("body.compared");
   await seek(page, 500);
   assert.equal(await page.locator(".view").count(), 2);
@@ -153,6 +135,47 @@ test("reaches are listed, filtered, opened and compared", async () => {
   await page.waitForFunction(() => location.hash.includes("beside=0"));
   await finish(page);
 });
+
+/** Pins that of a list of a thousand reaches one page is shown, that its buttons turn pages, that sorting starts from the first
+ * page, and that the page with a reach is shown when that reach is opened. */
+test("long lists are shown by pages", async () => {
+  const page = await start("", { before: makeListLong });
+  const count = page.locator("#panel-reaches [role=status]");
+  const numbers = async () => (await page.locator("#panel-reaches tbody th").allTextContents()).map(Number);
+  const range = (first, last) => Array.from({ length: last - first + 1 }, (_, index) => first + index);
+  assert.equal(await count.textContent(), "1000 reaches, 1 to 50 shown");
+  assert.deepEqual(await numbers(), range(0, 49));
+  const [back, on] = ["Previous", "Next"].map((name) => page.getByRole("button", { name: `${name} page of reaches` }));
+  assert.ok(await back.isDisabled());
+  await on.click();
+  assert.deepEqual(await numbers(), range(50, 99));
+  await page.locator("#panel-reaches thead").getByRole("button", { name: "#" }).click();
+  await page.locator("#panel-reaches thead").getByRole("button", { name: "#" }).click();
+  assert.deepEqual(await numbers(), range(950, 999).reverse());
+  await page.getByLabel("Scene").selectOption("other");
+  assert.equal(await count.textContent(), "60 of 1000 reaches, 1 to 50 shown");
+  await on.click();
+  assert.deepEqual((await numbers()).length, 10);
+  assert.ok(await on.isDisabled());
+  await page.getByLabel("Scene").selectOption("");
+  await page.locator("#reach").fill("2");
+  await page.keyboard.press("Enter");
+  await ready(page, 2);
+  assert.equal(await page.locator('#panel-reaches tr[aria-current="true"] th').textContent(), "2");
+  await finish(page);
+});
+
+/** Runs in the page: the list of the server has its three reaches and 997 more. */
+function makeListLong() {
+  const original = window.fetch;
+  window.fetch = async (address, ...more) => {
+    const answer = await original(address, ...more);
+    if (!String(address).endsWith("api/reaches")) return answer;
+    const list = await answer.json();
+    for (let number = list.length; number < 1000; number++) list.push({ ...list[0], number, reach_index: number, scene: number < 940 ? "mixed" : "other" });
+    return new Response(JSON.stringify(list));
+  };
+}
 
 /** Pins that a click on strips and plots goes to that time, that the choice of reach and its buttons open reaches, and that the
  * tabs and rows of the lists work by keyboard. */
@@ -176,9 +199,17 @@ test("strips, plots, reach buttons, tabs and links", async () => {
   await ready(page, 1);
   await page.locator("#previous-reach").click();
   await ready(page, 0);
-  await page.locator("#reach").selectOption("2");
+  // By its number. Digits are also keys for colours, but not where a number is typed, and a number without a reach is taken back.
+  await page.locator("#reach").fill("");
+  await page.keyboard.type("2");
+  await page.keyboard.press("Enter");
   await ready(page, 2);
-  await page.locator("#reach").selectOption("0");
+  await page.locator("#reach").fill("99");
+  await page.keyboard.press("Enter");
+  assert.equal(await page.locator("#reach").inputValue(), "2");
+  assert.equal((await state(page)).colour, "force");
+  await page.locator("#reach").fill("0");
+  await page.keyboard.press("Enter");
   await ready(page, 0);
   // By keyboard: to the tab of trials, into the table, and open its first trial.
   await page.getByRole("tab", { name: "Reaches" }).focus();

@@ -79,6 +79,14 @@ function storedPose(recording, rows, body, frame) {
   return [...position, ...orientation];
 }
 
+/** The distance of the farthest point of a shape from its middle, m. */
+function extent({ sphere, cylinder, capsule, box, hull }) {
+  if (sphere) return sphere.radius_m;
+  if (cylinder) return Math.hypot(cylinder.radius_m, cylinder.length_m / 2);
+  if (capsule) return capsule.radius_m + capsule.length_m / 2;
+  return box ? Math.hypot(...box.size_m) / 2 : Math.max(...hull.points_m.map((point) => Math.hypot(...point)));
+}
+
 /** Pins that links, trunks and rolls are drawn at their stored poses, and that the hinges of a leaf are its pieces' origins. */
 test("links and objects are drawn at their stored poses", async () => {
   for (const scene of SCENES) {
@@ -95,9 +103,14 @@ test("links and objects are drawn at their stored poses", async () => {
         const drawn = all[body];
         const pose = storedPose(recording, rows, body, frame);
         if (drawn !== null) {
-          near(drawn.position, pose.slice(0, 3), 1e-6, `${scene}, frame ${frame}, body ${body}`);
           const length = Math.hypot(...pose.slice(3));
-          near(drawn.quaternion, pose.slice(3).map((value) => value / length), 1e-6, `${scene}, frame ${frame}, body ${body}`);
+          const unit = [...pose.slice(0, 3), ...pose.slice(3).map((value) => value / length)];
+          assert.ok(drawn.own.length >= 8, `body ${body} has ${drawn.own.length} vertices`);
+          drawn.own.forEach((place, vertex) => near(drawn.world[vertex], transform(unit, place), 1e-6, `${scene}, frame ${frame}, body ${body}, vertex ${vertex}`));
+          // The vertices are those of the stored shapes: none lies outside.
+          const reach = Math.max(...parts.map(({ shape, pose_body: { position } }) => Math.hypot(...position) + extent(shape)));
+          const far = Math.max(...drawn.own.map((place) => Math.hypot(...place)));
+          assert.ok(far <= reach + 1e-6 && far > 0.5 * reach - 1e-6, `${scene}, body ${body}: ${far} m, not ${reach} m`);
           bodies++;
         } else if (parts.length > 0) {
           const own = hingesOf[owner.object].find((hinge) => Math.hypot(...hinge.map((value, axis) => value - pose[axis])) < 1e-6);

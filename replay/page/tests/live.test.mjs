@@ -3,10 +3,11 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { finishAll, launch, open, ready, settle, watch } from "./support.mjs";
+import { file, finishAll, launch, makeData, open, ready, settle, watch } from "./support.mjs";
 
 let browser;
 before(async () => {
+  await makeData();
   browser = await launch();
 });
 after(() => finishAll(browser));
@@ -20,6 +21,61 @@ function shown(page, least, most = least) {
     return least <= reach.frames && reach.frames <= most && window.underbrushReplay.state.frame === reach.frames - 1;
   }, [least, most]);
 }
+
+/** Everything that a page holds of a reach: lengths and sums of its arrays, its trials with verdicts, and its description. */
+function contents(page) {
+  return page.evaluate(() => {
+    const { reach, trials } = window.underbrushReplay.loaded();
+    const sum = (values) => {
+      let hash = 0;
+      for (const byte of new Uint8Array(values.buffer, values.byteOffset, values.byteLength)) hash = (Math.imul(hash, 31) + byte) | 0;
+      return hash;
+    };
+    const arrays = Object.entries({ ...reach, ...trials }).filter(([, values]) => ArrayBuffer.isView(values));
+    const { from, contacts, ...header } = reach.header;
+    return {
+      arrays: arrays.map(([name, values]) => `${name}: ${values.length} numbers, ${sum(values)}`),
+      trials: trials.all,
+      // Those that begin in the same frame are in any order.
+      contacts: contacts.map((contact) => JSON.stringify(contact)).sort(),
+      header,
+    };
+  });
+}
+
+/** Pins that the page of a running reach asks only for frames that it does not have, that verdicts of a model are there while the
+ * reach runs, and that at the end it holds what a page holds that loads the whole reach at once. */
+test("only what is new is loaded, with verdicts", async () => {
+  const { address, pause, close } = await watch("scenes/mixed.toml", "--seed", "3", "--model", file("model.json"));
+  assert.equal(await pause(), 200);
+  const page = await open(browser, address);
+  const asked = [];
+  page.on("request", (request) => {
+    const from = /api\/reach\/0(?:\?from=(\d+))?$/.exec(request.url());
+    if (from !== null) asked.push(Number(from[1] ?? 0));
+  });
+  await ready(page);
+  assert.match(await page.locator("#facts").textContent(), /model model\.json/);
+  // Steps make many pieces, and the contacts begin within the first half of the reach.
+  for (let step = 1; step <= 12; step++) {
+    await fetch(`${address}api/live/step/100`, { method: "POST", headers: { Origin: address.replace(/\/$/, "") } });
+    await page.waitForFunction((count) => window.underbrushReplay.loaded().reach.frames >= count, 1 + 100 * step);
+  }
+  const judged = await page.evaluate(() => window.underbrushReplay.loaded().trials.all.filter(({ verdict }) => verdict !== null).length);
+  assert.ok(judged > 5, `${judged} trials are judged`);
+  assert.ok(await page.locator("#colour input[value=verdict]").isEnabled());
+  await page.locator("#live").getByRole("button", { name: "Go on" }).click();
+  await page.waitForFunction(() => /of \d+ goals reached/.test(document.getElementById("facts").textContent));
+  // The end brings goals and audit, perhaps without a new frame.
+  assert.ok(asked.length > 12 && asked.slice(1, -1).every((from, index) => from > asked[index]), `asked from ${asked}`);
+  const whole = await open(browser, address);
+  await ready(whole);
+  assert.deepEqual(await contents(page), await contents(whole));
+  assert.deepEqual([...page.problems, ...whole.problems], []);
+  await page.context().close();
+  await whole.context().close();
+  close();
+});
 
 /** Pins that the page of a running reach grows with it, that pause and steps are exact, by mouse and by keyboard, and that the
  * whole reach with its goals is there at the end. */

@@ -1,4 +1,5 @@
-// Takes pictures of the page for a person to look at: four scenes at three sizes in both themes.
+// Takes pictures of the page for a person to look at: four scenes at three sizes in both themes, as a whole and as the screen
+// shows them first, and in print.
 // node tests/look.mjs FOLDER
 
 import { join } from "node:path";
@@ -19,7 +20,17 @@ for (const scene of SCENES) {
       const page = await open(browser, `${server.address}${hash}`, { viewport: { width, height }, colorScheme });
       await ready(page);
       await settle(page);
-      await page.screenshot({ path: join(folder, `${scene}-${width}-${colorScheme}.png`) });
+      const path = (kind) => join(folder, `${scene}-${width}-${colorScheme}${kind}.png`);
+      await page.screenshot({ path: path("") });
+      // The playback stands at the bottom of the screen, so the screen is made as high as the page.
+      await page.setViewportSize({ width, height: await page.evaluate(() => document.documentElement.scrollHeight) });
+      await settle(page);
+      await page.screenshot({ path: path("-whole") });
+      if (width === 1100) {
+        await page.emulateMedia({ media: "print", colorScheme });
+        await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+        await page.screenshot({ path: path("-print"), fullPage: true });
+      }
       await page.context().close();
     }
   }

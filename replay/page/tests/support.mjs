@@ -1,5 +1,6 @@
 // Shared by the tests: recordings made by the program, the program as a server, and a browser.
 
+import assert from "node:assert/strict";
 import { execFile, execFileSync, spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { request } from "node:http";
@@ -73,7 +74,7 @@ export async function serve(...options) {
     createInterface({ input: child.stdout }).once("line", (line) => found([line]));
     child.once("exit", (status) => failed(new Error(`the program ended with ${status}`)));
   });
-  return { address: JSON.parse(line).address, close: () => child.kill() };
+  return { address: JSON.parse(line).address, pid: child.pid, close: () => child.kill() };
 }
 
 /** Starts a reach that waits for its page; gives the page's address and a way to end it. */
@@ -98,10 +99,11 @@ export function launch(...more) {
   return chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...(process.env.CHROMIUM_FLAGS ?? "").split(" ").filter(Boolean), ...more] });
 }
 
-/** Opens a page and waits until a reach is shown. `page.problems` lists errors and requests to other hosts. */
-export async function open(browser, address, options = {}) {
+/** Opens a page. `page.problems` lists errors and requests to other hosts; `before` runs in the page before its own script. */
+export async function open(browser, address, { before = null, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1100, height: 900 }, reducedMotion: "reduce", ...options });
   const page = await context.newPage();
+  if (before !== null) await page.addInitScript(before);
   page.setDefaultTimeout(LONG_MS);
   page.problems = [];
   page.on("pageerror", (error) => page.problems.push(`page error: ${error.message}`));
@@ -170,4 +172,35 @@ export function felt(recording, row) {
 export function fullestFrame(recording, rows) {
   const counts = rows.map((row) => felt(recording, row).length);
   return counts.indexOf(Math.max(...counts));
+}
+
+/** A browser and a server of a reach in mixed clutter, the same reach by a blind controller, and one among trunks, with a model.
+ * `begin` makes them, `start` opens the page at an address, and `end` removes everything. */
+export function mixedSite() {
+  let browser;
+  let server;
+  return {
+    begin: async () => {
+      await makeData();
+      browser = await launch();
+      server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
+    },
+    end: () => finishAll(browser),
+    start: async (hash = "", options = {}) => {
+      const page = await open(browser, `${server.address}${hash}`, options);
+      await ready(page, Number(/reach=(\d+)/.exec(hash)?.[1] ?? 0));
+      return page;
+    },
+  };
+}
+
+/** What the page shows: its state. */
+export function state(page) {
+  return page.evaluate(() => ({ ...window.underbrushReplay.state }));
+}
+
+/** Ends a test: nothing may have gone wrong on the page. */
+export async function finish(page) {
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
 }

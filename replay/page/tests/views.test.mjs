@@ -3,30 +3,11 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { felt, file, finishAll, fullestFrame, launch, makeData, open, readRecording, ready, says, seek, serve, settle } from "./support.mjs";
+import { felt, finish, fullestFrame, mixedSite, readRecording, says, seek, settle, state } from "./support.mjs";
 
-let browser;
-let server;
-before(async () => {
-  await makeData();
-  browser = await launch();
-  server = await serve(file("mixed.parquet"), file("blind.parquet"), file("trunk.parquet"), "--model", file("model.json"));
-});
-after(() => finishAll(browser));
-
-async function start(hash = "") {
-  const page = await open(browser, `${server.address}${hash}`);
-  await ready(page, Number(/reach=(\d+)/.exec(hash)?.[1] ?? 0));
-  return page;
-}
-
-const state = (page) => page.evaluate(() => ({ ...window.underbrushReplay.state }));
-
-/** Ends a test: nothing may have gone wrong on the page. */
-async function finish(page) {
-  assert.deepEqual(page.problems, []);
-  await page.context().close();
-}
+const { begin, end, start } = mixedSite();
+before(begin);
+after(end);
 
 /** Pins that the switch changes colours on the map and on the arm together, by mouse and by key. */
 test("one switch colours map and arm", async () => {

@@ -11,8 +11,8 @@ use serde_json::Value;
 
 use super::server::{Answer, ask, get};
 use super::{KNOWN, reach};
-use crate::pack::pack;
-use crate::{Held, Live, Server, Source};
+use crate::pack::{pack, pack_from};
+use crate::{Held, Live, Server, SoFar, Source};
 
 /// A reach of 20 frames that is simulated in a thread, its server's port, and the number of frames so far.
 fn start() -> (u16, JoinHandle<()>, Arc<AtomicUsize>) {
@@ -27,11 +27,19 @@ fn start() -> (u16, JoinHandle<()>, Arc<AtomicUsize>) {
     let simulation = std::thread::spawn(move || {
         for frame in 1..=20 {
             counted.store(frame, Ordering::SeqCst);
-            live.frame(|| Some(reach(0, frame.max(7))));
+            live.frame(|| Some(so_far(frame.max(7))));
         }
-        live.end(reach(0, 20));
+        live.end(so_far(20));
     });
     (port, simulation, count)
+}
+
+/// The reach with this many frames.
+fn so_far(frames: usize) -> SoFar {
+    SoFar {
+        recording: reach(0, frames),
+        verdicts: None,
+    }
 }
 
 fn command(port: u16, command: &str) -> Answer {
@@ -95,6 +103,9 @@ fn a_running_reach_is_told_paused_and_stepped() {
     assert_eq!(news.until(|news| news["frames"] == 10)["paused"], true);
     let answer = get(port, "GET", "/api/reach/0");
     assert_eq!(answer.content, pack(&reach(0, 10), &KNOWN, None).unwrap());
+    let answer = get(port, "GET", "/api/reach/0?from=8");
+    assert_eq!(answer.content, pack_from(&reach(0, 10), &KNOWN, None, 8).unwrap());
+    assert_eq!(get(port, "GET", "/api/reach/0?from=x").status, 400);
     assert_eq!(count.load(Ordering::SeqCst), 10, "it does not go on by itself");
     assert_eq!(command(port, "run").status, 200);
     assert_eq!(news.until(|news| news["ended"] == true)["frames"], 20);

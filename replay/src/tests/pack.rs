@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::{KNOWN, reach, source};
-use crate::pack::pack;
+use crate::pack::{pack, pack_from};
 use crate::{ReplayError, Source};
 
 /// Packed bytes, read as the page reads them.
@@ -87,6 +87,53 @@ fn a_packed_reach_holds_what_was_recorded() {
     assert_eq!(packed.section("trial_sample_start"), [0.0, 15.0, 16.0]);
     let motion = packed.section("sample_motion_m");
     assert!((motion[14] - 14.0 / 1024.0).abs() < 1e-7, "{motion:?}");
+}
+
+/// Pins that what follows the first eight frames has the rows of the other twelve, counted from the first of these, the new
+/// samples of a trial that goes on, and nothing that does not change.
+#[test]
+fn what_follows_holds_only_what_is_new() {
+    let recording = reach(3, 20);
+    let packed = Packed::read(&pack_from(&recording, &KNOWN, None, 8).unwrap());
+    let header = &packed.header["reach"];
+    assert_eq!((&header["from"], &header["frames"]), (&8.into(), &20.into()));
+    for fixed in ["bodies", "objects", "patches", "joint_names"] {
+        assert!(header.get(fixed).is_none(), "{fixed}");
+    }
+    assert_eq!(header["contacts"][0]["last_frame"], 19);
+    let names: Vec<&str> = packed.header["sections"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|own| own["name"].as_str().unwrap())
+        .collect();
+    assert!(!names.iter().any(|name| name.starts_with("taxel_")), "{names:?}");
+    let times: Vec<f64> = recording.frames[8..].iter().map(|frame| frame.time_s).collect();
+    assert_eq!(packed.section("time_s"), times);
+    assert_eq!(
+        packed.section("reading_start"),
+        (0..=12).map(f64::from).collect::<Vec<_>>()
+    );
+    assert_eq!(packed.section("reading_taxel"), [1.0; 12]);
+    assert_eq!(packed.section("track_start"), [0.0, 12.0]);
+    assert_eq!(
+        packed.section("track_frame"),
+        (8..20).map(f64::from).collect::<Vec<_>>()
+    );
+    // The trial of taxel 2 has ended before; that of taxel 1 began at frame 5.
+    assert_eq!(packed.section("trial_taxel"), [1.0]);
+    assert_eq!(packed.section("trial_first_frame"), [5.0]);
+    assert_eq!(packed.section("trial_sample_start"), [0.0, 12.0]);
+    let whole = Packed::read(&pack(&recording, &KNOWN, None).unwrap());
+    assert_eq!(
+        packed.section("sample_motion_m")[..],
+        whole.section("sample_motion_m")[3..15]
+    );
+    let nothing = Packed::read(&pack_from(&recording, &KNOWN, None, 99).unwrap());
+    assert_eq!(
+        (&nothing.header["reach"]["from"], nothing.section("time_s").len()),
+        (&20.into(), 0)
+    );
 }
 
 /// Pins that the list has one line a recording with its outcome and peak, and that a number outside it is refused.

@@ -97,6 +97,18 @@ impl Page {
         let _ = writeln!(self.body, "<p><a href=\"{}\">{}</a></p>", escape(address), escape(text));
     }
 
+    /// A paragraph of links, each with its address and text, after some words; nothing without links.
+    pub fn links(&mut self, words: &str, links: &[(String, String)]) {
+        if links.is_empty() {
+            return;
+        }
+        let links: Vec<String> = links
+            .iter()
+            .map(|(address, text)| format!("<a href=\"{}\">{}</a>", escape(address), escape(text)))
+            .collect();
+        let _ = writeln!(self.body, "<p>{}: {}</p>", escape(words), links.join(", "));
+    }
+
     /// The whole page.
     pub fn html(&self) -> String {
         let title = escape(&self.title);

@@ -4,6 +4,7 @@ use underbrush_experiments::experiment::engineered::Outcome;
 use underbrush_experiments::online::Shares;
 
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::replay_links;
 use crate::report::Report;
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
 
@@ -32,6 +33,17 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         "Verdicts on all taxels in contact, over all frames of a reach.",
         &[chart(outcome)],
     );
+    let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
+    let links: Vec<(String, String)> = found
+        .enumerate()
+        .map(|(place, reach)| {
+            (
+                replay_links::reach(replay_links::ENGINEERED_FILE, place),
+                reach.scene.clone(),
+            )
+        })
+        .collect();
+    report.page.links("Replay these reaches in 3-D", &links);
     let table = table(outcome);
     report.print(&table, 10);
     report.table(table);

@@ -1,10 +1,11 @@
 //! Force and motion of one typical trial of each category (Fig. 5).
 
-use underbrush_experiments::experiment::example_trials::{Outcome, Typical};
+use underbrush_experiments::experiment::example_trials::{Example, Outcome, Typical};
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
 use crate::category_looks::CategoryLooks;
 use crate::drawing::{Axis, Cell, Chart, Layer, Shape, Table};
+use crate::replay_links;
 use crate::report::Report;
 
 /// Adds the section.
@@ -37,7 +38,20 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     };
     report.page.paragraph(&text);
     report.page.figure(&caption, &charts(outcome, &report.looks));
+    let examples = outcome.figure_5.iter().enumerate();
+    let links: Vec<(String, String)> = examples
+        .map(|(place, own)| (address(own, place), own.category.clone()))
+        .collect();
+    report.page.links("Replay these trials in 3-D", &links);
     report.numbers(table(outcome));
+}
+
+/// The beginning of a trial on the replay page.
+fn address(example: &Example, place: usize) -> String {
+    let time_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
+    let patch = example.data.patch.as_deref();
+    let taxel = patch.zip(example.taxel).map(|(patch, taxel)| (patch, taxel as usize));
+    replay_links::moment(replay_links::TRAINING_FILE, place, time_s, taxel)
 }
 
 /// The medians of each category.

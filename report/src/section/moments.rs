@@ -9,7 +9,7 @@ use crate::category_looks::CategoryLooks;
 use crate::drawing::{Mark, slug};
 use crate::picture::{self, TaxelMark};
 use crate::report::Report;
-use crate::{REPLAY_FILE, skin_map};
+use crate::{replay_links, skin_map};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -22,24 +22,12 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
 }
 
-/// The address of a moment on the replay page of the report's reaches.
+/// The address of a moment on the replay page.
 pub fn address(moment: &Moment, place: usize) -> String {
-    let time_s = moment.snapshot.frame.time_s;
-    // A name with other characters could end the address.
-    let plain = |name: &str| {
-        name.chars()
-            .all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter))
-    };
-    let patch = moment
-        .layout
-        .patches
-        .get(moment.patch)
-        .filter(|patch| plain(&patch.name));
+    let patch = moment.layout.patches.get(moment.patch);
     let pressed = moment.verdicts.keys().find(|taxel| moment.pressed.contains(taxel));
-    let taxel = patch
-        .zip(pressed)
-        .map_or(String::new(), |(patch, taxel)| format!("&taxel={}.{taxel}", patch.name));
-    format!("{REPLAY_FILE}#reach={place}&t={time_s:.2}&colour=verdict{taxel}")
+    let taxel = patch.zip(pressed).map(|(patch, taxel)| (patch.name.as_str(), *taxel));
+    replay_links::moment(replay_links::TEST_FILE, place, moment.snapshot.frame.time_s, taxel)
 }
 
 fn add_moment(report: &mut Report, moment: &Moment, place: usize) {

@@ -11,6 +11,7 @@ use underbrush_recording::{Category, FRAME_PERIOD_S};
 
 use crate::category_looks::CategoryLooks;
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::replay_links;
 use crate::report::Report;
 use crate::style::{FIRST, INK, OUTLIER};
 
@@ -40,6 +41,15 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
                        nothing presses on (spurious readings, creep, crosstalk). The strips below show when an object of each \
                        category truly touches the patch.";
         report.page.figure(caption, &charts);
+        let first = replay_links::first_outlier(&outcome.online);
+        let link = |(place, reach): (usize, &Classified)| {
+            let address = replay_links::reach(replay_links::TEST_FILE, first + place);
+            (address, format!("draw {}", reach.reach_index))
+        };
+        let reaches = outcome.online.outlier.iter().enumerate();
+        report
+            .page
+            .links("Replay these reaches in 3-D", &reaches.map(link).collect::<Vec<_>>());
     }
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));

@@ -6,6 +6,7 @@ use underbrush_experiments::experiment::over_time::Outcome;
 use underbrush_experiments::online::Classified;
 
 use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::replay_links;
 use crate::report::Report;
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
 
@@ -78,6 +79,10 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         "Taxels in contact by verdict. The last chart shows those that nothing presses on (spurious readings, creep, \
          crosstalk); they have no truth and are not in the other charts.",
         &verdicts(reach),
+    );
+    report.page.link(
+        &replay_links::reach(replay_links::TEST_FILE, 0),
+        "Replay this reach in 3-D",
     );
     report.numbers(times_table(reach));
     report.numbers(frames_table(reach));

@@ -179,14 +179,21 @@ fn a_report_is_whole() {
     for label in of("svg", "aria-labelledby").iter().flat_map(|labels| labels.split(' ')) {
         assert!(ids.iter().any(|id| id == label), "{label}");
     }
+    let mut replayed = BTreeSet::new();
     for link in of("a", "href") {
         match link.split_once('#') {
             Some(("", section)) => assert!(ids.iter().any(|id| id == section), "{link}"),
-            // The program writes the replay page beside the report.
-            Some((file, _)) => assert_eq!(file, "replay.html"),
+            // The program writes the replay pages beside the report.
+            Some((file, place)) => {
+                assert!(place.starts_with("reach="), "{link}");
+                replayed.insert(file.to_owned());
+            }
             None => assert!(folder.path().join(&link).exists(), "{link}"),
         }
     }
+    // Figures that show reaches link to them: moments, verdicts over time and outliers, engineered reaches, example trials.
+    let pages = ["replay-engineered.html", "replay-training.html", "replay.html"];
+    assert_eq!(replayed, BTreeSet::from(pages.map(String::from)));
     assert_eq!(faults(&html), Vec::<&str>::new());
 
     let mut with_wall_times = BTreeSet::new();

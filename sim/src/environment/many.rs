@@ -1,12 +1,15 @@
 //! Many environments that step at once.
 
+use std::sync::{Mutex, PoisonError};
+
+use rayon::ThreadPool;
 use rayon::prelude::*;
 use underbrush_recording::InputError;
 
 use super::{Environment, EnvironmentOptions, Part, Stepped};
 use crate::reach::{ReachError, ReachPlan};
 
-/// Environments that step at once, on the threads of the current rayon pool. Each gives the numbers that it would give alone.
+/// Environments that step at once, on several threads. Each gives the numbers that it would give alone.
 pub struct Environments {
     all: Vec<Environment>,
     /// Whether its last step ended an episode. The next step then begins a new one.
@@ -50,7 +53,7 @@ impl Environments {
         self.all.first().map_or(0, Environment::action_size)
     }
 
-    /// Resets those that `which` returns true for, each with its seed, if it has one. Observations of the others stay as
+    /// On the threads of the current rayon pool, resets those that `which` returns true for, each with its seed, if it has one. Observations of the others stay as
     /// they are in `observations`, which has a row for each environment.
     ///
     /// # Errors
@@ -84,25 +87,45 @@ impl Environments {
     /// Takes a step with every environment. One whose last step ended an episode begins a new one instead: its action is
     /// ignored, and its reward is 0. `actions` and `observations` have a row for each environment.
     ///
+    /// This thread does the work together with those of `helpers`. That way it need not be woken at the end, which can take as long
+    /// as a step.
+    ///
     /// # Errors
     /// As [`Environment::step`] and [`Environment::reset`]: the error of the first environment that has one.
     ///
     /// # Panics
     /// As [`Environment::step`].
-    pub fn step(&mut self, actions: &[f64], observations: &mut [f32]) -> Result<Vec<Stepped>, ReachError> {
-        let (width, size) = (self.action_size().max(1), self.observation_size().max(1));
-        // One environment needs no other thread, and waking one can take longer than the step.
-        if let ([environment], [ended]) = (&mut self.all[..], &mut self.ended[..]) {
-            return Ok(vec![step_or_begin(environment, ended, actions, observations)?]);
+    pub fn step(
+        &mut self,
+        helpers: Option<&ThreadPool>,
+        actions: &[f64],
+        observations: &mut [f32],
+    ) -> Result<Vec<Stepped>, ReachError> {
+        let (width, size, count) = (self.action_size().max(1), self.observation_size().max(1), self.count());
+        let mut stepped: Vec<Option<Result<Stepped, ReachError>>> = (0..count).map(|_| None).collect();
+        let rows = self.all.iter_mut().zip(&mut self.ended);
+        let rows = rows.zip(actions.chunks(width)).zip(observations.chunks_mut(size));
+        let rows = Mutex::new(rows.zip(&mut stepped));
+        let work = || {
+            loop {
+                // The lock is held while a row is taken, not while its environment steps.
+                let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some(((((environment, ended), action), row), found)) = next else {
+                    break;
+                };
+                *found = Some(step_or_begin(environment, ended, action, row));
+            }
+        };
+        match helpers {
+            Some(pool) if count > 1 => pool.in_place_scope(|scope| {
+                for _ in 0..pool.current_num_threads().min(count - 1) {
+                    scope.spawn(|_| work());
+                }
+                work();
+            }),
+            _ => work(),
         }
-        let rows = self.all.par_iter_mut().zip(&mut self.ended);
-        let rows = rows
-            .zip(actions.par_chunks(width))
-            .zip(observations.par_chunks_mut(size));
-        let stepped: Vec<Result<Stepped, ReachError>> = rows
-            .map(|(((environment, ended), action), row)| step_or_begin(environment, ended, action, row))
-            .collect();
-        stepped.into_iter().collect()
+        stepped.into_iter().flatten().collect()
     }
 }
 

@@ -23,13 +23,14 @@ fn options(action: ActionKind) -> EnvironmentOptions {
 
 #[test]
 fn many_give_the_numbers_of_one() {
-    // Pins that environments that step at once give, bit for bit, what each gives alone, also across the end of an episode, whose
+    // Pins that environments that step at once give, bit for bit, what each gives alone, with and without helping threads, also across the end of an episode, whose
     // next step begins another: action ignored, reward 0.
     let steps = 60;
     let action = |step: usize, joint: usize| ((step * 7 + joint * 3) as f64 * 0.37).sin();
     let mut many = Environments::new(&plan(5), &options(ActionKind::Equilibrium), 3).unwrap();
     let size = many.observation_size();
     let mut observations = vec![0.0; 3 * size];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     many.reset(&[None; 3], |_| true, &mut observations).unwrap();
     let mut alone: Vec<Environment> = (0..3)
         .map(|index| Environment::new(plan(5 + index), options(ActionKind::Equilibrium)).unwrap())
@@ -41,7 +42,8 @@ fn many_give_the_numbers_of_one() {
     let mut ends = 0;
     for step in 0..steps {
         let row: Vec<f64> = (0..7).map(|joint| action(step, joint)).collect();
-        let stepped = many.step(&row.repeat(3), &mut observations).unwrap();
+        let helpers = (step % 2 == 0).then_some(&pool);
+        let stepped = many.step(helpers, &row.repeat(3), &mut observations).unwrap();
         for (index, environment) in alone.iter_mut().enumerate() {
             let expected = match environment.step(&row, &mut own).unwrap() {
                 Some(expected) => expected,

@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
 
 use super::decision_arguments::{DecisionArguments, Scores};
-use super::model::{self, AnyModel};
 use super::score::{self, Score};
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
@@ -103,7 +103,7 @@ impl Options {
 
 /// Classifies.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let model = model::load(&options.model)?;
+    let model = any_model::load(&options.model)?;
     if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
         let message =
             "--skin and --strict are for frames on standard input, `-`; leave them out: a file knows its skin";

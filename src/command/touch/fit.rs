@@ -11,7 +11,7 @@ use crate::reaches::Reaches;
 /// The rows of all reaches.
 pub(super) fn examples(reaches: &Reaches, options: &TouchOptions) -> Result<TouchExamples, Failure> {
     let mut examples = TouchExamples::new(options.clone());
-    reaches.read(|_| true, |recording| Ok(examples.add(recording)?))?;
+    reaches.read_all(|recording| Ok(examples.add(recording)?))?;
     Ok(examples)
 }
 

@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
 
-use underbrush_recording::ObjectRecord;
+use underbrush_recording::{ObjectRecord, Recording};
 
 use super::*;
 use crate::decision::{Decision, Rule};
 use crate::feature::FeatureSet;
 use crate::hmm::{GaussianHmm, HmmParameters};
 use crate::hmm_classifier::HmmClassifier;
+use crate::online::OnlineOptions;
 use crate::trial::tests::{Drawn, recording};
 
 /// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then adds to the margin
@@ -182,7 +183,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
     for truth in Category::BUILT_IN {
         for verdict in &verdicts {
             let mut tally = Tally::default();
-            tally.count(Some(truth), verdict);
+            tally.count(Some(truth), verdict.name(), 1);
             let prediction = crate::evaluate::Prediction {
                 trial: 0,
                 reach: None,

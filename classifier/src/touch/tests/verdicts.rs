@@ -1,6 +1,9 @@
 use std::sync::Arc;
 
+use underbrush_recording::Category;
+
 use super::*;
+use crate::evaluate::classify_touch_stream;
 use crate::evaluate::touch::TouchEvaluation;
 use crate::touch::{Touch, TouchClassifier, TouchDecision, TouchExamples, TouchModel, TouchOptions};
 
@@ -46,6 +49,28 @@ fn springs_are_told_apart() {
         .find(|taxel| taxel.taxel == 7)
         .map(|taxel| taxel.touch);
     assert_eq!(touch, Some(Touch::Unknown));
+}
+
+/// Pins that a reach judged for a suite has the verdicts of the evaluation, counted by truth, with the spurious taxel apart.
+#[test]
+fn streams_count_what_evaluations_count() {
+    let model = Arc::new(examples().fit().unwrap());
+    let reach = presses(0, 33.0, 0.035, 0.06);
+    let evaluation = TouchEvaluation::of(&model, &reach).unwrap();
+    let stream = classify_touch_stream(&model, &reach).unwrap();
+    assert_eq!(stream.verdicts, ["leaf", "trunk", "uncertain", "outlier", "nothing"]);
+    let leaf = stream.tally_of(Category::LEAF);
+    let expected = evaluation.tallies[1];
+    assert!(expected.right > 100);
+    assert_eq!(
+        [leaf.correct, leaf.misclassified, leaf.uncertain],
+        [expected.right, expected.wrong, expected.uncertain]
+    );
+    // Taxel 16 reads a force in all 200 frames, and nothing presses on it.
+    let without_truth = stream.taxel_frames.last().unwrap();
+    assert_eq!(without_truth.iter().sum::<usize>(), 200);
+    assert_eq!(without_truth[4], evaluation.tallies[0].right);
+    assert!(without_truth[4] > 180, "{without_truth:?}");
 }
 
 /// Pins that nothing is allocated for a frame once as many contacts were seen before.

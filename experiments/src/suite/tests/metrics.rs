@@ -75,7 +75,8 @@ fn reach() -> Recording {
     }
 }
 
-/// Verdicts on that reach: of 10 taxel frames on the leaf 6 are right, 1 is called a trunk, 1 an outlier, and 2 are uncertain.
+/// Verdicts on that reach: of 10 taxel frames on the leaf 6 are right, 1 is called nothing, 1 an outlier, and 2 are
+/// uncertain. Nothing presses in 4 more, of which 1 is called so.
 fn stream() -> Stream {
     let contact = |truth, first_right| StreamContact {
         truth,
@@ -93,9 +94,11 @@ fn stream() -> Stream {
     };
     Stream {
         truths: vec![Category::LEAF, Category::TRUNK],
-        verdicts: ["leaf", "trunk", "uncertain", "outlier"].map(String::from).to_vec(),
+        verdicts: ["leaf", "trunk", "uncertain", "outlier", "nothing"]
+            .map(String::from)
+            .to_vec(),
         frames: vec![frame(0), frame(4), frame(8)],
-        taxel_frames: vec![vec![6, 1, 2, 1], vec![0; 4], vec![5; 4]],
+        taxel_frames: vec![vec![6, 0, 2, 1, 1], vec![0; 5], vec![3, 0, 0, 0, 1]],
         contacts: vec![
             contact(Category::LEAF, Some(3)),
             contact(Category::LEAF, None),
@@ -129,6 +132,8 @@ fn metrics_are_what_they_say() {
         ("wrong", Some(0.2), None),
         ("uncertain", Some(0.2), None),
         ("called_outlier", Some(0.1), None),
+        ("called_nothing", Some(0.1), None),
+        ("spurious_called_nothing", Some(0.25), Some(0.25)),
         ("samples_to_right", Some(6.5), None),
         ("never_right", Some(1.0 / 3.0), None),
         ("taxels_per_frame", Some(6.0), Some(6.0)),

@@ -1,10 +1,12 @@
 //! Progress of assembling a data set (`incomplete/assembled.json`).
 //!
 //! It is written whenever the current files of all tables are complete. The staged reaches in them are then no longer
-//! needed, so that finishing a set takes little more disk space than the set itself.
+//! needed, so that finishing a set takes little more disk space than the set itself. The episodes of each file are in a
+//! list of their own (`incomplete/episodes-000001.json`, …), which is written once, so that time grows with the number of
+//! reaches and not with its square.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -23,7 +25,12 @@ pub(super) struct Assembled {
     /// Number of complete files of each table.
     pub(super) files: usize,
     /// The episodes in them.
+    #[serde(skip)]
     pub(super) episodes: Vec<Episode>,
+    /// Checksums of the lists of episodes, one for each file.
+    lists: Vec<FileSum>,
+    /// Number of episodes in these lists.
+    listed: usize,
     /// Their frames.
     pub(super) total_frames: usize,
     /// Statistics of these frames.
@@ -45,12 +52,19 @@ impl Stored {
     }
 }
 
+/// Where the episodes of a file are, by the file's number from 0.
+fn list_path(dir: &Path, number: usize) -> PathBuf {
+    dir.join(format!("{}/episodes-{:06}.json", names::INCOMPLETE, number + 1))
+}
+
 impl Assembled {
     /// The state before the first reach.
     pub(super) fn nothing(statistics: Statistics) -> Self {
         Assembled {
             files: 0,
             episodes: Vec::new(),
+            lists: Vec::new(),
+            listed: 0,
             total_frames: 0,
             statistics,
             checksums: Checksums::default(),
@@ -65,7 +79,15 @@ impl Assembled {
         if Stored::hash(&state) != blake3 {
             return None;
         }
-        let assembled: Assembled = serde_json::from_value(state).ok()?;
+        let mut assembled: Assembled = serde_json::from_value(state).ok()?;
+        for (number, sum) in assembled.lists.iter().enumerate() {
+            let bytes = fs::read(list_path(dir, number)).ok()?;
+            if FileSum::of_bytes(&bytes) != *sum {
+                return None;
+            }
+            let list: Vec<Episode> = serde_json::from_slice(&bytes).ok()?;
+            assembled.episodes.extend(list);
+        }
         let whole = |name| assembled.checksums.check(dir, name).is_ok();
         let all_whole = assembled.checksums.names().all(whole);
         all_whole.then_some(assembled)
@@ -79,6 +101,11 @@ impl Assembled {
             self.checksums.add(name, sum);
         }
         self.files = files.begun();
+        let list = list_path(dir, self.lists.len());
+        let bytes = json_bytes(&list, &&self.episodes[self.listed..])?;
+        write_bytes(&list, &bytes)?;
+        self.lists.push(FileSum::of_bytes(&bytes));
+        self.listed = self.episodes.len();
         let path = dir.join(names::ASSEMBLED);
         let state = serde_json::to_value(&*self).map_err(|error| DiskError::io(&path, "write")(error.into()))?;
         let blake3 = Stored::hash(&state);

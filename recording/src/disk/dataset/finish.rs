@@ -24,16 +24,25 @@ use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use super::tasks::{number_tasks, write_tasks};
 use super::taxel_table::write_taxels;
-use crate::Category;
 use crate::disk::DiskError;
 use crate::disk::features::{features, schema};
 use crate::disk::frames::{Numbering, frame_columns};
 use crate::disk::parquet_file::ROWS_PER_BATCH;
 use crate::disk::recording_file::read_recording;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
+use crate::{Category, Recording};
 
 /// Writes the whole set from the staged reaches, with `meta/info.json` last.
 pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
+    assemble_from(staging, |position| read_recording(staging.path(position)))
+}
+
+/// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave
+/// it staged, because the size of the staged file decides where a new data file begins.
+pub(super) fn assemble_from(
+    staging: &Staging,
+    mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
+) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(&plan.joint_names, &plan.layout);
     let mut assembled = Assembled::read(dir).unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
@@ -58,8 +67,8 @@ pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     let mut still_staged = assembled.episodes.len();
     for (position, planned) in plan.episodes.iter().enumerate().skip(still_staged) {
         let path = staging.path(position);
+        let recording = reach(position)?;
         let staged_bytes = fs::metadata(&path).map_err(DiskError::io(&path, "read"))?.len();
-        let recording = read_recording(&path)?;
         if files.is_full_for(staged_bytes) {
             assembled.files_end(&mut files, dir)?;
             for position in still_staged..assembled.episodes.len() {

@@ -20,6 +20,7 @@ mod episode;
 mod episode_table;
 mod finish;
 mod info;
+mod merge;
 mod peak_forces;
 mod plan;
 mod reader;
@@ -41,10 +42,13 @@ mod writer;
 pub(super) use card::describe_tables;
 pub use episode::Episode;
 pub use info::{FeatureInfo, Info};
+pub use merge::Shards;
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use reader::Dataset;
 #[cfg(test)]
 pub(super) use row_groups::{read_rows, row_groups_of};
+#[cfg(test)]
+pub(super) use some_columns::doubles;
 #[cfg(test)]
 pub(super) use table_files::ROWS_PER_GROUP;
 pub use writer::DatasetWriter;

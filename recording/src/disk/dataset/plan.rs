@@ -1,6 +1,7 @@
 //! The plan of a data set: its content and origin, fixed before the first reach runs and compared on resume.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -116,6 +117,21 @@ pub struct Shard {
     pub index: u64,
     /// How many parts.
     pub count: u64,
+}
+
+impl Shard {
+    /// Whether this part has the reach at a position of the whole campaign: every part takes each `count`-th reach, so that
+    /// all parts have reaches of all scenes.
+    pub fn holds(&self, position: u64) -> bool {
+        position % self.count == self.index
+    }
+}
+
+/// As `--shard` writes it: counted from 1.
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index + 1, self.count)
+    }
 }
 
 /// The first difference between two plans: its path and both values. The provenance is compared first because

@@ -16,9 +16,14 @@ use parquet::file::statistics::Statistics;
 use crate::disk::DiskError;
 use crate::disk::input_file::open_input;
 use crate::disk::parquet_file::{Batches, EPISODE_COLUMN, broken, read_footer};
+use crate::disk::plain_pages;
 use crate::disk::table::Columns;
 
-/// The footers of the files read so far. Parsing them again for every reach would take longer the more reaches a file
+/// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing one twice, and
+/// they take some 50 MB.
+const MOST_FOOTERS: usize = 512;
+
+/// The footers of files that have been read. Parsing them again for every reach would take longer the more reaches a file
 /// holds.
 #[derive(Debug, Default)]
 pub(super) struct Footers {
@@ -66,26 +71,30 @@ impl EpisodeRows {
     }
 }
 
-/// The row groups that may hold rows of an episode.
+/// The smallest and the largest episode of a row group, as far as its statistics say them.
+fn episodes_of(footer: &ParquetMetaData, group: usize) -> [Option<i64>; 2] {
+    let columns = footer.row_group(group).columns();
+    let column = columns
+        .iter()
+        .find(|column| column.column_path().string() == EPISODE_COLUMN);
+    match column.and_then(|column| column.statistics()) {
+        Some(Statistics::Int64(found)) => [found.min_opt().copied(), found.max_opt().copied()],
+        _ => [None, None],
+    }
+}
+
+/// The row groups that may hold rows of an episode. A row group without statistics has to be read.
 pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
     let may_hold = |group: &usize| {
-        let columns = footer.row_group(*group).columns();
-        let column = columns
-            .iter()
-            .find(|column| column.column_path().string() == EPISODE_COLUMN);
-        match column.and_then(|column| column.statistics()) {
-            Some(Statistics::Int64(found)) => {
-                let (min, max) = (found.min_opt(), found.max_opt());
-                let within = |bound: Option<&i64>, holds: fn(i64, i64) -> bool| {
-                    bound.is_none_or(|bound| holds(*bound, episode as i64))
-                };
-                within(min, |min, episode| min <= episode) && within(max, |max, episode| episode <= max)
-            }
-            // Without statistics the row group has to be read.
-            _ => true,
-        }
+        let [min, max] = episodes_of(footer, *group);
+        min.is_none_or(|min| min <= episode as i64) && max.is_none_or(|max| episode as i64 <= max)
     };
     (0..footer.num_row_groups()).filter(may_hold).collect()
+}
+
+/// Whether all rows of a row group are of one episode.
+fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
+    matches!(episodes_of(footer, group), [Some(min), Some(max)] if min == max)
 }
 
 /// Reads the rows of an episode from a file whose footer is known, and only from row groups that may hold any. With `columns`,
@@ -127,20 +136,47 @@ impl Footers {
     /// The rows of an episode in a file, with all columns or only some.
     pub(super) fn rows(&self, path: &Path, episode: usize, columns: Option<&[&str]>) -> Result<EpisodeRows, DiskError> {
         let file = open_input(path)?;
+        let footer = self.footer(path, &file)?;
+        read_rows(path, file, footer, episode, columns)
+    }
+
+    /// The numbers of a column of an episode in `to`, as [`plain_pages::read`] reads them. `false` unless the episode is alone in
+    /// its row group.
+    pub(super) fn numbers<N>(
+        &self,
+        path: &Path,
+        episode: usize,
+        column: &str,
+        convert: impl Fn(f64) -> N,
+        to: &mut [N],
+    ) -> Result<bool, DiskError> {
+        let file = open_input(path)?;
+        let footer = self.footer(path, &file)?;
+        match row_groups_of(footer.metadata(), episode)[..] {
+            [group] if holds_one_episode(footer.metadata(), group) => {
+                plain_pages::read(path, file, footer.metadata().row_group(group), column, convert, to)
+            }
+            _ => Ok(false),
+        }
+    }
+
+    fn footer(&self, path: &Path, file: &File) -> Result<ArrowReaderMetadata, DiskError> {
         let known = self
             .known
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .get(path)
             .cloned();
-        let footer = match known {
-            Some(footer) => footer,
+        match known {
+            Some(footer) => Ok(footer),
             None => {
-                let footer = read_footer(path, &file)?;
+                let footer = read_footer(path, file)?;
                 let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-                known.entry(path.to_path_buf()).or_insert(footer).clone()
+                if known.len() >= MOST_FOOTERS {
+                    known.clear();
+                }
+                Ok(known.entry(path.to_path_buf()).or_insert(footer).clone())
             }
-        };
-        read_rows(path, file, footer, episode, columns)
+        }
     }
 }

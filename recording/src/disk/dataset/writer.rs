@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::assembled::Assembled;
 use super::checksums::FileSum;
-use super::finish::assemble;
+use super::finish::{assemble, assemble_from};
 use super::info::read_json;
 use super::plan::first_difference;
 use super::staging::{BYTES_PER_FILE, Staging};
@@ -258,6 +258,28 @@ impl DatasetWriter {
         if !self.whole {
             assemble(&self.staging)?;
         }
+        self.close()
+    }
+
+    /// Assembles the reaches that `reach` returns for the positions of the plan, in order. A reach is staged only until its
+    /// data files are complete. Errors as of [`DatasetWriter::finish`].
+    pub(in crate::disk) fn finish_from(
+        self,
+        mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
+    ) -> Result<Dataset, DiskError> {
+        if !self.whole {
+            assemble_from(&self.staging, |position| {
+                let recording = reach(position)?;
+                self.check_planned(position, &recording)?;
+                write_recording(self.staging.path(position), &recording)?;
+                Ok(recording)
+            })?;
+        }
+        self.close()
+    }
+
+    /// Removes `incomplete/`, and opens the finished set.
+    fn close(self) -> Result<Dataset, DiskError> {
         // The plan is removed last: while it exists, this step can be resumed.
         let incomplete = self.staging.dir.join(names::INCOMPLETE);
         for name in list(&incomplete)?

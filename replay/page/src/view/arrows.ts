@@ -21,6 +21,8 @@ interface Arrow {
   shaft: Mesh;
   label: HTMLElement;
   tail: Vector3;
+  /** Where the label is, CSS pixels; null outside the view. */
+  place: [number, number] | null;
 }
 
 export class Arrows extends Group {
@@ -39,13 +41,14 @@ export class Arrows extends Group {
     this.#over.color.set(over);
   }
 
-  /** Shows these forces. The head of an arrow is at the skin and the tail away from it. */
-  show(pushes: Push[], limit: number | null): void {
+  /** Shows these forces. The head of an arrow is at the skin and the tail away from it. `texts` brings their texts up to date. */
+  show(pushes: Push[], limit: number | null, texts: boolean): void {
     const shown = pushes.filter((push) => Math.hypot(...push.force) >= WEAKEST_N);
     while (this.#arrows.length < shown.length) this.#add();
     this.#arrows.forEach((arrow, index) => {
       const push = shown[index];
       arrow.group.visible = push !== undefined;
+      const appeared = arrow.label.hidden;
       arrow.label.hidden = push === undefined;
       if (push === undefined) return;
       const force = Math.hypot(...push.force);
@@ -58,6 +61,7 @@ export class Arrows extends Group {
       arrow.shaft.scale.y = length;
       for (const child of arrow.group.children as Mesh[]) child.material = over ? this.#over : this.#plain;
       (arrow.group.children[1] as Mesh).position.y = length;
+      if (!texts && !appeared) return;
       arrow.label.classList.toggle("over", over);
       say(arrow.label, over ? `${newtons(force)} over` : newtons(force));
     });
@@ -69,14 +73,16 @@ export class Arrows extends Group {
     group.add(shaft, new Mesh(this.#head, this.#plain));
     const label = element("span", { class: "force-label", "aria-hidden": "true" });
     this.labels.append(label);
-    this.#arrows.push({ group, shaft, label, tail: new Vector3() });
+    this.#arrows.push({ group, shaft, label, tail: new Vector3(), place: null });
     this.add(group);
   }
 
   /** Puts the labels where the tails are on the screen, one above the other where they would overlap. */
   placeLabels(camera: Camera, width: number, height: number): void {
     const taken: [number, number][] = [];
-    for (const { group, label, tail } of this.#arrows) {
+    for (const arrow of this.#arrows) {
+      const { group, label, tail } = arrow;
+      arrow.place = null;
       if (!group.visible) continue;
       const at = tail.clone().project(camera);
       const inside = Math.abs(at.x) < 1 && Math.abs(at.y) < 1 && at.z < 1;
@@ -90,7 +96,24 @@ export class Arrows extends Group {
         y = other[1] - LABEL_PX[1];
       }
       taken.push([x, y]);
+      arrow.place = [x, y];
       label.style.transform = `translate(${x}px, ${y}px) translate(-50%, -100%)`;
+    }
+  }
+
+  /** Writes the labels on a picture of the view. */
+  write(context: CanvasRenderingContext2D, ground: string): void {
+    context.font = "600 12px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    for (const { label, place } of this.#arrows) {
+      if (place === null) continue;
+      const text = label.textContent ?? "";
+      const width = context.measureText(text).width + 8;
+      context.fillStyle = ground;
+      context.fillRect(place[0] - width / 2, place[1] - 18, width, 18);
+      context.fillStyle = getComputedStyle(label).color;
+      context.fillText(text, place[0], place[1] - 9);
     }
   }
 }

@@ -2,10 +2,12 @@
 
 /** Renderers that draw on the processor: SwiftShader in Chromium, llvmpipe and softpipe of Mesa, WARP on Windows. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
-/** A moving view is drawn more coarsely when it takes longer than this, ms: 30 frames a second with room for the rest. */
-const SLOW_MS = 22;
-/** Frames between two measurements. */
-const EVERY = 6;
+/** A moving view is drawn more coarsely when its frames are farther apart than this, ms: 30 a second, and a little room. */
+const SLOW_MS = 36;
+/** Frames between two decisions. */
+const EVERY = 20;
+/** Longer pauses are not counted: something else happened, such as another tab, ms. */
+const PAUSE_MS = 500;
 /** Share of the pixels in each direction at least. */
 const COARSEST = 0.5;
 
@@ -22,30 +24,28 @@ export function drawsInSoftware(): boolean {
 export class Quality {
   readonly #still: number;
   #moving: number;
-  #frames = 0;
-  #times: number[] = [];
+  #last = 0;
+  #gaps: number[] = [];
 
   constructor(readonly software: boolean) {
     this.#still = Math.min(window.devicePixelRatio || 1, software ? 1 : 2);
     this.#moving = this.#still;
   }
 
-  /** Pixels of the drawing per CSS pixel. */
-  ratio(moving: boolean): number {
-    return moving ? this.#moving : this.#still;
-  }
-
-  /** Draws with `draw`. While the view moves, measures now and then how long that takes, and draws more coarsely if it takes long. */
-  measured(moving: boolean, context: WebGL2RenderingContext, draw: () => void): void {
-    if (!moving || this.#frames++ % EVERY !== 0) return draw();
-    const start = performance.now();
-    draw();
-    // Drawing goes on after the call returns. Reading a pixel waits for its end.
-    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
-    this.#times.push(performance.now() - start);
-    if (this.#times.length < 3) return;
-    const [, median] = this.#times.sort((a, b) => a - b);
-    this.#times = [];
-    if (median! > SLOW_MS) this.#moving = Math.max(COARSEST * this.#still, this.#moving * 0.75);
+  /** Pixels of the drawing per CSS pixel, for a frame that begins at this time, ms. */
+  ratio(moving: boolean, now: number): number {
+    if (!moving) {
+      this.#gaps = [];
+      this.#last = 0;
+      return this.#still;
+    }
+    if (this.#last > 0 && now - this.#last < PAUSE_MS) this.#gaps.push(now - this.#last);
+    this.#last = now;
+    if (this.#gaps.length >= EVERY) {
+      const median = this.#gaps.sort((a, b) => a - b)[EVERY / 2]!;
+      this.#gaps = [];
+      if (median > SLOW_MS) this.#moving = Math.max(COARSEST * this.#still, this.#moving * 0.75);
+    }
+    return this.#moving;
   }
 }

@@ -7,14 +7,14 @@ import type { Body, Pose, Reach, Shape } from "../reach.ts";
 
 /** The geometry of a shape, centred on its frame; cylinders and capsules along z, as in the data. */
 export function geometryOf(shape: Shape): BufferGeometry {
-  if (shape.sphere !== undefined) return new SphereGeometry(shape.sphere.radius_m, 16, 10);
+  if (shape.sphere !== undefined) return new SphereGeometry(shape.sphere.radius_m, 14, 9);
   if (shape.cylinder !== undefined) {
     const { radius_m, length_m } = shape.cylinder;
-    return new CylinderGeometry(radius_m, radius_m, length_m, 20).rotateX(Math.PI / 2);
+    return new CylinderGeometry(radius_m, radius_m, length_m, 18).rotateX(Math.PI / 2);
   }
   if (shape.capsule !== undefined) {
     const { radius_m, length_m } = shape.capsule;
-    return new CapsuleGeometry(radius_m, length_m, 4, 16).rotateX(Math.PI / 2);
+    return new CapsuleGeometry(radius_m, length_m, 3, 14).rotateX(Math.PI / 2);
   }
   if (shape.box !== undefined) return new BoxGeometry(...(shape.box.size_m as [number, number, number]));
   if (shape.hull !== undefined) return new ConvexGeometry(shape.hull.points_m.map((point) => new Vector3(...(point as [number, number, number]))));
@@ -33,12 +33,11 @@ export function placeRow(target: Object3D, poses: Float32Array, row: number): vo
   target.quaternion.fromArray(poses, 7 * row + 3).normalize();
 }
 
-/** Places an object where a body is in a frame, and returns the row of its stored pose, or -1 at rest. */
-export function placeBody(target: Object3D, reach: Reach, body: number, frame: number): number {
+/** Places an object where a body is in a frame. */
+export function placeBody(target: Object3D, reach: Reach, body: number, frame: number): void {
   const row = reach.track(body, frame);
   if (row < 0) place(target, reach.header.bodies[body]!.rest_pose_world);
   else placeRow(target, reach.trackPose, row);
-  return row;
 }
 
 /** Whether a body is a piece of a blade: one thin box that begins at its hinge and stands along z. */

@@ -2,10 +2,12 @@
 // those of the legend.
 
 import {
-  BufferAttribute, BufferGeometry, Color, Group, Matrix4, Mesh, MeshBasicMaterial, type Object3D, Quaternion, RingGeometry, Vector3,
+  BufferAttribute, BufferGeometry, Color, FrontSide, Group, Matrix4, Mesh, MeshBasicMaterial, type Object3D, Quaternion, RingGeometry,
+  type ShaderMaterial, Vector3,
 } from "three";
 
 import type { Reach } from "../reach.ts";
+import { tint, tinted } from "./light.ts";
 import { placeRow } from "./shapes.ts";
 
 /** Height of a taxel's plate above its place, m. */
@@ -17,7 +19,7 @@ const CORNERS = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]] as const;
 /** Taxels of one patch as one mesh, moved as a whole by the pose of its link. Instances of a plate would be drawn one by one
  * where a processor draws. */
 class PatchSkin extends Group {
-  readonly plates: Mesh<BufferGeometry, MeshBasicMaterial>;
+  readonly plates: Mesh<BufferGeometry, ShaderMaterial>;
 
   constructor(readonly reach: Reach, readonly patch: number) {
     super();
@@ -32,26 +34,26 @@ class PatchSkin extends Group {
       index.push(...[0, 1, 2, 0, 2, 3].map((at) => 4 * taxel + at));
     }
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
-    geometry.setAttribute("color", new BufferAttribute(new Float32Array(12 * taxels), 3));
+    geometry.setAttribute("tint", new BufferAttribute(new Uint8Array(16 * taxels), 4, true));
     geometry.setIndex(index);
-    this.plates = new Mesh(geometry, new MeshBasicMaterial({ vertexColors: true }));
+    this.plates = new Mesh(geometry, tinted(FrontSide));
     this.add(this.plates);
   }
 
   /** Colours a taxel of the patch. */
   paint(taxel: number, colour: Color): void {
-    const colours = this.plates.geometry.getAttribute("color") as BufferAttribute;
-    for (let at = 4 * taxel; at < 4 * taxel + 4; at++) colours.setXYZ(at, colour.r, colour.g, colour.b);
+    const colours = this.plates.geometry.getAttribute("tint") as BufferAttribute;
+    for (let at = 4 * taxel; at < 4 * taxel + 4; at++) tint(colours.array as Uint8Array, at, colour, 1);
     colours.needsUpdate = true;
   }
 
   /** Where the middle of a taxel of the patch is drawn, m, world frame, and in which colour. */
   drawn(taxel: number): { position: number[]; colour: string } {
-    const { position, color } = this.plates.geometry.attributes as { position: BufferAttribute; color: BufferAttribute };
+    const { position, tint } = this.plates.geometry.attributes as { position: BufferAttribute; tint: BufferAttribute };
     const [low, high] = [4 * taxel, 4 * taxel + 2].map((at) => new Vector3().fromBufferAttribute(position, at)) as [Vector3, Vector3];
     this.updateWorldMatrix(true, false);
     const middle = low.add(high).multiplyScalar(0.5).applyMatrix4(this.matrixWorld);
-    return { position: middle.toArray(), colour: `#${new Color().fromBufferAttribute(color, 4 * taxel).getHexString()}` };
+    return { position: middle.toArray(), colour: `#${[...tint.array.slice(16 * taxel, 16 * taxel + 3)].map((byte) => byte.toString(16).padStart(2, "0")).join("")}` };
   }
 }
 

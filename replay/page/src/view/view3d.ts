@@ -1,13 +1,13 @@
 // The 3-D view of one reach: arm, skin, objects, contact forces, goal and path of the hand.
 
 import {
-  BufferAttribute, BufferGeometry, DirectionalLight, GridHelper, HemisphereLight, Line, LineBasicMaterial, Mesh,
+  BufferAttribute, BufferGeometry, GridHelper, Line, LineBasicMaterial, Mesh,
   MeshBasicMaterial, OctahedronGeometry, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Palette } from "../colours.ts";
-import { element } from "../dom.ts";
+import { element, prepare } from "../dom.ts";
 import type { Reach } from "../reach.ts";
 import { pushesAt } from "../series.ts";
 import type { CameraKind } from "../state.ts";
@@ -22,6 +22,8 @@ export interface Shown {
   camera: CameraKind;
   taxel: number | null;
   object: number | null;
+  /** Whether the texts beside the arrows are brought up to date. */
+  texts: boolean;
   /** The CSS colour of each taxel. */
   colourOf: (taxel: number) => string;
 }
@@ -34,6 +36,10 @@ export interface Hit {
 
 /** A hand that is followed stays at this distance, m. */
 const HAND_DISTANCE_M = 0.75;
+/** The path of the hand is drawn with points at this distance, m. */
+const PATH_STEP_M = 0.002;
+
+const SIZE = new Vector2();
 
 export class View3D {
   readonly box: HTMLElement;
@@ -51,6 +57,12 @@ export class View3D {
   #reach: Reach | null = null;
   #frame = 0;
   #view: CameraKind | null = null;
+  /** The theme whose colours everything has. */
+  #painted: Palette | null = null;
+  /** Points of the path up to each frame. */
+  #pathLength = new Uint32Array();
+  /** Width and height of the view, CSS pixels. */
+  #size: [number, number] = [0, 0];
   readonly #quality: Quality;
   /** Whether a pointer turns the view. */
   #turning = false;
@@ -72,12 +84,13 @@ export class View3D {
     });
     this.#controls.maxDistance = 6;
     this.#controls.minDistance = 0.08;
-    const sun = new DirectionalLight(0xffffff, 2.2);
-    sun.position.set(-0.6, -1.4, 2.2);
-    this.#scene.add(new HemisphereLight(0xffffff, 0xb4bac2, 2.3), sun, this.#arrows, this.#goal, this.#path);
+    this.#scene.add(this.#arrows, this.#goal, this.#path);
     this.#path.frustumCulled = false;
     this.#listen(canvas, picked);
-    new ResizeObserver(redraw).observe(this.box);
+    new ResizeObserver(([entry]) => {
+      this.#size = [entry!.contentRect.width, entry!.contentRect.height];
+      redraw();
+    }).observe(this.box);
   }
 
   #listen(canvas: HTMLCanvasElement, picked: (hit: Hit) => void): void {
@@ -122,10 +135,9 @@ export class View3D {
     for (const found of ray.intersectObjects(targets, true)) {
       const taxel = this.#skin?.taxelOf(found.object, found.faceIndex ?? 0) ?? null;
       if (taxel !== null) return { taxel, object: null };
-      const object: unknown = found.object.userData["object"];
-      if (typeof object === "number") return { taxel: null, object };
-      // A link: the skin on it lies a little above.
-      if (object === null) continue;
+      const object = this.#bodies?.objectOf(found.object, found.faceIndex ?? 0) ?? -1;
+      // Not a link: the skin on it lies a little above.
+      if (object >= 0) return { taxel: null, object };
     }
     return { taxel: null, object: null };
   }
@@ -140,17 +152,35 @@ export class View3D {
     this.#bodies = new Bodies(reach);
     this.#skin = new Skin(reach);
     this.#scene.add(this.#bodies, this.#skin);
-    const path = new Float32Array(3 * reach.frames);
-    for (let frame = 0; frame < reach.frames; frame++) path.set(reach.tip.subarray(7 * frame, 7 * frame + 3), 3 * frame);
     this.#path.geometry.dispose();
-    this.#path.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(path, 3));
+    this.#path.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(this.#tips(reach), 3));
     const feet = reach.header.objects.map((object) => object.position_world[2]!);
     this.#grid = new GridHelper(2, 20);
     this.#grid.rotation.x = Math.PI / 2;
     this.#grid.position.set(0.6, -0.2, feet.length > 0 ? Math.min(...feet) : 0);
     this.#grid.visible = feet.length > 0;
+    (this.#grid.material as LineBasicMaterial).vertexColors = false;
     this.#scene.add(this.#grid);
+    this.#painted = null;
     if (!grown) this.#view = null;
+  }
+
+  /** The path of the hand, without the frames in which it hardly moves. */
+  #tips(reach: Reach): Float32Array {
+    const kept: number[] = [];
+    this.#pathLength = new Uint32Array(reach.frames);
+    for (let frame = 0; frame < reach.frames; frame++) {
+      const [x, y, z] = reach.tip.subarray(7 * frame, 7 * frame + 3) as unknown as [number, number, number];
+      const [a, b, c] = kept.slice(-3) as [number, number, number];
+      if (kept.length === 0 || Math.hypot(x - a, y - b, z - c) > PATH_STEP_M) kept.push(x, y, z);
+      this.#pathLength[frame] = kept.length / 3;
+    }
+    return Float32Array.from(kept);
+  }
+
+  /** Whether the processor draws, so that every change on the screen costs time. */
+  get software(): boolean {
+    return this.#quality.software;
   }
 
   /** Moves everything to a frame and colours it. */
@@ -158,23 +188,26 @@ export class View3D {
     const { palette } = shown;
     this.#frame = frame;
     if (this.#reach === null || this.#bodies === null || this.#skin === null) return;
+    if (this.#painted !== palette) this.#recolour(palette);
     this.#bodies.place(frame);
     this.#bodies.recolour(palette, shown.object);
     this.#skin.place(frame);
     this.#skin.paint(shown.colourOf);
     this.#skin.mark(shown.taxel, palette.variable("ink"));
-    this.#arrows.recolour(palette.variable("ink"), palette.variable("over"));
-    this.#arrows.show(pushesAt(this.#reach, frame), this.#reach.header.force_limit_n);
-    this.#goal.material.color.set(palette.variable("accent"));
+    this.#arrows.show(pushesAt(this.#reach, frame), this.#reach.header.force_limit_n, shown.texts);
     this.#goal.position.fromArray(this.#reach.goalPosition, 3 * frame);
-    this.#path.material.color.set(palette.variable("accent"));
-    this.#path.geometry.setDrawRange(0, frame + 1);
-    const grid = this.#grid?.material as LineBasicMaterial;
-    grid.vertexColors = false;
-    grid.color.set(palette.variable("grid"));
+    this.#path.geometry.setDrawRange(0, this.#pathLength[frame]!);
     if (shown.camera !== this.#view) this.#aim(shown.camera);
     if (shown.camera === "hand") this.#follow();
-    this.redraw();
+  }
+
+  /** Takes over the colours of a theme. */
+  #recolour(palette: Palette): void {
+    this.#painted = palette;
+    this.#arrows.recolour(palette.variable("ink"), palette.variable("over"));
+    this.#goal.material.color.set(palette.variable("accent"));
+    this.#path.material.color.set(palette.variable("accent"));
+    (this.#grid?.material as LineBasicMaterial | undefined)?.color.set(palette.variable("grid"));
   }
 
   #tip(): Vector3 {
@@ -211,42 +244,49 @@ export class View3D {
 
   /** Draws. Called once per animation frame at most; `playing` says that the next frame follows at once. */
   render(playing: boolean): void {
-    const { clientWidth: width, clientHeight: height } = this.box;
+    const [width, height] = this.#size;
     if (width === 0 || height === 0) return;
     const moving = playing || this.#turning;
-    const ratio = this.#quality.ratio(moving);
-    const size = this.#renderer.getSize(new Vector2());
+    const ratio = this.#quality.ratio(moving, performance.now());
+    const size = this.#renderer.getSize(SIZE);
     if (size.x !== width || size.y !== height || this.#renderer.getPixelRatio() !== ratio) {
       this.#renderer.setPixelRatio(ratio);
-      this.#renderer.setSize(width, height);
+      // The style sheet gives the canvas its size on the page, so that it shrinks with the page.
+      this.#renderer.setSize(width, height, false);
       this.#camera.aspect = width / height;
       // A narrow view keeps its width.
       this.#camera.fov = width > height ? 38 : Math.min(2 * Math.atan(Math.tan(0.33) * (height / width)) * (180 / Math.PI), 75);
       this.#camera.updateProjectionMatrix();
     }
-    const context = this.#renderer.getContext() as WebGL2RenderingContext;
-    this.#quality.measured(moving, context, () => this.#renderer.render(this.#scene, this.#camera));
+    this.#renderer.render(this.#scene, this.#camera);
     this.#arrows.placeLabels(this.#camera, width, height);
   }
 
-  /** The picture as it is now, for print. */
-  picture(): string {
+  /** The picture as it is now with the texts beside the arrows, for print. */
+  picture(palette: Palette): string {
     this.render(false);
-    return this.#renderer.domElement.toDataURL("image/png");
+    const drawn = this.#renderer.domElement;
+    const canvas = document.createElement("canvas");
+    const [width, height] = this.#size;
+    const context = prepare(canvas, width, height);
+    // At once: the drawing is kept only until the browser shows it.
+    context.drawImage(drawn, 0, 0, width, height);
+    this.#arrows.write(context, palette.variable("panel"));
+    return canvas.toDataURL("image/png");
   }
 
   /** What is drawn where: for tests and for scripts of a reader. */
   get drawn() {
     const project = (point: number[]): number[] => {
       const at = new Vector3(...(point as [number, number, number])).project(this.#camera);
-      return [((at.x + 1) / 2) * this.box.clientWidth, ((1 - at.y) / 2) * this.box.clientHeight];
+      return [((at.x + 1) / 2) * this.#size[0], ((1 - at.y) / 2) * this.#size[1]];
     };
     const pixel = (x: number, y: number): number[] => {
       this.#renderer.render(this.#scene, this.#camera);
       const gl = this.#renderer.getContext();
       const out = new Uint8Array(4);
       const ratio = this.#renderer.getPixelRatio();
-      const [px, py] = [x * ratio, (this.box.clientHeight - y) * ratio];
+      const [px, py] = [x * ratio, (this.#size[1] - y) * ratio];
       gl.readPixels(Math.floor(px), Math.floor(py), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, out);
       return [...out];
     };

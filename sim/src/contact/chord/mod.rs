@@ -146,7 +146,9 @@ mod tests {
     }
 
     proptest! {
-        /// Pins entry and exit against parry's own ray casts from both sides, for every kind of shape.
+        /// Pins entry and exit against parry's own ray casts from both sides, for every kind of shape. Parry's hulls have one
+        /// normal for triangles that are less than 1.8e-4 rad apart (it merges them where the cosine is within the root of
+        /// the machine epsilon of one), so an end may be off by that angle times the hull's size, along a slanted line.
         #[test]
         fn chords_are_what_rays_from_both_sides_hit(
             origin in vector(0.12),
@@ -169,10 +171,18 @@ mod tests {
                 let expected = hit(-far, 1.0).zip(hit(far, -1.0));
                 let mut faces = Faces::default();
                 let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
-                match (chords.at(place).range_m(), expected) {
+                let chord = chords.at(place);
+                match (chord.range_m(), expected) {
                     (Some(found), Some(rays)) => {
-                        // Rays against hulls and cylinders are iterated.
-                        prop_assert!((found[0] - rays.0).abs() < 1e-5 && (found[1] - rays.1).abs() < 1e-5, "{found:?} {rays:?}");
+                        let merged = match shape.as_convex_polyhedron() {
+                            Some(_) => 1.8e-4 * 2.0 * shape.compute_local_bounding_sphere().radius,
+                            None => 0.0,
+                        };
+                        for (end, ray) in [rays.0, rays.1].into_iter().enumerate() {
+                            // Rays against hulls and cylinders are iterated.
+                            let slant = (1.0 + chord.ends_m[end].gradient.length_squared()).sqrt();
+                            prop_assert!((found[end] - ray).abs() < 1e-5 + merged * slant, "{found:?} {rays:?}");
+                        }
                     }
                     (None, None) => {}
                     // Near a tangent the two may differ.

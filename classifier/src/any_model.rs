@@ -1,15 +1,17 @@
-//! Loading model files: those of trials, and touch models.
+//! Model files of either kind: those of trials, and touch models.
 
 use std::path::Path;
 
 use serde::Deserialize;
-use underbrush_classifier::touch::{TOUCH_FORMAT, TouchModel};
-use underbrush_classifier::{FORMAT, Model};
 use underbrush_recording::InputError;
 
-use crate::failure::Failure;
+use crate::document::FORMAT;
+use crate::error::ModelError;
+use crate::model_file::Model;
+use crate::touch::{TOUCH_FORMAT, TouchModel};
 
 /// A model of either kind.
+#[derive(Debug)]
 pub enum AnyModel {
     /// A classifier of trials.
     OfTrials(Model),
@@ -20,19 +22,32 @@ pub enum AnyModel {
 /// The name of the format without its version.
 const TOUCH_NAME: &str = "underbrush-touch/";
 
+fn refused(error: InputError) -> ModelError {
+    ModelError::Input(Box::new(error))
+}
+
 #[derive(Deserialize)]
 struct Head {
     format: String,
 }
 
 /// Reads a model file of either kind, by its format, or an ONNX model, by the ending of its name.
-pub fn load(path: &Path) -> Result<AnyModel, Failure> {
+///
+/// # Errors
+/// [`ModelError::Input`] for a file that cannot be read or is invalid.
+pub fn load(path: &Path) -> Result<AnyModel, ModelError> {
     if path.extension().is_some_and(|ending| ending == "onnx") {
         return Ok(AnyModel::OfTrials(load_onnx(path)?));
     }
     let text = std::fs::read_to_string(path).map_err(|error| {
         let allowed = "a readable model file";
-        InputError::new(path, "file", error.to_string(), allowed, "check the path")
+        refused(InputError::new(
+            path,
+            "file",
+            error.to_string(),
+            allowed,
+            "check the path",
+        ))
     })?;
     // The format may come after what is broken in a file that is no JSON.
     let is_touch = match serde_json::from_str::<Head>(&text) {
@@ -47,25 +62,34 @@ pub fn load(path: &Path) -> Result<AnyModel, Failure> {
 }
 
 #[cfg(feature = "onnx")]
-fn load_onnx(path: &Path) -> Result<Model, Failure> {
-    Ok(Model::new(underbrush_classifier::onnx::load(path)?))
+fn load_onnx(path: &Path) -> Result<Model, ModelError> {
+    Ok(Model::new(crate::onnx::load(path)?))
 }
 
 #[cfg(not(feature = "onnx"))]
-fn load_onnx(path: &Path) -> Result<Model, Failure> {
+fn load_onnx(path: &Path) -> Result<Model, ModelError> {
     let found = "an ONNX model, which this program was built without";
     let remedy = "build it with `cargo build --release --features onnx`";
-    Err(InputError::new(path, "file", found, "a model file of underbrush", remedy).into())
+    Err(refused(InputError::new(
+        path,
+        "file",
+        found,
+        "a model file of underbrush",
+        remedy,
+    )))
 }
 
 /// Reads a model of trials.
-pub fn load_of_trials(path: &Path) -> Result<Model, Failure> {
+///
+/// # Errors
+/// As [`load`], and for a touch model.
+pub fn load_of_trials(path: &Path) -> Result<Model, ModelError> {
     match load(path)? {
         AnyModel::OfTrials(model) => Ok(model),
         AnyModel::Touch(_) => {
             let remedy =
                 "train a classifier of trials, or use this model with classify, evaluate or inspect: it judges frames";
-            Err(InputError::new(path, "format", TOUCH_FORMAT, FORMAT, remedy).into())
+            Err(refused(InputError::new(path, "format", TOUCH_FORMAT, FORMAT, remedy)))
         }
     }
 }

@@ -1,8 +1,24 @@
-//! Readable text of the results of suites.
+//! Results of suites as readable text, and as files for other programs.
 
+use std::path::Path;
+
+use underbrush_experiments::ExperimentError;
+use underbrush_experiments::files;
+use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
 
-use crate::output;
+use crate::junit;
+use crate::text::table;
+
+/// Writes `junit.xml` for CI systems, and `results.json` with the values of all reaches.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write(folder: &Path, checked: &Checked) -> Result<(), ExperimentError> {
+    files::write_json(&folder.join("results.json"), checked)?;
+    let xml = junit::document(&checked.suites, why);
+    files::write(&folder.join("junit.xml"), xml.as_bytes())
+}
 
 /// A table for each scene, and what is broken, with the reach to look at.
 pub fn of(results: &[SuiteResult]) -> String {
@@ -17,7 +33,7 @@ fn of_suite(result: &SuiteResult) -> String {
             scene.scene, scene.reaches, result.seed, scene.simulated_s, scene.controller, scene.goals
         );
         let rows: Vec<Vec<String>> = scene.bounds.iter().map(row).collect();
-        text += &output::table(
+        text += &table(
             &[
                 "metric", "found", "± SE", "reaches", "at least", "at most", "blessed", "",
             ],
@@ -61,7 +77,7 @@ fn row(bound: &BoundResult) -> Vec<String> {
 }
 
 /// Why a bound is broken, and how to look at the reach that contributes most.
-pub fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String {
+fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String {
     let found = bound.found.map_or("-".into(), number);
     let limit = |value: Option<f64>| value.map_or("-".into(), number);
     let what = match bound.verdict {

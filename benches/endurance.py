@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Many reaches over all scenes and several seeds: no panic, no number that is not finite, no force over 1 kN, flat memory.
+
+    python3 benches/endurance.py --reaches 2000 [--underbrush target/release/underbrush] [--folder DIR] [--seed N]
+
+The reaches are divided among the scenes in scenes/ and suites/scenes/, and each scene has a process and a seed of its own.
+A number that is not finite cannot be written, so `generate` would fail; so would a panic inside the engine. `inspect` reads
+every file again and prints the largest contact force. Memory counts as flat if the largest resident memory of the second
+half of a process's time is at most a tenth above that of the first half, or 30 MB. Prints one row for each scene, and
+exits with status 1 if anything was found. Needs Linux and no packages.
+"""
+
+import argparse
+import glob
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+LARGEST_FORCE_N = 1000
+# What memory may grow by from the first half to the second: a part of it, or megabytes.
+MOST_GROWTH = 0.1
+MOST_GROWTH_MB = 30
+SECONDS_BETWEEN_SAMPLES = 0.2
+
+
+def resident_mb(process):
+    """Resident memory of a running process; None once it has ended."""
+    try:
+        with open(f"/proc/{process}/status", encoding="ascii") as status:
+            lines = [line for line in status if line.startswith("VmRSS:")]
+    except OSError:
+        return None
+    return int(lines[0].split()[1]) / 1024 if lines else None
+
+
+def generate(command, log):
+    """Runs a command and samples its memory; returns its exit status, seconds and samples."""
+    start = time.monotonic()
+    samples = []
+    with open(log, "wb") as errors, subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors) as process:
+        while process.poll() is None:
+            sample = resident_mb(process.pid)
+            if sample is not None:
+                samples.append(sample)
+            time.sleep(SECONDS_BETWEEN_SAMPLES)
+    return process.returncode, time.monotonic() - start, samples
+
+
+def check(underbrush, scene, reaches, seed, folder):
+    """Runs reaches of one scene; returns a row of the table and what was found."""
+    out = os.path.join(folder, "set")
+    log = os.path.join(folder, "log.txt")
+    command = [underbrush, "generate", scene, "--reaches", str(reaches), "--seed", str(seed), "--jobs", "1", "--out", out]
+    status, seconds, samples = generate(command, log)
+    if status != 0:
+        with open(log, encoding="utf-8", errors="replace") as errors:
+            return None, [f"{scene}, seed {seed}: exit status {status}: {errors.read().strip()}"]
+    inspected = json.loads(subprocess.run([underbrush, "inspect", out, "--json"], check=True, capture_output=True).stdout)
+    found = []
+    force_n = inspected["largest contact force / N"]
+    if not 0 <= force_n <= LARGEST_FORCE_N:
+        found.append(f"{scene}, seed {seed}: a contact force of {force_n} N; allowed: {LARGEST_FORCE_N} N")
+    halves = samples[: len(samples) // 2], samples[len(samples) // 2 :]
+    first, second = (max(half, default=0) for half in halves)
+    if second > first + max(MOST_GROWTH * first, MOST_GROWTH_MB):
+        found.append(f"{scene}, seed {seed}: memory grew from {first:.0f} to {second:.0f} MB")
+    name = os.path.relpath(scene)
+    row = f"| {name} | {seed} | {inspected['reaches']} | {inspected['frames']} | {force_n:.1f} | {first:.0f} | {second:.0f} | {seconds:.0f} |"
+    return row, found
+
+
+def main():
+    root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--reaches", type=int, default=10_000)
+    parser.add_argument("--seed", type=int, default=10_000, help="seed of the first scene; each further one has the next")
+    parser.add_argument("--underbrush", default=os.path.join(root, "target/release/underbrush"))
+    parser.add_argument("--folder", help="where to write the sets; a temporary folder if not given")
+    options = parser.parse_args()
+    scenes = sorted(glob.glob(f"{root}/scenes/**/*.toml", recursive=True) + glob.glob(f"{root}/suites/scenes/**/*.toml", recursive=True))
+    print("| scene | seed | reaches | frames | largest force / N | memory, first half / MB | second half / MB | s |")
+    print("|---|---|---|---|---|---|---|---|")
+    complaints = []
+    for place, scene in enumerate(scenes):
+        reaches = options.reaches // len(scenes) + (place < options.reaches % len(scenes))
+        if reaches == 0:
+            continue
+        with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+            row, found = check(options.underbrush, scene, reaches, options.seed + place, folder)
+        if row:
+            print(row, flush=True)
+        complaints += found
+        for complaint in found:
+            print(complaint, file=sys.stderr, flush=True)
+    print(f"{len(scenes)} scenes, {len(complaints)} findings")
+    sys.exit(1 if complaints else 0)
+
+
+if __name__ == "__main__":
+    main()

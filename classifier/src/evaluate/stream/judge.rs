@@ -1,0 +1,238 @@
+//! Verdicts on a recorded reach, taxel by taxel and frame by frame, counted by the truth.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use underbrush_recording::{Category, Frame, Recording};
+
+use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
+use crate::decision::Verdict;
+use crate::estimator::Classifier;
+use crate::online::{OnlineClassifier, OnlineError, OnlineOptions};
+use crate::touch::{Touch, TouchClassifier, TouchModel};
+use crate::trial::TrialError;
+
+/// A verdict on a taxel in contact.
+struct Judged {
+    taxel: usize,
+    /// Samples since its contact began, at least 1.
+    samples: usize,
+    /// Its place in [`Stream::verdicts`].
+    verdict: usize,
+}
+
+/// The last verdict on a taxel.
+#[derive(Clone, Debug, Default)]
+struct Last {
+    verdict: Option<usize>,
+    samples_used: usize,
+    /// Its present contact in [`Stream::contacts`].
+    contact: Option<usize>,
+}
+
+/// Classifies a recorded reach frame by frame, as online while the arm moves.
+///
+/// # Errors
+/// [`OnlineError`] if patch, classifier, rule or a frame do not fit.
+pub fn classify_stream(
+    classifier: &dyn Classifier,
+    recording: &Recording,
+    options: &OnlineOptions,
+    truth: StreamTruth,
+) -> Result<Stream, OnlineError> {
+    let mut online = OnlineClassifier::new(classifier, &recording.layout, options)?;
+    let categories = classifier.categories();
+    let place = |verdict: &Verdict| match verdict {
+        Verdict::Category(name) => categories.iter().position(|own| own == name),
+        Verdict::Uncertain => Some(categories.len()),
+        Verdict::Outlier => Some(categories.len() + 1),
+    };
+    let mut stream = Stream::new(&categories, &[], recording, truth);
+    let mut followed = Followed::new(recording, options.patch.as_deref(), truth);
+    for frame in &recording.frames {
+        let start = Instant::now();
+        let verdicts = online.update(frame)?;
+        stream.seconds.push(start.elapsed().as_secs_f64());
+        let judged = verdicts.filter_map(|taxel| {
+            Some(Judged {
+                taxel: taxel.taxel,
+                samples: taxel.samples,
+                verdict: place(&taxel.verdict)?,
+            })
+        });
+        stream.observe(frame, judged, &mut followed);
+    }
+    Ok(stream)
+}
+
+/// The same by a touch model. Something unlike all known categories counts as an outlier.
+///
+/// # Errors
+/// [`TrialError`] if the skin lacks the model's patch, the patch has no grid, or a frame does not fit.
+pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> Result<Stream, TrialError> {
+    let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
+    let categories = model.categories();
+    let mut stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
+    let mut followed = Followed::new(recording, model.options().patch.as_deref(), StreamTruth::Object);
+    for frame in &recording.frames {
+        let start = Instant::now();
+        classifier.update(frame)?;
+        stream.seconds.push(start.elapsed().as_secs_f64());
+        let judged = classifier.taxels().iter().map(|taxel| Judged {
+            taxel: taxel.taxel,
+            samples: taxel.samples,
+            verdict: match taxel.touch {
+                Touch::Category(index) => index,
+                Touch::Uncertain => categories.len(),
+                Touch::Unknown => categories.len() + 1,
+                Touch::Nothing => categories.len() + 2,
+            },
+        });
+        stream.observe(frame, judged, &mut followed);
+    }
+    Ok(stream)
+}
+
+/// A recording that is being judged, and the last verdict on each taxel.
+struct Followed<'a> {
+    recording: &'a Recording,
+    patch: usize,
+    truth: StreamTruth,
+    last: Vec<Last>,
+}
+
+impl<'a> Followed<'a> {
+    fn new(recording: &'a Recording, patch: Option<&str>, truth: StreamTruth) -> Self {
+        Followed {
+            recording,
+            patch: recording.layout.chosen_patch(patch).unwrap_or_default(),
+            truth,
+            last: Vec::new(),
+        }
+    }
+}
+
+/// Which objects truly press on the taxels of a patch in one frame.
+struct Pressing {
+    by_taxel: Vec<(usize, Category)>,
+    /// Whether each of the categories presses.
+    touched: Vec<bool>,
+}
+
+impl Pressing {
+    fn of(frame: &Frame, patch: usize, recording: &Recording, truths: &[Category]) -> Self {
+        let mut by_taxel = Vec::new();
+        for reading in frame
+            .taxels
+            .iter()
+            .filter(|reading| usize::from(reading.patch) == patch)
+        {
+            let object = reading
+                .object
+                .and_then(|object| recording.objects.get(usize::from(object)));
+            if let Some(object) = object {
+                by_taxel.push((usize::from(reading.taxel), object.category));
+            }
+        }
+        let presses = |truth: &Category| by_taxel.iter().any(|(_, category)| category == truth);
+        let touched = truths.iter().map(presses).collect();
+        Pressing { by_taxel, touched }
+    }
+
+    fn on(&self, taxel: usize) -> Option<Category> {
+        self.by_taxel.iter().find(|own| own.0 == taxel).map(|own| own.1)
+    }
+}
+
+impl Stream {
+    /// A stream without frames, with these verdicts after the usual ones.
+    fn new(categories: &[String], further: &[&str], recording: &Recording, truth: StreamTruth) -> Self {
+        let mut verdicts = categories.to_vec();
+        let usual = [Verdict::Uncertain, Verdict::Outlier];
+        verdicts.extend(usual.iter().map(|verdict| verdict.name().to_owned()));
+        verdicts.extend(further.iter().map(|name| (*name).to_owned()));
+        let mut truths = Category::BUILT_IN.to_vec();
+        truths.extend(recording.further_categories());
+        if let StreamTruth::Environment(category) = truth
+            && !truths.contains(&category)
+        {
+            truths.push(category);
+        }
+        Stream {
+            taxel_frames: vec![vec![0; verdicts.len()]; truths.len() + 1],
+            truths,
+            verdicts,
+            contacts: Vec::new(),
+            frames: Vec::with_capacity(recording.frames.len()),
+            seconds: Vec::with_capacity(recording.frames.len()),
+        }
+    }
+
+    fn observe(&mut self, frame: &Frame, judged: impl Iterator<Item = Judged>, followed: &mut Followed<'_>) {
+        let pressing = Pressing::of(frame, followed.patch, followed.recording, &self.truths);
+        let last = &mut followed.last;
+        let uncertain = self.verdicts.iter().position(|name| name == Verdict::Uncertain.name());
+        let mut frame = StreamFrame {
+            time_s: frame.time_s,
+            in_contact: 0,
+            tally: Tally::default(),
+            by_verdict: vec![0; self.verdicts.len()],
+            touched: pressing.touched.clone(),
+            mean_samples_used: 0.0,
+            mean_samples_since_contact: 0.0,
+        };
+        let (mut used, mut since_contact) = (0, 0);
+        for taxel in judged {
+            if last.len() <= taxel.taxel {
+                last.resize(taxel.taxel + 1, Last::default());
+            }
+            let last = &mut last[taxel.taxel];
+            if taxel.samples == 1 || last.verdict != Some(taxel.verdict) {
+                last.verdict = Some(taxel.verdict);
+                last.samples_used = if last.verdict == uncertain { 0 } else { taxel.samples };
+            }
+            let truth = match followed.truth {
+                StreamTruth::Object => pressing.on(taxel.taxel),
+                StreamTruth::Environment(category) => Some(category),
+            };
+            if taxel.samples == 1 {
+                last.contact = None;
+            }
+            self.follow(&mut last.contact, truth, &taxel);
+            frame.in_contact += 1;
+            frame.tally.count(truth, &self.verdicts[taxel.verdict], 1);
+            used += last.samples_used;
+            since_contact += taxel.samples;
+            let row = truth.and_then(|truth| self.truths.iter().position(|category| *category == truth));
+            let row = row.unwrap_or(self.truths.len());
+            frame.by_verdict[taxel.verdict] += 1;
+            self.taxel_frames[row][taxel.verdict] += 1;
+        }
+        let taxels = frame.in_contact.max(1) as f64;
+        frame.mean_samples_used = used as f64 / taxels;
+        frame.mean_samples_since_contact = since_contact as f64 / taxels;
+        self.frames.push(frame);
+    }
+
+    /// Counts a sample of a contact; `place` is where the contact is in the list, once it has a truth.
+    fn follow(&mut self, place: &mut Option<usize>, truth: Option<Category>, taxel: &Judged) {
+        if place.is_none()
+            && let Some(truth) = truth
+        {
+            *place = Some(self.contacts.len());
+            self.contacts.push(StreamContact {
+                truth,
+                samples: 0,
+                first_right: None,
+            });
+        }
+        let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else {
+            return;
+        };
+        contact.samples = taxel.samples;
+        let verdict = self.verdicts.get(taxel.verdict).map(String::as_str);
+        if contact.first_right.is_none() && truth.is_some_and(|truth| verdict == Some(truth.name())) {
+            contact.first_right = Some(taxel.samples);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Touch models judged on whole reaches, and cross-validated.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+use thiserror::Error;
+use underbrush_recording::Recording;
+
+use super::error::EvaluateError;
+use super::touch::TouchEvaluation;
+use super::touch_figures::TouchFigures;
+use crate::touch::{FeatureWorth, TouchDecision, TouchExamples, TouchModel};
+use crate::trial::TrialError;
+
+/// Why touch models cannot be cross-validated.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum TouchFoldsError {
+    /// Fewer than two folds.
+    #[error(transparent)]
+    Folds(#[from] EvaluateError),
+    /// More folds than reaches.
+    #[error("{reaches} reaches are fewer than the {folds} folds; use fewer folds or more reaches")]
+    FewReaches {
+        /// Number of reaches.
+        reaches: usize,
+        /// Number of folds.
+        folds: usize,
+    },
+    /// A category is in the reaches of one fold only.
+    #[error(
+        "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; use more reaches or another number of \
+         folds",
+        left.join(", "),
+        all.join(", ")
+    )]
+    FewCategories {
+        /// The fold, from 1.
+        fold: usize,
+        /// Number of folds.
+        folds: usize,
+        /// The categories that are left.
+        left: Vec<String>,
+        /// All categories.
+        all: Vec<String>,
+    },
+}
+
+/// What touch models made of reaches with ground truth.
+#[derive(Clone, Debug, Serialize)]
+pub struct TouchReport {
+    /// `None` without cross-validation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folds: Option<usize>,
+    /// Number of reaches that were judged.
+    pub reaches: usize,
+    /// The known categories, in alphabetical order.
+    pub categories: Vec<String>,
+    /// How verdicts were decided, by each model.
+    pub decisions: Vec<TouchDecision>,
+    /// Shares of right and wrong verdicts.
+    #[serde(flatten)]
+    pub figures: TouchFigures,
+    /// What each feature is worth; empty without cross-validation.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub feature_worth: Vec<FeatureWorth>,
+}
+
+/// Reaches that can be read several times.
+pub trait ReadReaches {
+    /// Why a reach cannot be read or judged.
+    type Error: From<TrialError>;
+
+    /// Number of reaches.
+    fn count(&self) -> usize;
+
+    /// Hands the reaches whose positions `keeps` returns true for to `each`, in their order.
+    ///
+    /// # Errors
+    /// If a reach cannot be read, and the errors of `each`.
+    fn read(
+        &self,
+        keeps: &dyn Fn(usize) -> bool,
+        each: &mut dyn FnMut(&Recording) -> Result<(), Self::Error>,
+    ) -> Result<(), Self::Error>;
+}
+
+/// All verdicts so far.
+struct Judged {
+    verdicts: TouchEvaluation,
+    categories: Vec<String>,
+    decisions: Vec<TouchDecision>,
+}
+
+impl Judged {
+    fn with_categories_of(model: &TouchModel) -> Self {
+        Judged {
+            verdicts: TouchEvaluation::default(),
+            categories: model.categories().to_vec(),
+            decisions: Vec::new(),
+        }
+    }
+
+    /// Adds the verdicts of a model on some of the reaches.
+    fn add<R: ReadReaches>(
+        &mut self,
+        model: TouchModel,
+        reaches: &R,
+        keeps: &dyn Fn(usize) -> bool,
+    ) -> Result<(), R::Error> {
+        self.decisions.push(model.decision);
+        let model = Arc::new(model);
+        reaches.read(keeps, &mut |recording| {
+            self.verdicts.add(TouchEvaluation::of(&model, recording)?);
+            Ok(())
+        })
+    }
+
+    fn report(self, folds: Option<usize>, reaches: usize, feature_worth: Vec<FeatureWorth>) -> TouchReport {
+        TouchReport {
+            folds,
+            reaches,
+            figures: TouchFigures::of(&self.verdicts, &self.categories),
+            categories: self.categories,
+            decisions: self.decisions,
+            feature_worth,
+        }
+    }
+}
+
+/// What a model makes of reaches.
+///
+/// # Errors
+/// If a reach cannot be read, or the model does not fit its skin.
+pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<TouchReport, R::Error> {
+    let mut judged = Judged::with_categories_of(&model);
+    judged.add(model, reaches, &|_| true)?;
+    Ok(judged.report(None, reaches.count(), Vec::new()))
+}
+
+/// Checks a number of folds, which can be done before the reaches are read.
+///
+/// # Errors
+/// If it is below 2, or above the number of reaches.
+pub fn check_folds(folds: usize, reaches: usize) -> Result<(), TouchFoldsError> {
+    if folds < 2 {
+        return Err(EvaluateError::FoldCount { found: folds }.into());
+    }
+    if reaches < folds {
+        return Err(TouchFoldsError::FewReaches { reaches, folds });
+    }
+    Ok(())
+}
+
+/// Cross-validates touch models. Reach i belongs to part i modulo `folds`, and each part is judged by a model of the others, which
+/// `fit` makes from its rows of `examples`. These are the rows of all reaches, in their order.
+///
+/// # Errors
+/// What `refused` makes of a [`TouchFoldsError`], if there are too few folds, reaches or categories; also if a reach cannot be read,
+/// and the errors of `fit`.
+pub fn cross_validate_touch<R: ReadReaches>(
+    folds: usize,
+    examples: &TouchExamples,
+    reaches: &R,
+    fit: impl Fn(&TouchExamples) -> Result<TouchModel, R::Error>,
+    refused: impl Fn(TouchFoldsError) -> R::Error,
+) -> Result<TouchReport, R::Error> {
+    let count = reaches.count();
+    check_folds(folds, count).map_err(&refused)?;
+    let categories = examples.categories();
+    let mut judged = None;
+    for fold in 0..folds {
+        let own = |position: usize| position % folds == fold;
+        let model = fit(&examples.some(|position| !own(position)))?;
+        if model.categories() != categories {
+            let error = TouchFoldsError::FewCategories {
+                fold: fold + 1,
+                folds,
+                left: model.categories().to_vec(),
+                all: categories,
+            };
+            return Err(refused(error));
+        }
+        judged
+            .get_or_insert_with(|| Judged::with_categories_of(&model))
+            .add(model, reaches, &own)?;
+    }
+    let judged = judged.ok_or_else(|| refused(EvaluateError::FoldCount { found: folds }.into()))?;
+    Ok(judged.report(Some(folds), count, examples.feature_worth()))
+}

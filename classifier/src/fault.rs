@@ -1,0 +1,41 @@
+//! What the errors of this crate mean to whoever asked for the work.
+
+use underbrush_recording::fault::Fault;
+
+use crate::decision::DecisionError;
+use crate::error::ModelError;
+use crate::evaluate::touch_folds::TouchFoldsError;
+use crate::evaluate::{EvaluateError, ThresholdError};
+use crate::feature::FeatureError;
+use crate::online::OnlineError;
+use crate::trial::TrialError;
+
+impl From<ModelError> for Fault {
+    fn from(error: ModelError) -> Self {
+        match error {
+            ModelError::Input(input) => Fault::Input(input),
+            ModelError::Training { .. } => Fault::Run(error.to_string()),
+            other => Fault::Usage(other.to_string()),
+        }
+    }
+}
+
+/// The others are all about arguments or input.
+macro_rules! bad_usage {
+    ($($error:ty),*) => {
+        $(impl From<$error> for Fault {
+            fn from(error: $error) -> Self {
+                Fault::Usage(error.to_string())
+            }
+        })*
+    };
+}
+bad_usage!(
+    TrialError,
+    EvaluateError,
+    ThresholdError,
+    DecisionError,
+    OnlineError,
+    FeatureError,
+    TouchFoldsError
+);

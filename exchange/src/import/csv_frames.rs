@@ -1,0 +1,148 @@
+//! Frames from a CSV file: a row is a frame, and each taxel has a column.
+
+use std::io::Read;
+use std::path::Path;
+
+use underbrush_recording::InputError;
+use underbrush_recording::disk::DiskError;
+
+use super::cutter::{Cutter, Place};
+use super::mapping::TAXEL;
+use super::{Mapping, opened};
+use crate::ExchangeError;
+
+/// Where the columns are.
+struct Columns {
+    time: Option<usize>,
+    forces: Vec<usize>,
+    category: Option<usize>,
+    reach: Option<usize>,
+}
+
+/// The line, from 1, of a row. The parser counts from where it began to look for the row, so line breaks before it are added.
+fn line_of(text: &[u8], position: &csv::Position) -> usize {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    position.line() as usize + blank.filter(|byte| **byte == b'\n').count()
+}
+
+/// Names in an error, shortened by `InputError` if there are many.
+fn listed(names: &csv::StringRecord) -> String {
+    names.iter().collect::<Vec<_>>().join(", ")
+}
+
+impl Columns {
+    fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord) -> Result<Self, InputError> {
+        let place = |field: &str, name: &str| -> Result<usize, InputError> {
+            let allowed = || format!("a column of {}: {}", path.display(), listed(names));
+            let mut found = names.iter().enumerate().filter(|(_, column)| column.trim() == name);
+            match (found.next(), found.next()) {
+                (Some((place, _)), None) => Ok(place),
+                (None, _) => Err(mapping.fault(field, format!("{name:?}, which is no column"), allowed())),
+                (Some(_), Some(_)) => Err(mapping.fault(field, format!("{name:?}, which two columns have"), allowed())),
+            }
+        };
+        let optional = |field: &str, name: &Option<String>| name.as_deref().map(|name| place(field, name)).transpose();
+        let from = &mapping.force.from;
+        let forces = match mapping.force.taxels {
+            Some(taxels) if from.contains(TAXEL) => (0..taxels)
+                .map(|taxel| place("force.from", &from.replace(TAXEL, &taxel.to_string())))
+                .collect::<Result<_, _>>()?,
+            None if !from.contains(TAXEL) => vec![place("force.from", from)?],
+            Some(1) => vec![place("force.from", from)?],
+            Some(_) => {
+                let allowed = format!("a name with {TAXEL} in place of the number of the taxel, or 1 taxel");
+                return Err(mapping.fault("force.from", format!("{from:?}"), allowed));
+            }
+            None => {
+                let allowed = format!("`taxels = N`, because `from` has {TAXEL}");
+                return Err(mapping.fault("force.taxels", "nothing".into(), allowed));
+            }
+        };
+        Ok(Columns {
+            time: optional("time.from", &mapping.time.from)?,
+            forces,
+            category: optional("trial.category_from", &mapping.trial.category_from)?,
+            reach: optional("trial.reach_from", &mapping.trial.reach_from)?,
+        })
+    }
+}
+
+/// Hands all rows of the file to the cutter.
+pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
+    mapping.refuse("force.topic", mapping.force.topic.is_some(), "CSV")?;
+    if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
+        return Err(mapping
+            .fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`")
+            .into());
+    }
+    let mut text = Vec::new();
+    opened(path)?.read_to_end(&mut text).map_err(|source| DiskError::Io {
+        path: path.to_path_buf(),
+        action: "read",
+        source,
+    })?;
+    let unreadable = |error: csv::Error| {
+        let line = error.position().map_or(1, |position| line_of(&text, position));
+        let remedy = "repair the file, or write it again as UTF-8 with one row per line";
+        InputError::new(
+            path,
+            "CSV",
+            error.to_string(),
+            "rows with as many cells as the header",
+            remedy,
+        )
+        .at_line(line)
+    };
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&text[..]);
+    let names = reader.headers().map_err(unreadable)?.clone();
+    let columns = Columns::find(path, mapping, &names)?;
+    let mut row = csv::StringRecord::new();
+    let mut readings = vec![0.0; columns.forces.len()];
+    // Frames of the reach so far, for times that follow from the rate.
+    let (mut reach_before, mut number) = (None, 0u64);
+    while reader.read_record(&mut row).map_err(unreadable)? {
+        let line = row.position().map_or(0, |position| line_of(&text, position));
+        let cell = |column: usize| row.get(column).unwrap_or_default();
+        let wrong = |column: usize, allowed: &str| {
+            let (name, found) = (names.get(column).unwrap_or_default(), cell(column));
+            let found = if found.is_empty() {
+                "nothing".into()
+            } else {
+                format!("{found:?}")
+            };
+            InputError::new(path, name, found, allowed, "correct the cell, or delete the row").at_line(line)
+        };
+        let parsed = |column: usize| cell(column).parse::<f64>().map_err(|_| wrong(column, "a number"));
+        for (reading, column) in readings.iter_mut().zip(&columns.forces) {
+            *reading = parsed(*column)?;
+        }
+        let reach = match columns.reach {
+            Some(column) => cell(column)
+                .parse()
+                .map_err(|_| wrong(column, "a whole number, 0 or more"))?,
+            None => 0,
+        };
+        number = if reach_before.replace(reach) == Some(reach) {
+            number + 1
+        } else {
+            0
+        };
+        let time_s = match (columns.time, mapping.time.rate_hz) {
+            (Some(column), _) => mapping.time_s(parsed(column)?),
+            (None, rate_hz) => number as f64 / rate_hz.unwrap_or(1.0),
+        };
+        let category = match columns.category {
+            Some(column) => cell(column),
+            None => mapping.trial.category.as_deref().unwrap_or_default(),
+        };
+        let place = Place {
+            line,
+            reach,
+            category,
+            time_s,
+        };
+        cutter.push(&place, &readings)?;
+    }
+    Ok(())
+}

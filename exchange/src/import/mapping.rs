@@ -1,0 +1,299 @@
+//! The mapping file: which numbers of a file are the forces on which taxels, in which unit.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use schemars::{JsonSchema, Schema};
+use serde::Deserialize;
+use underbrush_recording::disk::DiskError;
+use underbrush_recording::limits::short;
+use underbrush_recording::{InputError, Limits};
+
+use crate::ExchangeError;
+
+/// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
+const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
+/// Number of taxels: as many as a data set may have.
+const TAXELS: Limits = Limits::new(1.0, underbrush_recording::limits::MAX_TAXELS as f64, "taxels");
+/// Newtons of one unit of a reading: from a nanonewton to a tonne.
+const SCALE_N: Limits = Limits::new(1e-9, 1e4, "N");
+/// Force at a reading of zero.
+const OFFSET_N: Limits = Limits::new(-1e4, 1e4, "N");
+/// Threshold of contact: within the range of forces.
+const THRESHOLD_N: Limits = Limits::new(0.0, 1e4, "N");
+
+/// What takes the place of the number of a taxel in the name of a column.
+pub(super) const TAXEL: &str = "{taxel}";
+
+/// How to read trials from a file of another program.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MappingFile {
+    /// The times of the frames.
+    #[serde(default)]
+    time: TimeTable,
+    /// The forces.
+    force: ForceTable,
+    /// What becomes of them.
+    #[serde(default)]
+    trial: TrialTable,
+}
+
+/// The times of the frames.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TimeTable {
+    /// Where the times are: a column of a CSV file, or a dataset of an HDF5 file. Not for MCAP, whose messages have a time.
+    pub(super) from: Option<String>,
+    /// Unit of these times: `s` (default), `ms`, `us` or `ns`.
+    unit: Option<String>,
+    /// Frames per second, Hz, if there are no times.
+    pub(super) rate_hz: Option<f64>,
+}
+
+/// The forces.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ForceTable {
+    /// Topic of the messages; only for MCAP.
+    pub(super) topic: Option<String>,
+    /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. HDF5: a dataset with a
+    /// row for each frame and a column for each taxel; `*` in place of a group's name takes each such group as a reach. MCAP: the
+    /// field of the message that holds the list of forces, `data` for the arrays of `std_msgs`.
+    pub(super) from: String,
+    /// Number of taxels; only for CSV. HDF5 and MCAP say it themselves.
+    pub(super) taxels: Option<u32>,
+    /// Unit of the forces: `N` (default), `mN`, `kN`, `gf`, `kgf` or `lbf`.
+    unit: Option<String>,
+    /// For raw readings, instead of `unit`: force of one unit of the reading, N.
+    scale_n: Option<f64>,
+    /// Force at a reading of zero, N; 0 if not given.
+    offset_n: Option<f64>,
+}
+
+/// What becomes of the forces.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TrialTable {
+    /// Name of the patch of skin.
+    pub(super) patch: Option<String>,
+    /// A taxel is in contact while its force is above this, N; 0.03 if not given.
+    threshold_n: Option<f64>,
+    /// Trials with fewer samples are left out; 1 if not given.
+    min_samples: Option<u32>,
+    /// The category of all trials.
+    pub(super) category: Option<String>,
+    /// Where the category is, if it changes. CSV: a column. HDF5: an attribute of the group that holds the reach.
+    pub(super) category_from: Option<String>,
+    /// Where the number of the reach is: a column; only for CSV.
+    pub(super) reach_from: Option<String>,
+}
+
+/// A checked mapping file.
+#[derive(Debug)]
+pub struct Mapping {
+    path: PathBuf,
+    text: String,
+    pub(super) time: TimeTable,
+    pub(super) force: ForceTable,
+    pub(super) trial: TrialTable,
+    /// Units of time in a second.
+    per_second: f64,
+    /// Newtons of one unit of force, and newtons at a reading of zero.
+    newton: (f64, f64),
+    /// A taxel is in contact while its force is above this, N.
+    pub(super) threshold_n: f64,
+    /// Trials with fewer samples are left out.
+    pub(super) min_samples: usize,
+}
+
+/// The JSON Schema of mapping files.
+pub fn mapping_schema() -> Schema {
+    schemars::schema_for!(MappingFile)
+}
+
+/// How many of a unit of time make a second. Times are divided by this number, because 1000 is exact in binary and 0.001 is not.
+const PER_SECOND: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+/// Newtons by unit: standard gravity is 9.80665 m/s² (CGPM 1901), a pound 0.45359237 kg (1959).
+const NEWTONS: [(&str, f64); 6] = [
+    ("N", 1.0),
+    ("mN", 1e-3),
+    ("kN", 1e3),
+    ("gf", 9.80665e-3),
+    ("kgf", 9.80665),
+    ("lbf", 4.4482216152605),
+];
+
+/// The line, from 1, of a byte.
+fn line_of(text: &str, byte: usize) -> usize {
+    1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
+}
+
+/// The line, from 1, that sets a key `table.key`; that of the table if it is not set, and 1 if there is no such table.
+fn line_setting(text: &str, field: &str) -> usize {
+    let (table, key) = field.split_once('.').unwrap_or((field, ""));
+    let lines = || (1..).zip(text.lines().map(str::trim));
+    let header = format!("[{table}]");
+    let Some((first, _)) = lines().find(|(_, line)| line.starts_with(&header)) else {
+        return 1;
+    };
+    let within = lines().skip(first).take_while(|(_, line)| !line.starts_with('['));
+    let sets = |line: &str| {
+        line.strip_prefix(key)
+            .is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    within
+        .into_iter()
+        .find(|(_, line)| sets(line))
+        .map_or(first, |(number, _)| number)
+}
+
+impl Mapping {
+    /// Reads a mapping file.
+    ///
+    /// # Errors
+    /// [`ExchangeError::Input`] with line and field for what is not allowed; [`ExchangeError::Disk`] if it cannot be read.
+    pub fn load(path: &Path) -> Result<Self, ExchangeError> {
+        let text = fs::read_to_string(path).map_err(|source| match source.kind() {
+            std::io::ErrorKind::NotFound => {
+                let error = InputError::new(path, "file", "no such file", "a mapping file (TOML)", "check the path");
+                ExchangeError::Input(error)
+            }
+            std::io::ErrorKind::InvalidData => {
+                let error = InputError::new(
+                    path,
+                    "file",
+                    "no text",
+                    "a mapping file (TOML, UTF-8)",
+                    "check the path",
+                );
+                ExchangeError::Input(error)
+            }
+            _ => ExchangeError::Disk(DiskError::Io {
+                path: path.to_path_buf(),
+                action: "read",
+                source,
+            }),
+        })?;
+        Ok(Mapping::parse(path, text)?)
+    }
+
+    /// Parses and checks the text of a mapping file. `path` is for errors.
+    fn parse(path: &Path, text: String) -> Result<Self, InputError> {
+        let file: MappingFile = toml::from_str(&text).map_err(|error| {
+            let allowed = "the keys that `underbrush schema mapping` lists";
+            let fault = InputError::new(path, "mapping", error.message(), allowed, "correct this line");
+            fault.at_line(line_of(&text, error.span().unwrap_or_default().start))
+        })?;
+        let MappingFile { time, force, trial } = file;
+        let mut mapping = Mapping {
+            path: path.to_path_buf(),
+            text,
+            per_second: 1.0,
+            newton: (1.0, force.offset_n.unwrap_or(0.0)),
+            threshold_n: trial.threshold_n.unwrap_or(0.03),
+            min_samples: trial.min_samples.unwrap_or(1) as usize,
+            time,
+            force,
+            trial,
+        };
+        mapping.check()?;
+        mapping.per_second = mapping.unit("time.unit", mapping.time.unit.as_deref(), &PER_SECOND)?;
+        let unit = mapping.unit("force.unit", mapping.force.unit.as_deref(), &NEWTONS)?;
+        mapping.newton.0 = mapping.force.scale_n.unwrap_or(unit);
+        Ok(mapping)
+    }
+
+    /// The factor of a unit; 1 if none is given.
+    fn unit(&self, field: &str, name: Option<&str>, units: &[(&str, f64)]) -> Result<f64, InputError> {
+        let Some(name) = name else { return Ok(1.0) };
+        let known = units.iter().find(|(unit, _)| *unit == name);
+        known.map(|(_, factor)| *factor).ok_or_else(|| {
+            let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
+            self.fault(field, format!("{name:?}"), names.join(", "))
+        })
+    }
+
+    fn check(&self) -> Result<(), InputError> {
+        let numbers = [
+            ("time.rate_hz", self.time.rate_hz, RATE_HZ),
+            ("force.taxels", self.force.taxels.map(f64::from), TAXELS),
+            ("force.scale_n", self.force.scale_n, SCALE_N),
+            ("force.offset_n", self.force.offset_n, OFFSET_N),
+            ("trial.threshold_n", self.trial.threshold_n, THRESHOLD_N),
+        ];
+        for (field, number, limits) in numbers {
+            if let Some(number) = number.filter(|number| !limits.hold(*number)) {
+                return Err(self.fault(field, short(number), limits.to_string()));
+            }
+        }
+        let pairs = [
+            (
+                "time.from",
+                self.time.from.is_some(),
+                "time.rate_hz",
+                self.time.rate_hz.is_some(),
+            ),
+            (
+                "force.unit",
+                self.force.unit.is_some(),
+                "force.scale_n",
+                self.force.scale_n.is_some(),
+            ),
+            (
+                "trial.category",
+                self.trial.category.is_some(),
+                "trial.category_from",
+                self.trial.category_from.is_some(),
+            ),
+        ];
+        for (one, has_one, other, has_other) in pairs {
+            if has_one && has_other {
+                return Err(self.fault(other, format!("{one}, too"), format!("one of {one} and {other}")));
+            }
+        }
+        if self.trial.category.as_deref() == Some("") || self.trial.patch.as_deref() == Some("") {
+            let field = if self.trial.patch.as_deref() == Some("") {
+                "trial.patch"
+            } else {
+                "trial.category"
+            };
+            return Err(self.fault(field, "an empty name".into(), "a name"));
+        }
+        Ok(())
+    }
+
+    /// An error about a field, with the line that sets it.
+    pub(super) fn fault(&self, field: &str, found: String, allowed: impl Into<String>) -> InputError {
+        let key = field.rsplit('.').next().unwrap_or(field);
+        let remedy = format!("change `{key}` in {}", self.path.display());
+        InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
+    }
+
+    /// An error if a field is set that does not apply to this format.
+    pub(super) fn refuse(&self, field: &str, is_set: bool, format: &str) -> Result<(), InputError> {
+        if !is_set {
+            return Ok(());
+        }
+        let key = field.rsplit('.').next().unwrap_or(field);
+        let remedy = format!("remove `{key}` from {}", self.path.display());
+        let error = InputError::new(
+            &self.path,
+            field,
+            "a value",
+            format!("no such key for {format}"),
+            remedy,
+        );
+        Err(error.at_line(line_setting(&self.text, field)))
+    }
+
+    /// A time of the file, s.
+    pub(super) fn time_s(&self, time: f64) -> f64 {
+        time / self.per_second
+    }
+
+    /// A reading as a force, N.
+    pub(super) fn force_n(&self, reading: f64) -> f64 {
+        reading * self.newton.0 + self.newton.1
+    }
+}

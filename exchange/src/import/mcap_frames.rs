@@ -1,0 +1,173 @@
+//! Frames from an MCAP file: each message of a topic is one.
+
+use std::collections::BTreeMap;
+use std::io::BufReader;
+use std::path::Path;
+
+use underbrush_recording::InputError;
+use underbrush_recording::disk::DiskError;
+
+use super::cutter::{Cutter, Place};
+use super::message::{Decoder, decoder};
+use super::{Mapping, opened};
+use crate::ExchangeError;
+use crate::mcap::{Channel, Fault, Item, Reader};
+
+/// Nanoseconds of a second.
+const PER_SECOND: f64 = 1e9;
+
+/// Why reading ended.
+enum Stop {
+    File(Fault),
+    Input(InputError),
+}
+
+impl From<Fault> for Stop {
+    fn from(fault: Fault) -> Self {
+        Stop::File(fault)
+    }
+}
+
+impl From<InputError> for Stop {
+    fn from(error: InputError) -> Self {
+        Stop::Input(error)
+    }
+}
+
+impl Stop {
+    /// The error about the file.
+    fn about(self, path: &Path) -> ExchangeError {
+        let (found, allowed, remedy) = match self {
+            Stop::Input(error) => return error.into(),
+            Stop::File(Fault::Io(source)) => {
+                let path = path.to_path_buf();
+                let action = "read";
+                return DiskError::Io { path, action, source }.into();
+            }
+            Stop::File(Fault::Compression(name)) => (
+                format!("chunks compressed with {name}"),
+                "chunks compressed with zstd, or not compressed",
+                "write the file again with `mcap compress --compression zstd`",
+            ),
+            Stop::File(Fault::Broken(found)) => (
+                found,
+                "a complete MCAP file",
+                "repair it with `mcap recover`, or record it again",
+            ),
+        };
+        InputError::new(path, "MCAP", found, allowed, remedy).into()
+    }
+}
+
+/// What has been read so far, apart from messages.
+struct Reading<'a> {
+    path: &'a Path,
+    mapping: &'a Mapping,
+    topic: &'a str,
+    /// Names of the schemas.
+    schemas: BTreeMap<u16, String>,
+    /// Decoders of the channels of the topic.
+    decoders: BTreeMap<u16, Decoder>,
+    /// All topics, for an error.
+    topics: BTreeMap<String, String>,
+    messages: usize,
+    readings: Vec<f64>,
+    /// Time of the first message, ns: Unix time in seconds would have a resolution of 0.2 µs only.
+    start: Option<u64>,
+}
+
+impl Reading<'_> {
+    fn channel(&mut self, channel: Channel) -> Result<(), InputError> {
+        let schema = self.schemas.get(&channel.schema_id).map_or("", String::as_str);
+        self.topics.insert(channel.topic.clone(), schema.to_owned());
+        if channel.topic == self.topic && !self.decoders.contains_key(&channel.id) {
+            let from = &self.mapping.force.from;
+            let decoder = decoder(&channel.message_encoding, schema, from).map_err(|allowed| {
+                let found = format!(
+                    "{:?} with schema {schema:?} and encoding {}",
+                    self.topic, channel.message_encoding
+                );
+                self.mapping.fault("force.topic", found, allowed)
+            })?;
+            self.decoders.insert(channel.id, decoder);
+        }
+        Ok(())
+    }
+
+    fn item(&mut self, item: Item, cutter: &mut Cutter) -> Result<(), InputError> {
+        match item {
+            Item::Schema(schema) => {
+                self.schemas.insert(schema.id, schema.name);
+                Ok(())
+            }
+            Item::Channel(channel) => self.channel(channel),
+            Item::Message(channel, time_ns, data) => self.message(channel, time_ns, data, cutter),
+        }
+    }
+
+    fn message(&mut self, channel: u16, time_ns: u64, data: &[u8], cutter: &mut Cutter) -> Result<(), InputError> {
+        let Some(decoder) = self.decoders.get(&channel) else {
+            return Ok(());
+        };
+        self.messages += 1;
+        decoder.decode(data, &mut self.readings).map_err(|(found, allowed)| {
+            let remedy = "correct `from` of the mapping, or record the topic again";
+            let field = format!("message of {}", self.topic);
+            InputError::new(self.path, field, found, allowed, remedy).at_line(self.messages)
+        })?;
+        let start = *self.start.get_or_insert(time_ns);
+        let since_ns = i128::from(time_ns) - i128::from(start);
+        let place = Place {
+            line: self.messages,
+            reach: 0,
+            category: self.mapping.trial.category.as_deref().unwrap_or_default(),
+            time_s: since_ns as f64 / PER_SECOND,
+        };
+        cutter.push(&place, &self.readings)
+    }
+}
+
+/// Hands all messages of the topic to the cutter.
+pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
+    let not_for_mcap = [
+        ("time.from", mapping.time.from.is_some()),
+        ("time.rate_hz", mapping.time.rate_hz.is_some()),
+        ("force.taxels", mapping.force.taxels.is_some()),
+        ("trial.category_from", mapping.trial.category_from.is_some()),
+        ("trial.reach_from", mapping.trial.reach_from.is_some()),
+    ];
+    for (field, is_set) in not_for_mcap {
+        mapping.refuse(field, is_set, "MCAP")?;
+    }
+    let Some(topic) = &mapping.force.topic else {
+        return Err(mapping
+            .fault("force.topic", "nothing".into(), "the topic of the forces")
+            .into());
+    };
+    let mut reading = Reading {
+        path,
+        mapping,
+        topic,
+        schemas: BTreeMap::new(),
+        decoders: BTreeMap::new(),
+        topics: BTreeMap::new(),
+        messages: 0,
+        readings: Vec::new(),
+        start: None,
+    };
+    let file = BufReader::new(opened(path)?);
+    let read = Reader::new(file).read(|item| Ok::<(), Stop>(reading.item(item, cutter)?));
+    read.map_err(|stop| stop.about(path))?;
+    if reading.messages == 0 {
+        let topics = reading
+            .topics
+            .iter()
+            .map(|(topic, schema)| format!("{topic} ({schema})"));
+        let topics = topics.collect::<Vec<_>>().join(", ");
+        let allowed = format!("a topic of {} with messages: {topics}", path.display());
+        return Err(mapping
+            .fault("force.topic", format!("{topic:?}, which has no message"), allowed)
+            .into());
+    }
+    Ok(())
+}

@@ -1,0 +1,18 @@
+//! What passes between this program and other tools: recordings as MCAP and HDF5 files, and contact trials out of the files
+//! of other robots.
+//!
+//! * [`write_mcap`] writes a reach for Foxglove and tools of ROS 2.
+//! * [`Hdf5Writer`] writes reaches in the shape of robomimic's data sets.
+//! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file says.
+
+mod error;
+#[cfg(test)]
+mod example;
+pub mod import;
+mod mcap;
+mod to_hdf5;
+mod to_mcap;
+
+pub use error::ExchangeError;
+pub use to_hdf5::{Hdf5Writer, write_hdf5};
+pub use to_mcap::write_mcap;

@@ -1,0 +1,206 @@
+//! What a file or folder holds: a scene, a data set, a recording, trials or a model. Looking checks it, too.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use underbrush_classifier::Model;
+use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_recording::InputError;
+use underbrush_recording::disk::{Dataset, FileText, is_recording, read_recording, read_trials};
+use underbrush_sim::arm::ArmAtStart;
+use underbrush_sim::clutter::Clutter;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+use crate::audit;
+use crate::ends::Ends;
+use crate::error::ExperimentError;
+
+/// Checks a file or folder and says what it holds, as nested keys and values. A scene is drawn once, with this seed.
+///
+/// # Errors
+/// If there is nothing at the path, it is of no known kind, or it breaks a rule of its kind.
+pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
+    if !path.exists() {
+        let allowed = "a scene, data set (folder), recording, model or table of trials";
+        return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
+    }
+    let extension = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or_default();
+    match extension {
+        _ if path.is_dir() => dataset(path),
+        "toml" => scene(path, seed),
+        "json" => model(path),
+        "parquet" if is_recording(path) => recording(path),
+        "parquet" | "csv" => trials(path),
+        _ => Err(ExperimentError::Request(format!(
+            "{}: neither a folder nor a .toml, .json, .parquet or .csv file; give one of these",
+            path.display()
+        ))),
+    }
+}
+
+fn scene(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
+    let plan = ReachPlan::new(Scene::load(path)?, None, seed)?;
+    let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
+    let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
+    for placed in &clutter.objects {
+        *objects.entry(placed.object.kind()).or_default() += 1;
+    }
+    let file = &plan.scene.file;
+    let doubts = plan.arm.skin_doubts();
+    Ok(json!({
+        "scene": plan.scene.name,
+        "summary": file.summary,
+        "arm": plan.arm.name,
+        "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
+        "controller": plan.controller_name(),
+        "objects": objects,
+        "goals": clutter.goals.len(),
+        "physics": file.physics,
+        "sensor": file.sensor,
+        "blake3": plan.scene.hash(),
+        "check": format!("sound; the draw of seed {seed}, reach 0 finds room for everything"),
+    }))
+}
+
+fn dataset(path: &Path) -> Result<Value, ExperimentError> {
+    let dataset = Dataset::open(path)?;
+    dataset.verify()?;
+    let episodes = dataset.episodes();
+    let peaks_n = dataset.peak_contact_forces_n()?;
+    let ends = Ends::of(episodes);
+    let mut scenes: BTreeMap<&str, usize> = BTreeMap::new();
+    for episode in episodes {
+        *scenes.entry(&episode.scene).or_default() += 1;
+    }
+    let provenance = dataset.provenance();
+    let patches: BTreeMap<&str, usize> = dataset
+        .layout()
+        .patches
+        .iter()
+        .map(|patch| (patch.name.as_str(), patch.taxels.len()))
+        .collect();
+    // Twelve digits are enough to distinguish files. The full hashes are in meta/provenance.json.
+    let named = |file: &FileText| format!("{} (BLAKE3 {:.12})", file.name, file.blake3);
+    let arms = provenance.arms.iter().map(|arm| {
+        let files: Vec<String> = arm.files.iter().map(named).collect();
+        format!("{}: {}", arm.name, files.join(", "))
+    });
+    let arms = arms.collect::<Vec<String>>().join("; ");
+    let scene_files: Vec<String> = provenance.scenes.iter().map(|scene| named(&scene.file)).collect();
+    let scene_files = scene_files.join(", ");
+    Ok(json!({
+        "data set": path.display().to_string(),
+        "reaches": episodes.len(),
+        "frames": episodes.iter().map(|episode| episode.frames).sum::<usize>(),
+        "reaches by scene": scenes,
+        "goals": ends.goals,
+        "aborted reaches": ends.aborted,
+        "reaches with true contact, by patch": ends.touched_reaches,
+        "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
+        "largest contact force / N": peaks_n.into_iter().fold(0.0, f64::max),
+        "taxels": patches,
+        "audit, worst of all reaches": audit::worst(episodes, dataset.layout()),
+        "audit, sums over all reaches": audit::counts(episodes),
+        "seed": provenance.seed,
+        "controller": provenance.controller,
+        "arms": arms,
+        "scene files": scene_files,
+        "program": format!("{} {}", provenance.program, provenance.program_version),
+        "engine": provenance.engine,
+        "check": "sound; every file matches its checksum",
+    }))
+}
+
+fn recording(path: &Path) -> Result<Value, ExperimentError> {
+    let recording = read_recording(path)?;
+    let goals: Vec<&str> = recording.goals.iter().map(|goal| goal.outcome.name()).collect();
+    Ok(json!({
+        "recording": path.display().to_string(),
+        "scene": recording.scene,
+        "controller": recording.controller,
+        "seed": recording.seed,
+        "reach": recording.reach_index,
+        "frames": recording.frames.len(),
+        "seconds": recording.frames.len() as f64 / recording.rate_hz,
+        "goals": recording.goal_outcomes().to_string(),
+        "goals, in order": goals.join(", "),
+        "aborted by": recording.safety_stop(),
+        "frames with true contact, by patch": recording.touched_frames(),
+        "objects": recording.objects.len(),
+        "contacts": recording.contacts.len(),
+        "audit": recording.audit,
+        "check": "sound",
+    }))
+}
+
+fn trials(path: &Path) -> Result<Value, ExperimentError> {
+    let trials = read_trials(path)?;
+    let mut categories: BTreeMap<&str, usize> = BTreeMap::new();
+    for trial in &trials {
+        *categories
+            .entry(trial.category.as_deref().unwrap_or("unknown"))
+            .or_default() += 1;
+    }
+    let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
+    lengths.sort_unstable();
+    Ok(json!({
+        "trials table": path.display().to_string(),
+        "trials": trials.len(),
+        "samples": lengths.iter().sum::<usize>(),
+        "median samples a trial": lengths.get(lengths.len() / 2),
+        "trials by category": categories,
+        "has motion": trials.iter().flat_map(|trial| &trial.samples).all(|sample| sample.motion_m.is_some()),
+        "check": "sound",
+    }))
+}
+
+fn model(path: &Path) -> Result<Value, ExperimentError> {
+    match any_model::load(path)? {
+        AnyModel::OfTrials(model) => Ok(model_of_trials(path, &model)),
+        AnyModel::Touch(model) => Ok(json!({
+            "model": path.display().to_string(),
+            "classifier": "touch",
+            "categories": model.categories(),
+            "options": model.options(),
+            "decision": model.decision,
+            "check": "sound; all numbers are finite and fit together",
+        })),
+    }
+}
+
+fn model_of_trials(path: &Path, model: &Model) -> Value {
+    let classifier = &model.classifier;
+    let mut found = serde_json::Map::from_iter([
+        ("model".to_owned(), json!(path.display().to_string())),
+        ("classifier".to_owned(), json!(classifier.name())),
+        ("categories".to_owned(), json!(classifier.categories())),
+        ("features".to_owned(), json!(classifier.features().columns())),
+        ("decision".to_owned(), json!(model.decision)),
+        ("provenance".to_owned(), json!(model.provenance)),
+        (
+            "check".to_owned(),
+            json!("sound; all numbers are within their ranges and fit together"),
+        ),
+    ]);
+    if let Some(models) = model.as_hmm() {
+        let states: BTreeMap<&str, usize> = models
+            .models()
+            .iter()
+            .map(|(category, scorer)| (category.as_str(), scorer.model().state_count()))
+            .collect();
+        found.insert("states by category".into(), json!(states));
+        found.insert("score".into(), json!(models.score_kind()));
+        found.insert("recipe".into(), json!(models.recipe));
+        let check = "sound; distributions sum to one, covariances are positive definite";
+        found.insert("check".into(), json!(check));
+    } else {
+        let options = classifier.file_entries().into_iter().find(|(key, _)| *key == "options");
+        found.extend(options.map(|(key, value)| (key.to_owned(), value)));
+    }
+    Value::Object(found)
+}

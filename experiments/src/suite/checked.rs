@@ -1,0 +1,81 @@
+//! Running several suites.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use underbrush_recording::disk;
+
+use super::result::SuiteResult;
+use super::{Suite, bless};
+use crate::error::ExperimentError;
+use crate::progress::Progress;
+
+/// The results of some suites.
+#[derive(Debug, Serialize)]
+pub struct Checked {
+    /// Whether all bounds hold.
+    pub passed: bool,
+    /// One for each suite.
+    pub suites: Vec<SuiteResult>,
+}
+
+impl Checked {
+    /// Runs the suites in these files, with this seed instead of each file's if one is given. With `bless`, bounds from what is
+    /// found are written into the files, and the results are held against them.
+    ///
+    /// # Errors
+    /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a file cannot be written, or a metric cannot be bounded.
+    pub fn of(
+        paths: &[PathBuf],
+        seed: Option<u64>,
+        bless: bool,
+        progress: &dyn Progress,
+    ) -> Result<Self, ExperimentError> {
+        // All files are read before anything is run, so that a mistake in the last one costs no time.
+        let mut suites = paths
+            .iter()
+            .map(|path| Suite::load(path))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some(seed) = seed {
+            suites = suites.into_iter().map(|suite| suite.with_seed(seed)).collect();
+        }
+        let mut results = Vec::new();
+        for (suite, path) in suites.iter().zip(paths) {
+            let result = suite.run(progress)?;
+            results.push(match bless {
+                true => blessed(suite, result, path, progress)?,
+                false => result,
+            });
+        }
+        Ok(Checked {
+            passed: results.iter().all(|result| result.passed),
+            suites: results,
+        })
+    }
+
+    /// How many bounds do not hold.
+    pub fn broken(&self) -> usize {
+        self.suites.iter().map(|result| result.broken().count()).sum()
+    }
+}
+
+/// Writes new bounds into the file, and gives the result as held against them.
+fn blessed(
+    suite: &Suite,
+    result: SuiteResult,
+    path: &Path,
+    progress: &dyn Progress,
+) -> Result<SuiteResult, ExperimentError> {
+    disk::write_file(path, bless::text(suite, &result)?.as_bytes())?;
+    let result = Suite::load(path)?.hold(result);
+    for scene in &result.scenes {
+        for bound in scene.bounds.iter().filter(|bound| bound.allows_everything()) {
+            progress.remark(&format!(
+                "warning: {}: {} differs so much between reaches that its bound allows everything; run more reaches, let the \
+                 scene vary less, or remove it",
+                scene.scene, bound.name
+            ));
+        }
+    }
+    Ok(result)
+}

@@ -1,0 +1,44 @@
+//! Joining the parts of a divided data set.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use underbrush_recording::disk::{Dataset, DiskError, Shards};
+
+use crate::dataset::PyDataset;
+use crate::failure::Failure;
+
+/// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes, byte for byte.
+///
+/// Parameters
+/// ----------
+/// parts : list of paths
+///     The folders of all parts, in any order.
+/// out : path
+///     The folder to write.
+/// resume : bool
+///     Continue an interrupted merge. If the set is finished already, open it.
+///
+/// Returns
+/// -------
+/// Dataset
+///
+/// Raises
+/// ------
+/// InputError
+///     If parts are missing, doubled or of different campaigns, which the message names.
+#[pyfunction]
+#[pyo3(signature = (parts, out, *, resume = false))]
+fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf, resume: bool) -> Result<PyDataset, Failure> {
+    let merged = py.detach(|| match Shards::open(parts)?.merge(&out, resume, || ()) {
+        // With `resume`, this means that the set has the same plan.
+        Err(DiskError::Finished { .. }) if resume => Dataset::open(&out),
+        merged => merged,
+    });
+    Ok(PyDataset::new(merged?))
+}
+
+/// Adds the function of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(merge, module)?)
+}

@@ -1,0 +1,119 @@
+//! Looking into files, regression suites, and whole studies.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use underbrush_experiments::definition::Experiment;
+use underbrush_experiments::inspection;
+use underbrush_experiments::suite::Checked;
+use underbrush_report::reproduction::Reproduction;
+use underbrush_report::suite_text;
+
+use crate::failure::Failure;
+use crate::interrupt::{Stop, watched};
+use crate::json;
+use crate::pool::guarded;
+use crate::progress::Reported;
+
+/// Check a scene, data set, recording, model or table of trials, and say what it holds.
+#[pyfunction]
+#[pyo3(signature = (path, seed = 0))]
+fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
+    let found = py.detach(|| guarded(|| Ok(inspection::inspect(&path, seed)?)))?;
+    json::to_python(py, &found)
+}
+
+/// Run regression suites and hold what they find against their bounds.
+#[pyfunction]
+#[pyo3(signature = (suites, *, seed = None, bless = false, out = None, progress = None, jobs = None))]
+fn check<'py>(
+    py: Python<'py>,
+    suites: Vec<PathBuf>,
+    seed: Option<u64>,
+    bless: bool,
+    out: Option<PathBuf>,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    if suites.is_empty() {
+        return Err(Failure::argument(
+            "suites",
+            "none",
+            "one suite file or more",
+            "name one",
+        ));
+    }
+    if bless && seed.is_some() {
+        let allowed = "bounds from the seed of the file";
+        return Err(Failure::argument(
+            "bless",
+            "True with a seed",
+            allowed,
+            "leave the seed out",
+        ));
+    }
+    let stop = Arc::new(Stop::default());
+    let reported = Reported::new(&stop, progress);
+    let run = || {
+        let checked = Checked::of(&suites, seed, bless, &reported)?;
+        if let Some(folder) = &out {
+            suite_text::write(folder, &checked)?;
+        }
+        Ok(checked)
+    };
+    let checked = watched(py, jobs, &stop, |py| reported.show(py), run)?;
+    reported.show(py)?;
+    json::to_python(py, &checked)
+}
+
+/// Run an experiment, the paper's if no other is given, and write its report.
+#[pyfunction]
+#[pyo3(signature = (out, *, experiment = None, quick = false, seed = None, campaigns = 1, fresh = false, progress = None,
+                    jobs = None))]
+#[allow(clippy::too_many_arguments, reason = "options by name")]
+fn reproduce<'py>(
+    py: Python<'py>,
+    out: PathBuf,
+    experiment: Option<PathBuf>,
+    quick: bool,
+    seed: Option<u64>,
+    campaigns: u64,
+    fresh: bool,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    if !(1..=10_000).contains(&campaigns) {
+        return Err(Failure::argument(
+            "campaigns",
+            campaigns.to_string(),
+            "1 to 10000",
+            "use 1",
+        ));
+    }
+    let experiment = match experiment {
+        Some(path) => Experiment::load(&path)?,
+        None => Experiment::paper()?,
+    };
+    let reproduction = Reproduction {
+        seed: seed.unwrap_or(experiment.file.seed),
+        experiment: &experiment,
+        quick,
+        campaigns,
+        fresh,
+    };
+    let stop = Arc::new(Stop::default());
+    let reported = Reported::new(&stop, progress);
+    // The results share parts that stay in their thread.
+    let run = || json::value(&reproduction.run(&out, &reported)?.0);
+    let results = watched(py, jobs, &stop, |py| reported.show(py), run)?;
+    reported.show(py)?;
+    json::to_python(py, &results)
+}
+
+/// Adds the functions of this file.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(inspect, module)?)?;
+    module.add_function(wrap_pyfunction!(check, module)?)?;
+    module.add_function(wrap_pyfunction!(reproduce, module)?)
+}

@@ -1,0 +1,122 @@
+"""Regression suites and whole studies."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from . import _core
+from ._progress import Bar, Progress
+
+PathLike = str | os.PathLike[str]
+
+
+def check(
+    suites: PathLike | Sequence[PathLike],
+    *,
+    seed: int | None = None,
+    bless: bool = False,
+    out: PathLike | None = None,
+    progress: Progress | bool = True,
+    jobs: int | None = None,
+) -> dict[str, Any]:
+    """Run regression suites and hold what they find against the bounds in their files, as ``underbrush check`` does.
+
+    Parameters
+    ----------
+    suites : path, or list of paths
+        Suite files; ``docs/suites.md`` describes them.
+    seed : int, optional
+        Instead of each file's: other draws of the same scenes.
+    bless : bool
+        Write bounds into the files, from what is found.
+    out : path, optional
+        A folder for ``junit.xml`` and ``results.json``.
+    progress : bool or callable
+        ``True`` shows a bar on a terminal; a function is called as ``progress(done, total, text)`` on the calling thread.
+    jobs : int, optional
+        Number of threads; all cores by default.
+
+    Returns
+    -------
+    dict
+        The keys of ``underbrush check --json``. A bound that does not hold is a result, not an error: ``passed`` says whether
+        all hold.
+
+    Raises
+    ------
+    InputError
+        If a file is bad, or ``bless`` comes with a ``seed``.
+    """
+    paths = [suites] if isinstance(suites, (str, os.PathLike)) else suites
+    with Bar("reaches").shown(progress) as shown:
+        found: dict[str, Any] = _core.check(
+            [Path(path) for path in paths],
+            seed=seed,
+            bless=bless,
+            out=None if out is None else Path(out),
+            progress=shown,
+            jobs=jobs,
+        )
+    return found
+
+
+def reproduce(
+    out: PathLike,
+    *,
+    experiment: PathLike | None = None,
+    quick: bool = False,
+    seed: int | None = None,
+    campaigns: int = 1,
+    fresh: bool = False,
+    progress: Progress | bool = True,
+    jobs: int | None = None,
+) -> dict[str, Any]:
+    """Run an experiment, the paper's if no other is given, as ``underbrush reproduce`` does.
+
+    The folder gets the data set, trials, ``model.json``, ``summary.json`` and ``report/index.html``. Finished stages are cached
+    there: the same call continues after Ctrl-C.
+
+    Parameters
+    ----------
+    out : path
+        The folder to write.
+    experiment : path, optional
+        An experiment file.
+    quick : bool
+        Fewer reaches.
+    seed : int, optional
+        Instead of the experiment's.
+    campaigns : int
+        Number of campaigns, of this seed and the next ones.
+    fresh : bool
+        Remove what another run has left in the folder, and start again.
+    progress : bool or callable
+        As for :func:`check`.
+    jobs : int, optional
+        Number of threads; all cores by default.
+
+    Returns
+    -------
+    dict
+        The results, with the keys of ``underbrush reproduce --json``.
+
+    Raises
+    ------
+    InputError
+        If the experiment file is bad, or the folder holds the results of another run.
+    """
+    with Bar("steps").shown(progress) as shown:
+        found: dict[str, Any] = _core.reproduce(
+            Path(out),
+            experiment=None if experiment is None else Path(experiment),
+            quick=quick,
+            seed=seed,
+            campaigns=campaigns,
+            fresh=fresh,
+            progress=shown,
+            jobs=jobs,
+        )
+    return found

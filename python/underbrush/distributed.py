@@ -1,0 +1,168 @@
+"""Making a data set on many machines with Ray.
+
+A set is divided into parts that depend on nothing but the call and the version of the package. Each part is one Ray task, which writes
+its part to storage that all nodes share and returns only a manifest. A part may be run twice, as after a lost node: both have the same
+bytes, and the second to finish is thrown away. The driver then merges the parts into the set that one process would have made,
+byte for byte.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+import uuid
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypedDict
+
+from . import _core
+from ._progress import Bar, Progress
+from ._types import ControllerLike, SceneLike
+
+
+def _ray() -> Any:
+    """Ray, which is only needed when something is run."""
+    try:
+        import ray
+    except ImportError as error:
+        raise ImportError("underbrush.distributed needs Ray: pip install 'underbrush[ray]'") from error
+    return ray
+
+
+class Manifest(TypedDict):
+    """What a task returns: the part it wrote, and where and how long it ran."""
+
+    part: int
+    reaches: int
+    node: str
+    seconds: float
+    written: bool
+
+
+def generate(
+    scenes: SceneLike | Sequence[SceneLike],
+    reaches: int,
+    out: str | os.PathLike[str],
+    *,
+    parts: int | None = None,
+    seed: int = 0,
+    controller: ControllerLike | None = None,
+    verdicts: str | os.PathLike[str] | None = None,
+    address: str | None = None,
+    retries: int = 3,
+    keep_parts: bool = False,
+    progress: Progress | bool = True,
+) -> _core.Dataset:
+    """Simulate many reaches on the nodes of a Ray cluster, and write them as one data set.
+
+    The same scenes, seed and version give the same bytes as :func:`underbrush.generate`, however the parts were spread over nodes. Lost nodes
+    and I/O errors are retried; other errors end the call at once. Finished parts are kept, and the same call goes on from them.
+
+    Parameters
+    ----------
+    scenes : Scene, name or path, or a list of them
+        What the arm reaches through. Files are read here and sent to the tasks.
+    reaches : int
+        Number of reaches of each scene.
+    out : path
+        The folder to write, on storage that all nodes see under this path. The parts are written to ``<out>.parts`` beside it.
+    parts : int, optional
+        Number of tasks; by default four for each processor of the cluster, and at most one for each reach.
+    seed : int
+        Decides all random draws.
+    controller : str, callable or class, optional
+        As for :func:`underbrush.generate`. It is sent to the tasks.
+    verdicts : path, optional
+        A touch model, on storage that all nodes see.
+    address : str, optional
+        Of the cluster, such as ``"auto"``; a cluster that this process is connected to, or else a local one, by default.
+    retries : int
+        How often a part is tried again after its node was lost or an I/O error.
+    keep_parts : bool
+        Keep ``<out>.parts`` after the merge.
+    progress : bool or callable
+        ``True`` shows one bar for all nodes on a terminal; a function is called as ``progress(done, total, text)``.
+
+    Returns
+    -------
+    Dataset
+
+    Raises
+    ------
+    InputError
+        If a scene, an option or a folder is bad.
+    """
+    ray = _ray()
+    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
+        scenes = [scenes]
+    listed = [scene if isinstance(scene, _core.Scene) else _core.Scene(scene) for scene in scenes]
+    if not ray.is_initialized():
+        ray.init(address=address, log_to_driver=False, include_dashboard=False)
+    total = reaches * len(listed)
+    count = parts or max(1, min(4 * int(ray.cluster_resources().get("CPU", 1)), total))
+    folder = Path(f"{os.fspath(out)}.parts").absolute()
+    folder.mkdir(parents=True, exist_ok=True)
+    options: dict[str, Any] = {
+        "seed": seed,
+        "controller": controller,
+        "verdicts": None if verdicts is None else str(Path(verdicts).absolute()),
+    }
+    run = ray.remote(num_cpus=1, max_retries=retries, retry_exceptions=[OSError])(_run_part)
+    waiting = [run.remote(listed, reaches, str(folder), part, count, options) for part in range(1, count + 1)]
+    done = 0
+    nodes: set[str] = set()
+    with Bar("reaches").shown(progress) as shown:
+        try:
+            while waiting:
+                ready, waiting = ray.wait(waiting, timeout=1.0)
+                for manifest in _answers(ready):
+                    done += manifest["reaches"]
+                    nodes.add(manifest["node"])
+                if shown is not None:
+                    shown(done, total, f"{len(waiting)} of {count} parts to go, {len(nodes)} nodes")
+        finally:
+            for task in waiting:
+                ray.cancel(task, force=True)
+    merged = _core.merge([folder / str(part) for part in range(1, count + 1)], Path(out), resume=True)
+    if not keep_parts:
+        shutil.rmtree(folder)
+    return merged
+
+
+def _answers(tasks: list[Any]) -> list[Manifest]:
+    """What finished tasks returned, or the exception of the first that failed, as it was raised there."""
+    ray = _ray()
+    try:
+        return list(ray.get(tasks))
+    except ray.exceptions.RayTaskError as error:
+        raise error.cause from None
+
+
+def _run_part(
+    scenes: list[_core.Scene], reaches: int, folder: str, part: int, count: int, options: dict[str, Any]
+) -> Manifest:
+    """Runs one part on this node, unless it is finished."""
+    start = time.monotonic()
+    final = Path(folder, str(part))
+    written = not final.exists()
+    if written:
+        own = Path(folder, f".{part}-{uuid.uuid4().hex}")
+        try:
+            _core.generate(scenes, reaches, own, shard=(part, count), jobs=1, **options)
+            try:
+                # One step: another run of the same part either has finished, or finds this one.
+                own.rename(final)
+            except OSError:
+                if not final.exists():
+                    raise
+                written = False
+        finally:
+            shutil.rmtree(own, ignore_errors=True)
+    return Manifest(
+        part=part,
+        reaches=len(_core.Dataset(final)),
+        node=_ray().get_runtime_context().get_node_id(),
+        seconds=time.monotonic() - start,
+        written=written,
+    )

@@ -1,0 +1,187 @@
+//! Joins the parts of a campaign that was divided among machines into the set that one process would have made.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::plan::first_difference;
+use super::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard};
+use crate::InputError;
+use crate::disk::DiskError;
+
+/// All parts of one campaign, in order.
+#[derive(Debug)]
+pub struct Shards {
+    /// Part 1 first.
+    parts: Vec<Dataset>,
+    /// The plan of the whole.
+    plan: DatasetPlan,
+}
+
+/// The number of missing parts that an error names.
+const MOST_NAMED: usize = 8;
+
+/// The plan of a part without what differs between parts.
+fn common(part: &Dataset) -> Result<Value, DiskError> {
+    let mut plan = part.plan();
+    plan.provenance.shard = None;
+    plan.episodes.clear();
+    serde_json::to_value(plan).map_err(|error| DiskError::io(part.dir(), "compare")(error.into()))
+}
+
+/// The part that a data set says it is.
+fn shard_of(set: &Dataset) -> Result<Shard, InputError> {
+    let allowed = "a part of a campaign, made with `underbrush generate --shard I/N`";
+    let error = |found: String, remedy: &str| InputError::new(set.dir(), "shard", found, allowed, remedy);
+    match set.provenance().shard {
+        None => Err(error("none: the set is a whole campaign".into(), "leave it out")),
+        Some(shard) if shard.index < shard.count => Ok(shard),
+        Some(shard) => Err(error(shard.to_string(), "generate the part again")),
+    }
+}
+
+/// An error unless the part belongs to the same campaign as the first.
+fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<(), DiskError> {
+    let remedy = "merge only parts that were generated from the same scenes, arms, seed, options and version";
+    let error = |field: &str, found: String, allowed: String| -> DiskError {
+        let allowed = format!("{allowed}, as in {}", first.dir().display());
+        InputError::new(part.dir(), field, found, allowed, remedy).into()
+    };
+    let (expected, found) = (shard_of(first)?, shard_of(part)?);
+    if let Some((field, expected, found)) = first_difference(&common(first)?, &common(part)?) {
+        return Err(error(&field, found, expected));
+    }
+    if expected.count != found.count {
+        return Err(error(
+            "shard",
+            found.to_string(),
+            format!("a part of {}", expected.count),
+        ));
+    }
+    Ok(())
+}
+
+/// An error that names the parts that are not there.
+fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskError> {
+    let absent = (0..count).filter(|index| !places.contains_key(index));
+    let named: Vec<String> = absent
+        .take(MOST_NAMED)
+        .map(|index| Shard { index, count }.to_string())
+        .collect();
+    let Some(first) = places.values().next().filter(|_| !named.is_empty()) else {
+        return Ok(());
+    };
+    let more = count - places.len() as u64 - named.len() as u64;
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    let found = format!("{} of {count} parts, without {}{more}", places.len(), named.join(", "));
+    let remedy = "generate the missing parts with --shard, and name the folders of all parts";
+    Err(InputError::new(
+        first.dir(),
+        "shard",
+        found,
+        format!("all {count} parts, each once"),
+        remedy,
+    )
+    .into())
+}
+
+/// Scene and index of all reaches of a campaign, in order, as far as its scenes tell.
+fn planned(plan: &DatasetPlan) -> impl Iterator<Item = (&str, u64)> {
+    let scenes = plan.provenance.scenes.iter();
+    scenes.flat_map(|scene| (0..scene.reaches).map(|reach| (scene.name.as_str(), reach)))
+}
+
+/// The reaches of the whole campaign, in order, from those of its parts.
+fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>, DiskError> {
+    let mut plans: Vec<_> = parts.iter().map(|part| part.plan().episodes.into_iter()).collect();
+    let count: usize = plans.iter().map(ExactSizeIterator::len).sum();
+    let error = |part: usize, found: &str| -> DiskError {
+        let allowed = "each reach of the campaign in the part to which it belongs";
+        InputError::new(parts[part].dir(), "episodes", found, allowed, "generate the part again").into()
+    };
+    let mut episodes = Vec::with_capacity(count);
+    for (position, (scene, reach_index)) in planned(whole).enumerate() {
+        let part = position % parts.len();
+        let Some(episode) = plans[part].next() else {
+            return Err(error(part, &format!("no reach {reach_index} of {scene}")));
+        };
+        if episode.scene != scene || episode.reach_index != reach_index {
+            let found = format!("reach {} of {}", episode.reach_index, episode.scene);
+            return Err(error(
+                part,
+                &format!("{found} in place of reach {reach_index} of {scene}"),
+            ));
+        }
+        episodes.push(episode);
+    }
+    match plans.iter().position(|rest| rest.len() > 0) {
+        Some(part) => Err(error(part, "more reaches than the campaign has")),
+        None => Ok(episodes),
+    }
+}
+
+impl Shards {
+    /// Opens the folders of all parts of a campaign, in any order. Tables are verified when [`Shards::merge`] reads them.
+    ///
+    /// # Errors
+    /// [`DiskError::Input`] names a folder that is no part of a campaign, or of another campaign than the first folder, or
+    /// that holds the same part as another, and the parts that are missing; otherwise as [`Dataset::open`].
+    pub fn open(dirs: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<Self, DiskError> {
+        let opened = dirs.into_iter().map(Dataset::open).collect::<Result<Vec<_>, _>>()?;
+        let Some(first) = opened.first() else {
+            let remedy = "name the folders of the parts";
+            return Err(InputError::new(".", "parts", "none", "all parts of a campaign", remedy).into());
+        };
+        let count = shard_of(first)?.count;
+        opened.iter().try_for_each(|part| require_same_campaign(first, part))?;
+        let mut places: BTreeMap<u64, Dataset> = BTreeMap::new();
+        for part in opened {
+            let shard = shard_of(&part)?;
+            if let Some(other) = places.get(&shard.index) {
+                let found = format!("{shard}, which {} holds, too", other.dir().display());
+                let remedy = "name each part once";
+                return Err(InputError::new(part.dir(), "shard", found, "each part once", remedy).into());
+            }
+            places.insert(shard.index, part);
+        }
+        require_all(&places, count)?;
+        let parts: Vec<Dataset> = places.into_values().collect();
+        let mut plan = parts[0].plan();
+        plan.provenance.shard = None;
+        plan.episodes = joined(&parts, &plan)?;
+        Ok(Shards { parts, plan })
+    }
+
+    /// The plan of the whole campaign.
+    pub fn plan(&self) -> &DatasetPlan {
+        &self.plan
+    }
+
+    /// Writes the set that one process would have made, byte for byte, into an empty or new folder or, with `resume`,
+    /// continues an interrupted merge there. One reach is in memory at a time. `merged` is called after each reach.
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::create`] and [`DatasetWriter::finish`], and [`DiskError::Input`] for damaged parts.
+    pub fn merge(&self, out: &Path, resume: bool, merged: impl FnMut()) -> Result<Dataset, DiskError> {
+        self.merge_with(DatasetWriter::create(out, self.plan.clone(), resume)?, merged)
+    }
+
+    /// Writes the set with a writer for its plan.
+    pub(in crate::disk) fn merge_with(
+        &self,
+        writer: DatasetWriter,
+        mut merged: impl FnMut(),
+    ) -> Result<Dataset, DiskError> {
+        let count = self.parts.len();
+        writer.finish_from(|position| {
+            let recording = self.parts[position % count].read_reach(position / count)?;
+            merged();
+            Ok(recording)
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! Reading a column of double precision straight from the pages of a Parquet file.
+//!
+//! A list column stores for every number two levels, which say whether it is there and whether a row begins with it. Decoding them
+//! takes several times as long as decompressing the numbers. In the columns that this program writes, every number is there and
+//! every row is equally wide, so the levels can be skipped.
+
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Encoding, Type};
+use parquet::column::page::Page;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
+use parquet::file::serialized_reader::SerializedPageReader;
+
+use super::DiskError;
+use super::parquet_file::decode;
+
+/// Writes the numbers of a column in a row group into `to`, in their order. Returns whether it could: `false` if they are not as
+/// many as `to` has places, or not stored as plain numbers without nulls, so that Arrow's reader has to read them. What `to` then
+/// holds is unspecified.
+///
+/// # Errors
+/// [`DiskError::Input`] for damaged files.
+pub(super) fn read<N>(
+    path: &Path,
+    file: File,
+    group: &RowGroupMetaData,
+    column: &str,
+    convert: impl Fn(f64) -> N,
+    to: &mut [N],
+) -> Result<bool, DiskError> {
+    let is_it = |chunk: &&ColumnChunkMetaData| chunk.column_path().parts().first().is_some_and(|name| name == column);
+    let Some(chunk) = group.columns().iter().find(is_it) else {
+        return Ok(false);
+    };
+    let Ok(rows) = usize::try_from(group.num_rows()) else {
+        return Ok(false);
+    };
+    if chunk.column_type() != Type::DOUBLE {
+        return Ok(false);
+    }
+    decode(path, || -> Result<bool, ParquetError> {
+        let mut left = to;
+        for page in SerializedPageReader::new(Arc::new(file), chunk, rows, None)? {
+            let page = page?;
+            let Some(numbers) = numbers_of(&page, chunk) else {
+                return Ok(false);
+            };
+            let Some((own, rest)) = left.split_at_mut_checked(numbers.len()) else {
+                return Ok(false);
+            };
+            for (place, number) in own.iter_mut().zip(numbers) {
+                *place = convert(f64::from_le_bytes(*number));
+            }
+            left = rest;
+        }
+        Ok(left.is_empty())
+    })
+}
+
+/// The numbers of a page, if it has nothing else.
+fn numbers_of<'a>(page: &'a Page, chunk: &ColumnChunkMetaData) -> Option<&'a [[u8; 8]]> {
+    let Page::DataPage {
+        buf,
+        num_values,
+        encoding: Encoding::PLAIN,
+        def_level_encoding: Encoding::RLE,
+        rep_level_encoding: Encoding::RLE,
+        ..
+    } = page
+    else {
+        return None;
+    };
+    let column = chunk.column_descr();
+    let mut bytes: &[u8] = buf;
+    for largest_level in [column.max_rep_level(), column.max_def_level()] {
+        if largest_level > 0 {
+            let (length, rest) = bytes.split_first_chunk::<4>()?;
+            bytes = rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)?;
+        }
+    }
+    // A page counts the places of missing numbers, too. They have no bytes.
+    let (numbers, rest) = bytes.as_chunks::<8>();
+    (rest.is_empty() && numbers.len() == usize::try_from(*num_values).ok()?).then_some(numbers)
+}

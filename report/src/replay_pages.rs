@@ -1,0 +1,90 @@
+//! The replay pages beside a report, to which its figures link.
+
+use std::path::Path;
+
+use underbrush_classifier::Model;
+use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_experiments::experiment::example_trials;
+use underbrush_experiments::files;
+use underbrush_experiments::session::Session;
+use underbrush_experiments::{ExperimentError, models, online, reaches, training};
+use underbrush_recording::Recording;
+use underbrush_replay::{Held, Judging, ReplayError, Source, single_file};
+
+use crate::error::ReproductionError;
+use crate::replay_links::{ENGINEERED_FILE, TEST_FILE, TRAINING_FILE};
+use crate::replayed::{MAX_PAGE_BYTES, known};
+
+/// Writes each page that has reaches, with the verdicts that the figures are about.
+pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> {
+    let (tested, online) = (session.once(reaches::run)?, session.once(online::run)?);
+    let uncertain = online::uncertain_rule(session.experiment);
+    let judged = |recording: &Recording, rule: Rule| held(session, recording.clone(), rule);
+
+    let shown = online.shown().and_then(|shown| {
+        let all = tested.general.iter().flat_map(|found| &found.reaches);
+        all.into_iter()
+            .find(|recording| recording.reach_index == shown.reach_index)
+    });
+    let general = shown.into_iter().map(|recording| judged(recording, uncertain));
+    let outliers = tested.outlier.iter().flat_map(|found| &found.reaches);
+    let outliers = outliers.map(|recording| judged(recording, Decision::paper().rule));
+    page(session, general.chain(outliers), &folder.join(TEST_FILE))?;
+
+    let engineered = tested.engineered.iter().filter_map(|(_, found)| found.reaches.last());
+    page(
+        session,
+        engineered.map(|recording| judged(recording, uncertain)),
+        &folder.join(ENGINEERED_FILE),
+    )?;
+
+    let data = session.once(training::run)?;
+    let examples = session.once(example_trials::run)?;
+    let places = examples.figure_5.iter().filter_map(|example| example.data.reach);
+    let examples = places.map(|place| {
+        held(
+            session,
+            data.dataset.read_reach(place as usize).map_err(ExperimentError::from)?,
+            uncertain,
+        )
+    });
+    page(session, examples, &folder.join(TRAINING_FILE))
+}
+
+/// A reach with the verdicts of the experiment's models by this rule.
+fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, ExperimentError> {
+    let models = session.once(models::run)?;
+    let judging = Judging {
+        name: "model.json".into(),
+        model: Model::new(Box::new(models.0.clone())),
+        options: online::options(session.experiment, rule),
+    };
+    Ok(Held {
+        recording,
+        judging: Some(judging),
+    })
+}
+
+/// Writes a page with these reaches. Those that do not fit are left out, and the program says so.
+fn page(
+    session: &Session,
+    reaches: impl Iterator<Item = Result<Held, ExperimentError>>,
+    path: &Path,
+) -> Result<(), ReproductionError> {
+    let source = Source::of(reaches.collect::<Result<_, _>>()?, known())?;
+    let numbers: Vec<usize> = (0..source.reaches().len()).collect();
+    if numbers.is_empty() {
+        return Ok(());
+    }
+    let text = match single_file(&source, &numbers, MAX_PAGE_BYTES) {
+        Err(ReplayError::FileTooLarge { fitting, .. }) => {
+            let (file, count) = (path.display(), numbers.len());
+            session.progress.remark(&format!(
+                "{file} has only the first {fitting} of {count} reaches, because browsers cannot open more"
+            ));
+            single_file(&source, &numbers[..fitting], MAX_PAGE_BYTES)
+        }
+        other => other,
+    };
+    Ok(files::write(path, text?.as_bytes())?)
+}

@@ -1,0 +1,23 @@
+//! What the replay page shows and recordings do not say.
+
+use underbrush_experiments::audit;
+use underbrush_replay::Known;
+use underbrush_sim::controller::ControllerKind;
+
+/// Largest size of a page with reaches inside, bytes. Choice: browsers refuse texts of more than about 500 MB, and nobody sends
+/// that.
+pub const MAX_PAGE_BYTES: usize = 400_000_000;
+
+/// The force limits of the controllers that ship, and the bounds of the audit.
+pub fn known() -> Known {
+    Known {
+        force_limit_n,
+        audit_warnings: audit::exceeded_bounds,
+    }
+}
+
+/// The force limit of a controller that ships.
+fn force_limit_n(controller: &str) -> Option<f64> {
+    let kind = ControllerKind::from_name(controller).ok()?;
+    Some(kind.preset().force_limit_n)
+}

@@ -1,0 +1,63 @@
+//! A whole study: runs an experiment, and writes its data, models, results and report.
+
+use std::path::Path;
+
+use underbrush_classifier::Model;
+use underbrush_experiments::definition::Experiment;
+use underbrush_experiments::files::{write, write_json};
+use underbrush_experiments::plan::Plan;
+use underbrush_experiments::results::Results;
+use underbrush_experiments::session::Session;
+use underbrush_experiments::{ExperimentError, Progress, audit, models, training};
+use underbrush_recording::disk::write_trials;
+
+pub use crate::error::ReproductionError;
+use crate::{Written, replay_pages};
+
+/// How an experiment is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Reproduction<'a> {
+    /// What is run.
+    pub experiment: &'a Experiment,
+    /// Seed of the first campaign.
+    pub seed: u64,
+    /// Whether there are fewer reaches.
+    pub quick: bool,
+    /// Number of campaigns, of this seed and the next ones.
+    pub campaigns: u64,
+    /// Whether what another run has left in the folder is removed.
+    pub fresh: bool,
+}
+
+impl Reproduction<'_> {
+    /// Runs everything, writes it into a folder, and returns the results with the report. Finished stages are cached there.
+    ///
+    /// # Errors
+    /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
+    pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), ReproductionError> {
+        Plan::new(self.experiment, self.seed, self.quick).settle(out, self.fresh)?;
+        let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
+        let data = session.once(training::run)?;
+        for warning in audit::warnings(data.dataset.episodes(), data.dataset.layout()) {
+            progress.remark(&warning);
+        }
+        let trials = &data.trials;
+        let tables = [("component", &trials.component), ("taxel", &trials.taxel)];
+        for (unit, trials) in tables {
+            let path = out.join(format!("trials-{unit}.parquet"));
+            write_trials(path, trials.iter().cloned()).map_err(ExperimentError::from)?;
+        }
+        let models = session.once(models::run)?;
+        let text = Model::new(Box::new(models.0.clone())).save_string();
+        write(&out.join("model.json"), text.map_err(ExperimentError::from)?.as_bytes())?;
+        let results = Results::of(&session)?;
+        write_json(&out.join("summary.json"), &results)?;
+        let report = Written::of(&results);
+        let folder = out.join("report");
+        for file in &report.files {
+            write(&folder.join(&file.path), file.text.as_bytes())?;
+        }
+        replay_pages::write(&session, &folder)?;
+        Ok((results, report))
+    }
+}

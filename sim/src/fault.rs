@@ -1,0 +1,28 @@
+//! What the errors of this crate mean to whoever asked for the work.
+
+use underbrush_recording::fault::Fault;
+
+use crate::controller::UnknownController;
+use crate::reach::ReachError;
+use crate::simulation::StateError;
+
+impl From<ReachError> for Fault {
+    fn from(error: ReachError) -> Self {
+        match error {
+            ReachError::Input(input) => input.into(),
+            ReachError::EquilibriumAngles { .. } | ReachError::Stopped => Fault::Run(error.to_string()),
+        }
+    }
+}
+
+impl From<StateError> for Fault {
+    fn from(error: StateError) -> Self {
+        Fault::Usage(error.to_string())
+    }
+}
+
+impl From<UnknownController> for Fault {
+    fn from(error: UnknownController) -> Self {
+        Fault::Usage(error.to_string())
+    }
+}

@@ -1,0 +1,69 @@
+//! What is printed about a data set that was made.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use underbrush_experiments::audit::{self, Worst};
+use underbrush_experiments::ends::Ends;
+use underbrush_recording::disk::Dataset;
+use underbrush_report::text;
+
+use crate::output;
+
+/// Summary of a data set.
+#[derive(Serialize)]
+pub(super) struct Summary {
+    #[serde(serialize_with = "output::path")]
+    dataset: PathBuf,
+    reaches: usize,
+    frames: usize,
+    simulated_s: f64,
+    /// How long it took to make; `None` for one that was already finished, or merged.
+    wall_s: Option<f64>,
+    #[serde(flatten)]
+    ends: Ends,
+    /// The worst residuals of the audit, each with its reach.
+    audit: BTreeMap<&'static str, Worst>,
+    /// The counts of the audit, summed over the reaches.
+    audit_counts: BTreeMap<&'static str, u64>,
+}
+
+impl Summary {
+    /// Sums up a data set that took `wall_s` to simulate.
+    pub(super) fn of(dataset: &Dataset, wall_s: Option<f64>) -> Self {
+        let episodes = dataset.episodes();
+        let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
+        Summary {
+            dataset: dataset.dir().to_path_buf(),
+            reaches: episodes.len(),
+            frames,
+            simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
+            wall_s,
+            ends: Ends::of(episodes),
+            audit: audit::worst(episodes, dataset.layout()),
+            audit_counts: audit::counts(episodes),
+        }
+    }
+
+    /// Readable text.
+    pub(super) fn text(&self) -> String {
+        let pace = self.wall_s.map_or(String::new(), |wall_s| {
+            format!(
+                " in {wall_s:.0} s ({:.0} times real time)",
+                self.simulated_s / wall_s.max(1e-9)
+            )
+        });
+        format!(
+            "{} reaches, {:.0} s of simulated time{pace}\n\
+             {}\n\
+             {}\n\
+             data set in {}",
+            self.reaches,
+            self.simulated_s,
+            self.ends.text(),
+            text::audit(&self.audit),
+            self.dataset.display()
+        )
+    }
+}

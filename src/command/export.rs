@@ -1,0 +1,124 @@
+//! `underbrush export`: writes reaches for other tools.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use underbrush_classifier::evaluate::touch_folds::ReadReaches;
+use underbrush_exchange::{write_hdf5, write_mcap};
+use underbrush_recording::Recording;
+
+use crate::failure::Failure;
+use crate::output;
+use crate::reaches::Reaches;
+
+/// Options of `underbrush export`.
+#[derive(Args)]
+pub struct Options {
+    /// Data sets (folders) or recordings (.parquet)
+    #[arg(required = true, value_name = "DATA")]
+    data: Vec<PathBuf>,
+    /// Format to write
+    #[arg(long, value_name = "FORMAT")]
+    to: Format,
+    /// File to write. For MCAP and several reaches: the folder, with one file reach-000000.mcap, … for each
+    #[arg(long, value_name = "PATH")]
+    out: PathBuf,
+}
+
+/// The formats.
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// For Foxglove and tools of ROS 2: joint states, transforms, scene and skin; one file a reach
+    Mcap,
+    /// In the shape of robomimic's data sets: one file with a demonstration for each reach
+    Hdf5,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Written {
+    #[serde(serialize_with = "output::path")]
+    out: PathBuf,
+    reaches: usize,
+    frames: usize,
+    files: usize,
+    bytes: u64,
+}
+
+impl Written {
+    /// Counts a reach.
+    fn count(&mut self, recording: &Recording) {
+        self.reaches += 1;
+        self.frames += recording.frames.len();
+    }
+
+    /// Counts a file.
+    fn file(&mut self, path: &Path) {
+        self.files += 1;
+        self.bytes += std::fs::metadata(path).map_or(0, |file| file.len());
+    }
+}
+
+/// An error about the folder for several files.
+fn no_folder(folder: &Path) -> impl FnOnce(std::io::Error) -> Failure {
+    move |error| {
+        let folder = folder.display();
+        Failure::run(format!(
+            "{folder}: cannot create: {error}; check the path and its permissions"
+        ))
+    }
+}
+
+/// Writes the files.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let reaches = Reaches::open(&options.data)?;
+    let out = options.out.as_path();
+    let mut written = Written {
+        out: out.to_path_buf(),
+        reaches: 0,
+        frames: 0,
+        files: 0,
+        bytes: 0,
+    };
+    match options.to {
+        Format::Mcap if reaches.count() == 1 => reaches.read_any(|recording| {
+            write_mcap(out, recording)?;
+            written.count(recording);
+            written.file(out);
+            Ok(())
+        })?,
+        Format::Mcap => {
+            std::fs::create_dir_all(out).map_err(no_folder(out))?;
+            reaches.read_any(|recording| {
+                let path = out.join(format!("reach-{:06}.mcap", written.reaches));
+                write_mcap(&path, recording)?;
+                written.count(recording);
+                written.file(&path);
+                Ok(())
+            })?;
+        }
+        Format::Hdf5 => {
+            write_hdf5::<Failure>(out, |writer| {
+                reaches.read_any(|recording| {
+                    writer.push(recording)?;
+                    written.count(recording);
+                    Ok(())
+                })
+            })?;
+            written.file(out);
+        }
+    }
+    output::result(json, &written, || {
+        let Written {
+            reaches, frames, files, ..
+        } = written;
+        let megabytes = written.bytes as f64 / 1e6;
+        let [reaches, files] = [(reaches, "reach", "reaches"), (files, "file", "files")]
+            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
+        format!(
+            "{reaches}, {frames} frames in {files}, {megabytes:.1} MB: {}",
+            out.display()
+        )
+    })
+}

@@ -1,0 +1,71 @@
+//! `underbrush import`: cuts contact trials from a file of a real robot.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use underbrush_exchange::import::{Mapping, import};
+use underbrush_recording::disk::write_trials;
+
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush import`.
+#[derive(Args)]
+pub struct Options {
+    /// File to read: .csv, .h5, .hdf5 or .mcap
+    file: PathBuf,
+    /// Mapping (TOML): which numbers are the forces on which taxels, in which unit. docs/exchange.md describes it
+    #[arg(long, value_name = "FILE")]
+    mapping: PathBuf,
+    /// Table of trials to write, `.csv` or `.parquet`, for train, classify, evaluate and score
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Written {
+    #[serde(serialize_with = "output::path")]
+    file: PathBuf,
+    reaches: usize,
+    frames: usize,
+    trials: usize,
+    samples: usize,
+    /// Number of trials by category; the empty name is for those without one.
+    categories: BTreeMap<String, usize>,
+}
+
+/// Writes the table.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;
+    let mut written = Written {
+        file: options.out.clone(),
+        reaches: imported.reaches,
+        frames: imported.frames,
+        trials: imported.trials.len(),
+        samples: imported.trials.iter().map(|trial| trial.samples.len()).sum(),
+        categories: BTreeMap::new(),
+    };
+    for trial in &imported.trials {
+        let category = trial.category.clone().unwrap_or_default();
+        *written.categories.entry(category).or_default() += 1;
+    }
+    write_trials(&options.out, imported.trials)?;
+    output::result(json, &written, || {
+        let named = written.categories.iter().map(|(name, count)| match name.as_str() {
+            "" => format!("{count} without a category"),
+            name => format!("{count} {name}"),
+        });
+        format!(
+            "{} trials, {} samples from {} frames of {} reaches: {}\n{}",
+            written.trials,
+            written.samples,
+            written.frames,
+            written.reaches,
+            named.collect::<Vec<_>>().join(", "),
+            written.file.display()
+        )
+    })
+}

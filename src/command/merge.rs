@@ -1,0 +1,51 @@
+//! `underbrush merge`: joins the parts of a divided campaign into one data set.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use underbrush_recording::disk::{Dataset, DiskError, Shards};
+
+use super::dataset_summary::Summary;
+use crate::failure::Failure;
+use crate::progress;
+use crate::{interrupt, output};
+
+/// Options of `underbrush merge`.
+#[derive(Args)]
+pub struct Options {
+    /// Folders of all parts, in any order, each made by `underbrush generate --shard I/N` with otherwise the same options
+    #[arg(required = true, value_name = "PART")]
+    parts: Vec<PathBuf>,
+    /// Folder to write the data set to. It gets the bytes that `generate` without --shard would have written
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Continue an interrupted merge
+    #[arg(long)]
+    resume: bool,
+}
+
+/// Joins the parts.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let Options { parts, out, resume } = options;
+    let shards = Shards::open(parts)?;
+    interrupt::hint(format!(
+        "what is complete is kept in {}; run the same command with --resume to go on",
+        out.display()
+    ));
+    let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
+    let merged = shards.merge(&out, resume, || bar.inc(1));
+    bar.finish_and_clear();
+    let dataset = match merged {
+        // With `resume`, this means that the set has the same plan.
+        Err(DiskError::Finished { .. }) if resume => {
+            output::remark(format!(
+                "{}: the data set is finished; there is nothing to do",
+                out.display()
+            ));
+            Dataset::open(&out)?
+        }
+        merged => merged?,
+    };
+    let summary = Summary::of(&dataset, None);
+    output::result(json, &summary, || summary.text())
+}

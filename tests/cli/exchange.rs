@@ -1,0 +1,122 @@
+//! `underbrush export` and `underbrush import`.
+
+use std::path::Path;
+
+use underbrush_recording::Trial;
+use underbrush_recording::disk::{Dataset, read_trials};
+
+use crate::support::fixture::{fixture, recording_with_trials};
+use crate::support::underbrush;
+
+/// Reach, taxel, and time (µs) and force (N) of all samples: what an import can know of a trial. Times that follow from the rate
+/// may differ by rounding, so they are whole microseconds.
+type Known = (Option<u64>, Option<u32>, Vec<(i64, f64)>);
+
+/// What an import can know of these trials.
+fn known(trials: &[Trial]) -> Vec<Known> {
+    let samples = |trial: &Trial| {
+        trial
+            .samples
+            .iter()
+            .map(|sample| ((sample.time_s * 1e6).round() as i64, sample.force_n))
+            .collect()
+    };
+    let mut known: Vec<_> = trials
+        .iter()
+        .map(|trial| (trial.reach, trial.taxel, samples(trial)))
+        .collect();
+    known.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    known
+}
+
+fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
+    let path = folder.join("map.toml");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself, labelled by
+/// the scene, and that a classifier can be trained on them and classifies them.
+#[test]
+fn trials_through_hdf5_are_those_of_the_data_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, table, model] = ["set.hdf5", "trials.csv", "model.json"].map(|name| folder.path().join(name));
+    let written = underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", file, "--json"].json();
+    let set = Dataset::open(fixture().dataset()).unwrap();
+    assert_eq!((&written["reaches"], &written["files"]), (&6.into(), &1.into()));
+    assert_eq!(written["frames"], set.info().total_frames);
+    assert_eq!(written["bytes"], std::fs::metadata(&file).unwrap().len());
+    let map = mapping(
+        folder.path(),
+        "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_forearm\"\n[trial]\ncategory_from = \"scene\"\n",
+    );
+    let imported = underbrush!["import", file, "--mapping", map, "--out", table, "--json"].json();
+    let (direct, imported_trials) = (
+        read_trials(fixture().table_csv()).unwrap(),
+        read_trials(&table).unwrap(),
+    );
+    assert_eq!(imported["trials"], direct.len());
+    assert_eq!(known(&direct), known(&imported_trials));
+    let categories = imported["categories"].as_object().unwrap();
+    assert_eq!(categories.keys().collect::<Vec<_>>(), ["leaf", "trunk"]);
+    underbrush!["train", table, "--out", model, "--states", "3"].success();
+    let classified = underbrush!["classify", model, table, "--json"].success();
+    assert!(classified.contains("\"verdict\""), "{classified}");
+}
+
+/// Pins that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and that a
+/// data set becomes one file for each reach.
+#[test]
+fn trials_through_mcap_are_those_of_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let [recording, file, table, many] =
+        ["reach.parquet", "reach.mcap", "trials.parquet", "many"].map(|name| folder.path().join(name));
+    let mut direct = recording_with_trials(&fixture().trunk_scene(), &recording);
+    let text = underbrush!["export", recording, "--to", "mcap", "--out", file].success();
+    assert!(text.starts_with("1 reach, ") && text.contains(" in 1 file, "), "{text}");
+    let map = mapping(
+        folder.path(),
+        "[force]\ntopic = \"/skin/forearm\"\nfrom = \"sensed_force_n\"\n",
+    );
+    underbrush!["import", file, "--mapping", map, "--out", table].success();
+    direct.iter_mut().for_each(|trial| trial.reach = Some(0));
+    assert_eq!(known(&direct), known(&read_trials(&table).unwrap()));
+
+    let written = underbrush!["export", fixture().dataset(), "--to", "mcap", "--out", many, "--json"].json();
+    assert_eq!(written["files"], 6);
+    let mut names: Vec<_> = std::fs::read_dir(&many)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(
+        names,
+        (0..6).map(|reach| format!("reach-{reach:06}.mcap")).collect::<Vec<_>>()
+    );
+}
+
+/// Pins that other inputs and outputs are refused by name, and that the mapping's line is shown.
+#[test]
+fn what_cannot_be_exchanged_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out.mcap");
+    underbrush!["export", fixture().table_csv(), "--to", "mcap", "--out", out]
+        .refused(&["trials.csv", "data sets (folders) or recordings"]);
+    underbrush!["export", fixture().dataset(), "--to", "rosbag", "--out", out].refused(&["rosbag", "mcap, hdf5"]);
+    underbrush!["export", "nowhere", "--to", "hdf5", "--out", out].refused(&["nowhere", "no such file or folder"]);
+    assert!(!out.exists());
+
+    let log = folder.path().join("log.csv");
+    std::fs::write(&log, "t,f\n0,1\n").unwrap();
+    let table = folder.path().join("trials.csv");
+    let map = mapping(folder.path(), "[time]\nfrom = \"t\"\n[force]\nfrom = \"force\"\n");
+    underbrush!["import", log, "--mapping", map, "--out", table].refused(&[
+        "map.toml:4",
+        "force.from: found \"force\"",
+        "from = \"force\"",
+        "log.csv: t, f",
+        "change `from`",
+    ]);
+    underbrush!["import", "nowhere.csv", "--mapping", map, "--out", table].refused(&["nowhere.csv", "no such file"]);
+    assert!(!table.exists());
+}
