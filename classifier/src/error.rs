@@ -35,6 +35,19 @@ pub enum ModelError {
         /// Number of trials given.
         trials: usize,
     },
+    /// Too few reaches to show that an allowed share is kept to.
+    #[error(
+        "{reaches} reaches cannot show that at most {share} of a new reach is judged badly; allowed: {needed} reaches or more; \
+         generate more, or allow a larger share"
+    )]
+    FewReaches {
+        /// Number of reaches given.
+        reaches: usize,
+        /// The smallest number that can show it.
+        needed: usize,
+        /// The allowed share.
+        share: f64,
+    },
     /// A category of the start models has no trials.
     #[error("no trial has the category {category} of the start models; add such trials or drop that start model")]
     NoTrials {

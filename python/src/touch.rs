@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
-use underbrush_classifier::touch::{TouchClassifier, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{RiskLimits, TouchClassifier, TouchExamples, TouchModel, TouchOptions};
 use underbrush_recording::{InputError, Recording};
 
 use crate::failure::Failure;
@@ -24,37 +24,58 @@ pub struct PyTouchModel {
 #[pymethods]
 impl PyTouchModel {
     /// Fit a model to reaches with ground truth. The order of the reaches has an influence, through rounding and folds.
+    /// ``limit_wrong`` and ``limit_false_alarms`` are the largest shares of the taxel frames of a new reach that may be called
+    /// another category, and unknown, on average over reaches; the decision is chosen by them.
     #[staticmethod]
-    #[pyo3(signature = (reaches, patch = None, *, threshold_n = None, jobs = None))]
+    #[pyo3(signature = (
+        reaches, patch = None, *, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
+    ))]
     fn fit(
         py: Python<'_>,
         reaches: Vec<Py<Reach>>,
         patch: Option<String>,
         threshold_n: Option<f64>,
+        limit_wrong: Option<f64>,
+        limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
         let options = options(patch, threshold_n);
+        let limits = RiskLimits {
+            wrong: limit_wrong,
+            false_alarms: limit_false_alarms,
+        };
         let reaches = Given(reaches.iter().map(Py::get).collect());
-        let model = Arc::new(pool::detached(py, jobs, || fitted(&reaches.examples(options)?))?);
+        let fit = || fitted(&reaches.examples(options)?, &limits);
+        let model = Arc::new(pool::detached(py, jobs, fit)?);
         Ok(PyTouchModel { model })
     }
 
-    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others.
+    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others, within the limits of ``fit``.
     #[staticmethod]
-    #[pyo3(signature = (reaches, patch = None, *, folds = 2, threshold_n = None, jobs = None))]
+    #[pyo3(signature = (
+        reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn cross_validate<'py>(
         py: Python<'py>,
         reaches: Vec<Py<Reach>>,
         patch: Option<String>,
         folds: usize,
         threshold_n: Option<f64>,
+        limit_wrong: Option<f64>,
+        limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let options = options(patch, threshold_n);
         let reaches = Given(reaches.iter().map(Py::get).collect());
+        let limits = RiskLimits {
+            wrong: limit_wrong,
+            false_alarms: limit_false_alarms,
+        };
+        let fit = |examples: &TouchExamples| fitted(examples, &limits);
         let judge = || {
             check_folds(folds, reaches.count())?;
-            cross_validate_touch(folds, &reaches.examples(options)?, &reaches, fitted, Failure::from)
+            cross_validate_touch(folds, &reaches.examples(options)?, &reaches, fit, Failure::from)
         };
         json::to_python(py, &pool::detached(py, jobs, judge)?)
     }
@@ -140,7 +161,7 @@ fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
 }
 
 /// A model of these rows.
-fn fitted(examples: &TouchExamples) -> Result<TouchModel, Failure> {
+fn fitted(examples: &TouchExamples, limits: &RiskLimits) -> Result<TouchModel, Failure> {
     let rows = examples.rows();
     if rows.reaches < rows.held_out_parts {
         let allowed = format!(
@@ -150,7 +171,7 @@ fn fitted(examples: &TouchExamples) -> Result<TouchModel, Failure> {
         let found = rows.reaches.to_string();
         return Err(Failure::argument("reaches", found, allowed, "give more reaches"));
     }
-    Ok(examples.fit()?)
+    Ok(examples.fit_within(limits)?)
 }
 
 /// Reaches that a caller gave.

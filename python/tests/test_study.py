@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +72,18 @@ def test_suites_are_checked_as_by_the_command_line(tmp_path: Path, command) -> N
         ub.check([])
 
 
+def test_an_interrupted_suite_is_not_blessed(tmp_path: Path) -> None:
+    """Pins that Ctrl-C ends a check, and that it writes neither bounds nor results then."""
+    file = suite(tmp_path / "suite")
+
+    def interrupt(done: int, total: int, text: str) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        ub.check(file, bless=True, out=tmp_path / "out", progress=interrupt)
+    assert file.read_text() == SUITE and not (tmp_path / "out" / "results.json").exists()
+
+
 def at(found: dict[str, Any], file: Path) -> dict[str, Any]:
     """The results of a suite as if it stood in the folder of this file."""
     for scene in found["suites"][0]["scenes"]:
@@ -78,8 +92,8 @@ def at(found: dict[str, Any], file: Path) -> dict[str, Any]:
 
 
 def test_a_study_is_that_of_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that an experiment writes the command line's data, models, trials and tables, byte for byte, that another experiment
-    does not go on in its folder, and that progress is reported."""
+    """Pins that an experiment writes the command line's data, models, trials and tables, byte for byte, also if it was ended by
+    Ctrl-C and goes on, that another experiment does not go on in its folder, and that progress is reported."""
     folder = tmp_path / "experiment"
     folder.mkdir()
     example = ROOT / "experiments" / "examples" / "three-categories"
@@ -95,6 +109,14 @@ def test_a_study_is_that_of_the_command_line(tmp_path: Path, command) -> None:
         (folder / file.name).write_text(text)
     experiment = folder / "three-categories.toml"
     seen: list[tuple[int, int]] = []
+
+    def interrupt(done: int, total: int, text: str) -> None:
+        if done >= 2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        ub.reproduce(tmp_path / "ours", experiment=experiment, progress=interrupt)
+    assert not (tmp_path / "ours" / "summary.json").exists()
     found = ub.reproduce(
         tmp_path / "ours", experiment=experiment, progress=lambda done, total, text: seen.append((done, total))
     )

@@ -495,6 +495,8 @@ class TouchModel:
         patch: str | None = None,
         *,
         threshold_n: float | None = None,
+        limit_wrong: float | None = None,
+        limit_false_alarms: float | None = None,
         jobs: int | None = None,
     ) -> TouchModel: ...
     @staticmethod
@@ -516,6 +518,8 @@ class TouchModel:
         *,
         folds: int = 2,
         threshold_n: float | None = None,
+        limit_wrong: float | None = None,
+        limit_false_alarms: float | None = None,
         jobs: int | None = None,
     ) -> _Json: ...
     def __reduce__(self) -> tuple[Any, ...]: ...

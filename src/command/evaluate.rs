@@ -17,7 +17,7 @@ use underbrush_recording::Trial;
 
 use super::decision_arguments::{DecisionArguments, Scores};
 use super::estimator_arguments::EstimatorArguments;
-use super::touch::{self, Judge, TouchDecisionArguments};
+use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -72,6 +72,8 @@ pub struct Options {
     estimator: EstimatorArguments,
     #[command(flatten, next_help_heading = "Verdicts of the classifier touch")]
     touch: TouchDecisionArguments,
+    #[command(flatten, next_help_heading = "Verdicts of the classifier touch")]
+    risk: RiskArguments,
     #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
 }
@@ -91,6 +93,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let model = match model {
         Some(AnyModel::Touch(model)) => {
             options.cut.refuse_for_touch_model()?;
+            options
+                .risk
+                .refuse("applies to models that are fitted, and the one of --model is fitted already")?;
             return options.frames(Judge::Model(model), json);
         }
         Some(AnyModel::OfTrials(model)) => Some(model),
@@ -105,6 +110,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         None => None,
     };
     options.touch.refuse_for_trials()?;
+    options
+        .risk
+        .refuse("applies to the classifier touch only, and this is a classifier of trials")?;
     let path = input::only(&options.trials)?;
     let trials = input::some_trials(path, &options.cut)?;
     let about = |failure: Failure| failure.about(path);
@@ -194,9 +202,12 @@ impl Options {
                 "{option} does not apply to the classifier touch, which judges the frames of whole reaches; leave it out"
             )));
         }
+        let limits = self.risk.limits();
+        self.touch.refuse_beside(&limits)?;
         let evaluation = touch::Evaluation {
             paths: &self.trials,
             judge,
+            limits,
             decision: &self.touch,
         };
         evaluation.run(json)

@@ -14,7 +14,7 @@ use underbrush_classifier::{HmmClassifier, Model, ModelError, TrainingReport, is
 use underbrush_recording::Trial;
 
 use super::estimator_arguments::EstimatorArguments;
-use super::touch;
+use super::touch::{self, RiskArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -47,6 +47,8 @@ pub struct Options {
     outlier_prior: f64,
     #[command(flatten)]
     estimator: EstimatorArguments,
+    #[command(flatten, next_help_heading = "Verdicts of the classifier touch")]
+    risk: RiskArguments,
     #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
 }
@@ -90,8 +92,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
                  and give classify or evaluate --unknown-share",
             ));
         }
-        return touch::train(&options.trials, &options.cut.touch()?, &options.out, json);
+        let limits = options.risk.limits();
+        return touch::train(&options.trials, &options.cut.touch()?, &limits, &options.out, json);
     }
+    options.risk.refuse("applies to --classifier touch only")?;
     let estimator = options.estimator.estimator()?;
     let path = input::only(&options.trials)?;
     let trials = input::some_trials(path, &options.cut)?;

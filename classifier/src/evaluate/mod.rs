@@ -15,6 +15,7 @@ mod roc;
 mod stream;
 mod threshold;
 pub mod touch;
+mod touch_contact;
 mod touch_figures;
 pub mod touch_folds;
 
@@ -34,7 +35,8 @@ pub use stream::{
 };
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{
-    FALSE_ALARMS, OutlierFigures, RightWithin, TouchFigures, TruthFigures, found_at_false_alarms, outlier_curve,
+    FALSE_ALARMS, OutlierFigures, ReachFigures, RightWithin, TouchFigures, TruthFigures, found_at_false_alarms,
+    outlier_curve,
 };
 
 #[cfg(test)]

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use serde::Serialize;
 use underbrush_recording::{Category, Recording};
 
+use super::touch_contact::{JudgedContact, OpenContact};
 use crate::touch::{RegionTouch, TaxelTouch, Touch, TouchClassifier, TouchModel};
 use crate::trial::TrialError;
 
-/// A tenth of a second.
-const TENTH_SECOND_SAMPLES: usize = 10;
 /// Bins of the probability of the likeliest class.
 pub const CALIBRATION_BINS: usize = 20;
 
@@ -34,6 +33,11 @@ impl TouchTally {
         self.right + self.wrong + self.uncertain
     }
 
+    /// Taxel frames of a known category that are called another one.
+    pub fn other_category(&self) -> usize {
+        self.wrong - self.nothing - self.unknown
+    }
+
     fn count(&mut self, touch: Touch, truth: Touch) {
         self.nothing += usize::from(touch == Touch::Nothing && truth != Touch::Nothing);
         self.unknown += usize::from(touch == Touch::Unknown);
@@ -54,21 +58,6 @@ impl TouchTally {
             unknown: self.unknown + other.unknown,
         }
     }
-}
-
-/// A contact of a taxel that something of a known category truly touched.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct JudgedContact {
-    /// Index of the true category.
-    pub category: usize,
-    /// Number of samples.
-    pub samples: usize,
-    /// The likeliest category at its end.
-    pub at_end: usize,
-    /// The likeliest category after ten samples, or at its end if it is shorter.
-    pub after_tenth_second: usize,
-    /// Samples until the first right verdict; `None` if there was none.
-    pub samples_until_right: Option<usize>,
 }
 
 /// How often the likeliest class was true, for probabilities in one bin.
@@ -108,6 +97,8 @@ pub struct TouchEvaluation {
     pub squared_error: f64,
     /// One for each touched region and frame.
     pub distances: Vec<TouchDistance>,
+    /// Taxel frames of known categories, for each reach.
+    pub reaches: Vec<TouchTally>,
 }
 
 impl TouchEvaluation {
@@ -141,6 +132,7 @@ impl TouchEvaluation {
         }
         let rest = open.into_iter().flatten().filter_map(OpenContact::close);
         evaluation.contacts.extend(rest);
+        evaluation.reaches.push(evaluation.known());
         Ok(evaluation)
     }
 
@@ -228,6 +220,7 @@ impl TouchEvaluation {
         }
         self.squared_error += other.squared_error;
         self.distances.extend(other.distances);
+        self.reaches.extend(other.reaches);
     }
 
     /// Taxel frames of known categories.
@@ -279,65 +272,4 @@ fn touching(classifier: &TouchClassifier, taxel: usize, recording: &Recording) -
 
 fn known(categories: &[String], category: Category) -> Option<usize> {
     categories.iter().position(|own| own == category.name())
-}
-
-/// A contact of a taxel that has not ended.
-#[derive(Clone, Debug)]
-struct OpenContact {
-    samples: usize,
-    /// Touched samples of each known category, and of others.
-    votes: Vec<usize>,
-    /// Sums of the log-probabilities of the categories, weighted by the probability of a touch.
-    evidence: Vec<f64>,
-    likeliest: usize,
-    after_tenth_second: usize,
-    /// Samples until the first verdict of each category.
-    first_verdicts: Vec<Option<usize>>,
-}
-
-impl OpenContact {
-    fn new(categories: usize) -> Self {
-        OpenContact {
-            samples: 0,
-            votes: vec![0; categories + 1],
-            evidence: vec![0.0; categories],
-            likeliest: 0,
-            after_tenth_second: 0,
-            first_verdicts: vec![None; categories],
-        }
-    }
-
-    fn push(&mut self, taxel: &TaxelTouch, probabilities: &[f64], truth: Touch) {
-        self.samples = taxel.samples;
-        match truth {
-            Touch::Category(index) => self.votes[index] += 1,
-            Touch::Unknown | Touch::Uncertain => *self.votes.last_mut().unwrap_or(&mut 0) += 1,
-            Touch::Nothing => {}
-        }
-        for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
-            *sum += (1.0 - taxel.nothing) * probability.max(1e-6).ln();
-        }
-        let best = self.evidence.iter().copied().enumerate();
-        let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
-        self.likeliest = best.map_or(0, |(index, _)| index);
-        if self.samples <= TENTH_SECOND_SAMPLES {
-            self.after_tenth_second = self.likeliest;
-        }
-        if let Touch::Category(index) = taxel.touch {
-            self.first_verdicts[index].get_or_insert(self.samples);
-        }
-    }
-
-    /// The contact, if a known category touched the taxel in most of the samples in which anything did.
-    fn close(self) -> Option<JudgedContact> {
-        let most = self.votes.iter().max().copied().filter(|most| *most > 0)?;
-        let category = self.votes.iter().position(|votes| *votes == most)?;
-        (category < self.first_verdicts.len()).then(|| JudgedContact {
-            category,
-            samples: self.samples,
-            at_end: self.likeliest,
-            after_tenth_second: self.after_tenth_second,
-            samples_until_right: self.first_verdicts[category],
-        })
-    }
 }

@@ -6,7 +6,8 @@ use underbrush_recording::Category;
 use super::by_samples::SAMPLE_COUNTS;
 use super::confusion::Accuracy;
 use super::roc::RocCurve;
-use super::touch::{CalibrationBin, JudgedContact, TouchDistance, TouchEvaluation};
+use super::touch::{CalibrationBin, TouchDistance, TouchEvaluation, TouchTally};
+use super::touch_contact::JudgedContact;
 
 /// The rate of false alarms at which the share of outliers found is given.
 pub const FALSE_ALARMS: f64 = 0.05;
@@ -16,6 +17,8 @@ pub const FALSE_ALARMS: f64 = 0.05;
 pub struct TouchFigures {
     /// Verdicts on taxel frames by truth: nothing, the model's categories, then everything else.
     pub truths: Vec<TruthFigures>,
+    /// Bad verdicts in a reach, on average over reaches.
+    pub by_reach: ReachFigures,
     /// Share of the taxel frames in contact on which nothing presses that are called nothing.
     pub spurious_called_nothing: Option<f64>,
     /// Share of the taxel frames that a known category truly presses on that are called nothing.
@@ -54,6 +57,32 @@ pub struct TruthFigures {
     pub uncertain: Option<f64>,
     /// Share called unknown.
     pub called_unknown: Option<f64>,
+}
+
+/// Shares of the taxel frames of a reach that a known category presses on, on average over reaches, each of which counts the same.
+/// This is what limits of risk are about ([`crate::touch::RiskLimits`]).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ReachFigures {
+    /// Number of reaches. One without such taxel frames counts as one without bad verdicts.
+    pub reaches: usize,
+    /// Share called another known category.
+    pub wrong_category: Option<f64>,
+    /// Share called unknown.
+    pub called_unknown: Option<f64>,
+}
+
+impl ReachFigures {
+    fn of(reaches: &[TouchTally]) -> Self {
+        let mean = |part: fn(&TouchTally) -> usize| {
+            let share = |own: &TouchTally| share(part(own), own.total()).unwrap_or(0.0);
+            (!reaches.is_empty()).then(|| reaches.iter().map(share).sum::<f64>() / reaches.len() as f64)
+        };
+        ReachFigures {
+            reaches: reaches.len(),
+            wrong_category: mean(TouchTally::other_category),
+            called_unknown: mean(|own| own.unknown),
+        }
+    }
 }
 
 /// Contacts that had a right verdict within a number of samples.
@@ -102,6 +131,7 @@ impl TouchFigures {
                     called_unknown: share(tally.unknown, tally.total()),
                 })
                 .collect(),
+            by_reach: ReachFigures::of(&evaluation.reaches),
             spurious_called_nothing: share(nothing.right, nothing.total()),
             touches_lost: share(known.nothing, known.total()),
             contacts_at_end: accuracy(|own| own.at_end),
@@ -234,6 +264,8 @@ mod tests {
                 distance(1.0, 30, Category::LEAF),
                 distance(6.0, 1, Category::TRUNK),
             ],
+            // The first reach has 3 of 20 called another category and 1 unknown, the second 1 of 10, the third no contact.
+            reaches: vec![tally(12, 4, 4, 0, 1), tally(6, 3, 1, 2, 0), tally(0, 0, 0, 0, 0)],
             ..TouchEvaluation::default()
         };
         let names = ["leaf", "trunk"].map(str::to_owned);
@@ -247,6 +279,10 @@ mod tests {
         );
         assert_eq!(leaf.called_unknown, Some(0.05));
         assert_eq!(figures.truths[3].right, None);
+        let by_reach = figures.by_reach;
+        assert_eq!(by_reach.reaches, 3);
+        assert!((by_reach.wrong_category.unwrap() - (0.15 + 0.1) / 3.0).abs() < 1e-12);
+        assert!((by_reach.called_unknown.unwrap() - 0.05 / 3.0).abs() < 1e-12);
         assert_eq!(figures.spurious_called_nothing, Some(0.6));
         // Six of forty.
         assert_eq!(figures.touches_lost, Some(0.15));
@@ -284,5 +320,6 @@ mod tests {
         assert_eq!((figures.contacts_at_end, figures.outliers), (None, None));
         assert_eq!((figures.spurious_called_nothing, figures.brier_score), (None, None));
         assert!(figures.first_right_verdict.is_empty());
+        assert_eq!(figures.by_reach.wrong_category, None);
     }
 }

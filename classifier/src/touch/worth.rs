@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::course::REGION_FEATURES;
-use super::fit::{FOLDS, TouchExamples, category_network, class, touched_network};
 use super::network::{Network, Row, softmax};
+use super::networks::{category_network, class, touched_network};
+use super::rows::{FOLDS, TouchExamples};
 use super::taxel::TAXEL_FEATURES;
 
 /// What a feature is worth: how much worse the probabilities on held-out reaches are if its values are shuffled among the rows

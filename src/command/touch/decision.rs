@@ -1,7 +1,7 @@
 //! Options for turning the probabilities of a touch model into verdicts.
 
 use clap::Args;
-use underbrush_classifier::touch::TouchDecision;
+use underbrush_classifier::touch::{RiskLimits, TouchDecision};
 
 use crate::failure::Failure;
 
@@ -17,7 +17,7 @@ pub struct TouchDecisionArguments {
     #[arg(long, value_name = "P", value_parser = share)]
     unknown_share: Option<f64>,
     /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is above 1
-    /// minus this [default: as in the model, 0.1 after training]
+    /// minus this [default: as in the model, 0.2 after training]
     #[arg(long, value_name = "COST", value_parser = share)]
     cost_of_uncertain: Option<f64>,
 }
@@ -43,6 +43,32 @@ impl TouchDecisionArguments {
                 "{option} applies to the classifier touch only, and this is a classifier of trials; use --decision, or leave it out"
             ))),
         }
+    }
+
+    /// Refuses options that say otherwise what limits of risk are to choose.
+    pub fn refuse_beside(&self, limits: &RiskLimits) -> Result<(), Failure> {
+        let pairs = [
+            (
+                limits.wrong,
+                "--limit-wrong",
+                self.cost_of_uncertain,
+                "--cost-of-uncertain",
+            ),
+            (
+                limits.false_alarms,
+                "--limit-false-alarms",
+                self.unknown_share,
+                "--unknown-share",
+            ),
+        ];
+        for (limit, choosing, own, chosen) in pairs {
+            if limit.is_some() && own.is_some() {
+                return Err(Failure::usage(format!(
+                    "{choosing} chooses what {chosen} gives; leave one of them out"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// The decision with the options that are given.

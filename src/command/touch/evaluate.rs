@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, TouchFoldsError, TouchReport, check_folds, cross_validate_touch, judge_touch,
 };
-use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
 
 use super::decision::TouchDecisionArguments;
 use super::{fit, text};
@@ -29,6 +29,8 @@ pub struct Evaluation<'a> {
     pub paths: &'a [PathBuf],
     /// What judges them.
     pub judge: Judge<'a>,
+    /// Bad verdicts that a fitted model may give.
+    pub limits: RiskLimits,
     /// How verdicts are decided.
     pub decision: &'a TouchDecisionArguments,
 }
@@ -41,7 +43,7 @@ impl Evaluation<'_> {
             Judge::Model(model) => judge_touch(self.deciding(model.as_ref().clone()), &reaches)?,
             Judge::FittedTo(paths, options) => {
                 let examples = fit::examples(&Reaches::open(paths)?, options)?;
-                let model = fit::fit(&examples, options).map_err(|failure| fit::about(failure, paths))?;
+                let model = fit::fit(&examples, options, &self.limits).map_err(|failure| fit::about(failure, paths))?;
                 judge_touch(self.deciding(model), &reaches)?
             }
             Judge::Folds(count, options) => self.across_folds(*count, options, &reaches)?,
@@ -69,7 +71,8 @@ impl Evaluation<'_> {
         // Before the reaches are read.
         check_folds(count, reaches.count()).map_err(refused)?;
         let examples = fit::examples(reaches, options)?;
-        let fit = |examples: &TouchExamples| Ok(self.deciding(fit::fit(examples, options).map_err(about)?));
+        let fit =
+            |examples: &TouchExamples| Ok(self.deciding(fit::fit(examples, options, &self.limits).map_err(about)?));
         cross_validate_touch(count, &examples, reaches, fit, refused)
     }
 

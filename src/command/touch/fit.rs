@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use underbrush_classifier::ModelError;
-use underbrush_classifier::touch::{TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
 
 use crate::failure::Failure;
 use crate::reaches::Reaches;
@@ -16,7 +16,11 @@ pub(super) fn examples(reaches: &Reaches, options: &TouchOptions) -> Result<Touc
 }
 
 /// A model of these rows.
-pub(super) fn fit(examples: &TouchExamples, options: &TouchOptions) -> Result<TouchModel, Failure> {
+pub(super) fn fit(
+    examples: &TouchExamples,
+    options: &TouchOptions,
+    limits: &RiskLimits,
+) -> Result<TouchModel, Failure> {
     let rows = examples.rows();
     if rows.reaches < rows.held_out_parts {
         return Err(Failure::usage(format!(
@@ -25,7 +29,7 @@ pub(super) fn fit(examples: &TouchExamples, options: &TouchOptions) -> Result<To
             rows.reaches, rows.held_out_parts
         )));
     }
-    examples.fit().map_err(|error| match error {
+    examples.fit_within(limits).map_err(|error| match error {
         ModelError::NoCategories { .. } => {
             let patch = options.patch.as_ref();
             let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));

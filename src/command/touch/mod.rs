@@ -3,9 +3,11 @@
 mod decision;
 mod evaluate;
 mod fit;
+mod risk;
 mod text;
 mod train;
 
 pub use decision::TouchDecisionArguments;
 pub use evaluate::{Evaluation, Judge};
+pub use risk::RiskArguments;
 pub use train::train;

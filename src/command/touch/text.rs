@@ -1,6 +1,6 @@
 //! Results of touch models as text.
 
-use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, RightWithin, TouchFigures};
+use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, ReachFigures, RightWithin, TouchFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
 
 use crate::output;
@@ -52,7 +52,7 @@ fn number(value: Option<f64>) -> String {
 /// The figures of an evaluation.
 pub(super) fn evaluation(figures: &TouchFigures) -> String {
     let parts = [
-        verdicts(figures),
+        verdicts(figures) + &by_reach(&figures.by_reach),
         contacts(figures),
         first_right(figures),
         probabilities(figures),
@@ -133,6 +133,16 @@ fn verdicts(figures: &TouchFigures) -> String {
         "called unknown %",
     ];
     output::table(&header, &rows.collect::<Vec<_>>())
+}
+
+fn by_reach(own: &ReachFigures) -> String {
+    format!(
+        "Of the taxel frames of a reach that a known category presses on, on average over {} reaches: {} % called another \
+         category, {} % called unknown\n",
+        own.reaches,
+        percent(own.wrong_category),
+        percent(own.called_unknown)
+    )
 }
 
 fn contacts(figures: &TouchFigures) -> String {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use underbrush_classifier::touch::{TouchDecision, TouchOptions, TouchRows};
+use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
 
 use super::{fit, text};
 use crate::failure::Failure;
@@ -21,10 +21,16 @@ struct Trained<'a> {
 }
 
 /// Fits a model to the reaches of these data sets and recordings and writes its file.
-pub fn train(paths: &[PathBuf], options: &TouchOptions, out: &Path, json: bool) -> Result<(), Failure> {
+pub fn train(
+    paths: &[PathBuf],
+    options: &TouchOptions,
+    limits: &RiskLimits,
+    out: &Path,
+    json: bool,
+) -> Result<(), Failure> {
     let reaches = Reaches::open(paths)?;
     let examples = fit::examples(&reaches, options)?;
-    let model = fit::fit(&examples, options).map_err(|failure| fit::about(failure, paths))?;
+    let model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
     let text = model.to_json().map_err(|error| Failure::run(error.to_string()))?;
     output::write_file(out, text.as_bytes())?;
     let trained = Trained {

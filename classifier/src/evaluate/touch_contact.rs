@@ -1,0 +1,84 @@
+//! Verdicts on single contacts of taxels, compared with ground truth.
+
+use serde::Serialize;
+
+use crate::touch::{TaxelTouch, Touch};
+
+/// A tenth of a second.
+const TENTH_SECOND_SAMPLES: usize = 10;
+
+/// A contact of a taxel that something of a known category truly touched.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct JudgedContact {
+    /// Index of the true category.
+    pub category: usize,
+    /// Number of samples.
+    pub samples: usize,
+    /// The likeliest category at its end.
+    pub at_end: usize,
+    /// The likeliest category after ten samples, or at its end if it is shorter.
+    pub after_tenth_second: usize,
+    /// Samples until the first right verdict; `None` if there was none.
+    pub samples_until_right: Option<usize>,
+}
+
+/// A contact of a taxel that has not ended.
+#[derive(Clone, Debug)]
+pub(super) struct OpenContact {
+    samples: usize,
+    /// Touched samples of each known category, and of others.
+    votes: Vec<usize>,
+    /// Sums of the log-probabilities of the categories, weighted by the probability of a touch.
+    evidence: Vec<f64>,
+    likeliest: usize,
+    after_tenth_second: usize,
+    /// Samples until the first verdict of each category.
+    first_verdicts: Vec<Option<usize>>,
+}
+
+impl OpenContact {
+    pub(super) fn new(categories: usize) -> Self {
+        OpenContact {
+            samples: 0,
+            votes: vec![0; categories + 1],
+            evidence: vec![0.0; categories],
+            likeliest: 0,
+            after_tenth_second: 0,
+            first_verdicts: vec![None; categories],
+        }
+    }
+
+    pub(super) fn push(&mut self, taxel: &TaxelTouch, probabilities: &[f64], truth: Touch) {
+        self.samples = taxel.samples;
+        match truth {
+            Touch::Category(index) => self.votes[index] += 1,
+            Touch::Unknown | Touch::Uncertain => *self.votes.last_mut().unwrap_or(&mut 0) += 1,
+            Touch::Nothing => {}
+        }
+        for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
+            *sum += (1.0 - taxel.nothing) * probability.max(1e-6).ln();
+        }
+        let best = self.evidence.iter().copied().enumerate();
+        let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
+        self.likeliest = best.map_or(0, |(index, _)| index);
+        if self.samples <= TENTH_SECOND_SAMPLES {
+            self.after_tenth_second = self.likeliest;
+        }
+        if let Touch::Category(index) = taxel.touch {
+            self.first_verdicts[index].get_or_insert(self.samples);
+        }
+    }
+
+    /// The contact, if a known category touched the taxel in most of the samples in which anything did.
+    pub(super) fn close(self) -> Option<JudgedContact> {
+        let most = self.votes.iter().max().copied().filter(|most| *most > 0)?;
+        let category = self.votes.iter().position(|votes| *votes == most)?;
+        (category < self.first_verdicts.len()).then(|| JudgedContact {
+            category,
+            samples: self.samples,
+            at_end: self.likeliest,
+            after_tenth_second: self.after_tenth_second,
+            samples_until_right: self.first_verdicts[category],
+        })
+    }
+}

@@ -1,0 +1,141 @@
+//! What networks say of reaches that they were not fitted to, to calibrate probabilities and to choose limits.
+
+use std::collections::BTreeMap;
+
+use super::network::softmax;
+use super::networks::{category_network, class, touched_network};
+use super::risk::Lapse;
+use super::rows::TouchExamples;
+
+/// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 % that a
+/// controller should lose at most.
+const LOST_SHARE: f64 = 0.015;
+
+/// What networks say of held-out reaches.
+#[derive(Default)]
+pub(super) struct HeldOut {
+    pub(super) taxels: Vec<Judged>,
+    pub(super) regions: Vec<HeldOutRegion>,
+}
+
+impl HeldOut {
+    /// Judges the reaches of a fold by a model of the others.
+    pub(super) fn of(examples: &TouchExamples, folds: &[usize], fold: usize, categories: &[String]) -> Self {
+        let others = examples.of_fold(folds, fold, false);
+        let touched = touched_network(&others);
+        let (category, usual) = category_network(&others, categories);
+        let mut held_out = HeldOut::default();
+        let own = examples
+            .reaches
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| folds[*index] == fold);
+        for (index, reach) in own {
+            for taxel in reach.taxels.iter().filter(|taxel| taxel.is_regular) {
+                let mut scores = vec![0.0; 2];
+                touched.scores(&taxel.features, &mut scores);
+                held_out.taxels.push(Judged {
+                    scores,
+                    class: usize::from(taxel.is_touched),
+                    weight: 1.0,
+                });
+            }
+            for region in reach.regions.iter().filter(|region| region.is_regular) {
+                let mut scores = vec![0.0; categories.len()];
+                category.scores(&region.features, &mut scores);
+                held_out.regions.push(HeldOutRegion {
+                    judged: Judged {
+                        scores,
+                        class: class(categories, &region.category),
+                        weight: region.touched as f64,
+                    },
+                    distance: usual.distance(&region.description),
+                    touched: region.touched,
+                    reach: index,
+                });
+            }
+        }
+        held_out
+    }
+}
+
+/// A region of a held-out reach.
+pub(super) struct HeldOutRegion {
+    pub(super) judged: Judged,
+    /// From the usual contacts of the nearest category.
+    pub(super) distance: f64,
+    /// Number of its taxels that an object presses on.
+    pub(super) touched: usize,
+    /// Index of its reach.
+    reach: usize,
+}
+
+/// Scores of a row and its true class.
+pub(super) struct Judged {
+    scores: Vec<f64>,
+    class: usize,
+    weight: f64,
+}
+
+/// The factor of the scores with the smallest cross-entropy, by golden-section search over its logarithm: the cross-entropy is
+/// convex in the factor.
+pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
+    let entropy = |log_factor: f64| -> f64 {
+        let of = |row: &&Judged| {
+            let mut scores: Vec<f64> = row.scores.iter().map(|score| score * log_factor.exp()).collect();
+            softmax(&mut scores);
+            -row.weight * scores[row.class].max(f64::MIN_POSITIVE).ln()
+        };
+        rows.iter().map(of).sum()
+    };
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high) = (-3.0, 1.0);
+    while high - low > 1e-3 {
+        let [first, second] = [high - golden * (high - low), low + golden * (high - low)];
+        if entropy(first) < entropy(second) {
+            high = second;
+        } else {
+            low = first;
+        }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+/// The cost of an uncertain verdict above which a region is called another category than its own; `None` if it never is.
+pub(super) fn wrong_above(region: &Judged, sharpness: f64) -> Option<f64> {
+    let mut probabilities: Vec<f64> = region.scores.iter().map(|score| score * sharpness).collect();
+    softmax(&mut probabilities);
+    let likeliest = probabilities.iter().copied().enumerate();
+    let (index, probability) = likeliest.reduce(|best, other| if other.1 > best.1 { other } else { best })?;
+    (index != region.class).then_some(1.0 - probability)
+}
+
+/// The regions whose verdict is bad above some limit, with their shares of the touched taxel frames of their reaches.
+pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegion) -> Option<f64>) -> Vec<Lapse> {
+    let mut touched: BTreeMap<usize, usize> = BTreeMap::new();
+    for region in regions {
+        *touched.entry(region.reach).or_default() += region.touched;
+    }
+    let lapse = |region: &&HeldOutRegion| {
+        Some(Lapse {
+            above: bad_above(region)?,
+            share: region.touched as f64 / touched[&region.reach] as f64,
+        })
+    };
+    regions.iter().filter_map(lapse).collect()
+}
+
+/// The probability of nothing that is exceeded by the allowed share of true contacts.
+pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
+    let touched = taxels.iter().filter(|taxel| taxel.class == 1);
+    let mut nothing: Vec<f64> = touched
+        .map(|taxel| {
+            let mut scores: Vec<f64> = taxel.scores.iter().map(|score| score * sharpness).collect();
+            softmax(&mut scores);
+            scores[0]
+        })
+        .collect();
+    nothing.sort_by(f64::total_cmp);
+    let index = ((1.0 - LOST_SHARE) * nothing.len() as f64) as usize;
+    nothing.get(index).copied().unwrap_or(0.5)
+}

@@ -1,0 +1,170 @@
+//! Limits of verdicts that also hold in new reaches, by conformal risk control.
+//!
+//! The taxel frames of one reach are alike, so a share over all frames tells little about the next reach. Whole reaches that are
+//! drawn in the same way are exchangeable. For these, Angelopoulos et al., "Conformal risk control" (ICLR 2024, theorem 1), show: if
+//! each reach has a loss from 0 to 1 that does not fall when a limit is raised, and the limit is so low that the losses L of n
+//! held-out reaches satisfy
+//!
+//! > (ΣL + 1) / (n + 1) ≤ α,
+//!
+//! then the loss of a new reach is at most α on average. The loss is a share of the reach's touched taxel frames here.
+//!
+//! The theorem is about one model that has seen none of the n reaches. Here each of them is judged by a model of the other fold,
+//! and the model in use is fitted to all of them, so it is not proven to hold. docs/results.md tells what was measured.
+
+use super::decision::TouchDecision;
+use crate::error::ModelError;
+
+/// Largest allowed shares of the taxel frames of a new reach that a known category presses on, on average over reaches.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RiskLimits {
+    /// The share whose region is called another known category. The largest cost of an uncertain verdict that keeps to it is
+    /// chosen, so that as few verdicts as possible are uncertain.
+    pub wrong: Option<f64>,
+    /// The share whose region is called unknown. The largest share of false alarms that keeps to it is chosen, so that as many
+    /// unknown objects as possible are found.
+    pub false_alarms: Option<f64>,
+}
+
+/// A region of a held-out reach and the limit above which its verdict is bad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lapse {
+    /// The verdict is bad if the limit is above this.
+    pub(super) above: f64,
+    /// The region's part of the touched taxel frames of its reach.
+    pub(super) share: f64,
+}
+
+impl RiskLimits {
+    /// Whether every share is one, and so many reaches can show that it is kept to.
+    ///
+    /// # Errors
+    /// [`ModelError::BadOption`] for a share that is not between 0 and 1, [`ModelError::FewReaches`].
+    pub(super) fn check(&self, reaches: usize) -> Result<(), ModelError> {
+        for (option, share) in [("wrong", self.wrong), ("false_alarms", self.false_alarms)] {
+            let Some(share) = share else { continue };
+            if !(share > 0.0 && share < 1.0) {
+                return Err(ModelError::BadOption {
+                    option: format!("risk limit {option}"),
+                    found: share.to_string(),
+                    allowed: "a share above 0 and below 1".into(),
+                });
+            }
+            let needed = (1.0 / share - 1.0).ceil() as usize;
+            if reaches < needed {
+                return Err(ModelError::FewReaches { reaches, needed, share });
+            }
+        }
+        Ok(())
+    }
+
+    /// The decision with the limits that keep to the allowed shares. `wrong` and `false_alarms` have the regions of all `reaches`
+    /// held-out reaches, with limits on the cost of an uncertain verdict and on the share of false alarms.
+    pub(super) fn over(
+        &self,
+        decision: TouchDecision,
+        reaches: usize,
+        wrong: Vec<Lapse>,
+        false_alarms: Vec<Lapse>,
+    ) -> TouchDecision {
+        let limit = |allowed: Option<f64>, lapses, own| allowed.map_or(own, |share| largest(share, reaches, lapses));
+        TouchDecision {
+            cost_of_uncertain: limit(self.wrong, wrong, decision.cost_of_uncertain),
+            unknown_share: limit(self.false_alarms, false_alarms, decision.unknown_share),
+            ..decision
+        }
+    }
+}
+
+/// The largest limit up to 1 that keeps the mean loss of a new reach at the allowed share.
+fn largest(allowed: f64, reaches: usize, mut lapses: Vec<Lapse>) -> f64 {
+    lapses.sort_by(|one, other| one.above.total_cmp(&other.above));
+    let most = allowed * (reaches + 1) as f64 - 1.0;
+    let mut sum = 0.0;
+    for lapse in lapses {
+        sum += lapse.share;
+        if sum > most {
+            return lapse.above.clamp(0.0, 1.0);
+        }
+    }
+    1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Pins the rule against its definition: at the limit the losses satisfy the bound, and just above it they do not.
+        #[test]
+        fn limits_are_the_largest_that_keep_to_the_bound(
+            lapses in prop::collection::vec(prop::collection::vec((0.01..0.99f64, 0.0..1.0f64), 0..20), 19..60),
+            allowed in 0.05..0.5f64,
+        ) {
+            let reaches = lapses.len();
+            let shares = lapses.iter().flat_map(|own| {
+                let sum: f64 = own.iter().map(|(_, weight)| weight).sum();
+                own.iter().map(move |(above, weight)| Lapse { above: *above, share: weight / sum })
+            });
+            let shares: Vec<Lapse> = shares.collect();
+            let limit = largest(allowed, reaches, shares.clone());
+            let mean = |limit: f64| {
+                let bad: f64 = shares.iter().filter(|own| limit > own.above).map(|own| own.share).sum();
+                (bad + 1.0) / (reaches + 1) as f64
+            };
+            prop_assert!(mean(limit) <= allowed + 1e-9);
+            prop_assert!(limit == 1.0 || mean(limit + 1e-12) > allowed - 1e-9);
+        }
+    }
+
+    /// Pins that the mean loss of a new reach is at most the allowed share, and not much less, for reaches whose losses are drawn
+    /// alike: 4,000 draws, of which the mean is known to a hundredth.
+    #[test]
+    fn new_reaches_keep_to_the_allowed_share() {
+        use rand::{RngExt, SeedableRng};
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let (reaches, allowed, draws) = (30, 0.1, 4000);
+        let mut sum = 0.0;
+        for _ in 0..draws {
+            // A reach's loss rises with the limit from 0 to 1 at a place of its own: one region is the whole reach.
+            let mut draw = || Lapse {
+                above: random.random::<f64>(),
+                share: 1.0,
+            };
+            let lapses: Vec<Lapse> = (0..reaches).map(|_| draw()).collect();
+            let new = draw();
+            sum += f64::from(u8::from(largest(allowed, reaches, lapses) > new.above));
+        }
+        let mean = sum / f64::from(draws);
+        let error = 3.0 * (allowed * (1.0 - allowed) / f64::from(draws)).sqrt();
+        assert!(mean <= allowed + error, "{mean}");
+        assert!(mean > allowed - 1.0 / (reaches + 1) as f64 - error, "{mean}");
+    }
+
+    /// Pins that shares out of range, and shares that so few reaches cannot show, are refused with what is needed.
+    #[test]
+    fn shares_need_reaches() {
+        let limits = RiskLimits {
+            wrong: Some(0.05),
+            false_alarms: None,
+        };
+        assert_eq!(limits.check(19), Ok(()));
+        let few = ModelError::FewReaches {
+            reaches: 18,
+            needed: 19,
+            share: 0.05,
+        };
+        assert_eq!(limits.check(18), Err(few));
+        for share in [0.0, 1.0, -0.1, f64::NAN] {
+            let limits = RiskLimits {
+                wrong: None,
+                false_alarms: Some(share),
+            };
+            assert!(
+                matches!(limits.check(1000), Err(ModelError::BadOption { .. })),
+                "{share}"
+            );
+        }
+    }
+}
