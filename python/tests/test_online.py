@@ -103,6 +103,17 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
         ub.TouchModel.fit([reach])
 
 
+def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command) -> None:
+    """Pins that a model fitted within limits of risk is the command line's, and that too few reaches for a limit are refused."""
+    model = ub.TouchModel.fit(list(data), limit_wrong=0.4, limit_false_alarms=0.3)
+    limits = ("--limit-wrong", "0.4", "--limit-false-alarms", "0.3")
+    command("train", data.path, "--classifier", "touch", *limits, "--out", tmp_path / "touch.json")
+    assert model.to_json() == (tmp_path / "touch.json").read_text()
+    assert model.decision != ub.TouchModel.fit(list(data)).decision
+    with pytest.raises(ub.InputError, match="reaches or more"):
+        ub.TouchModel.fit(list(data), limit_wrong=0.01)
+
+
 def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp_path, command) -> None:
     """Pins that a touch model judged on reaches, and touch models cross-validated, give the command line's figures, for one thread
     and for two, and that too many folds are refused."""
