@@ -91,10 +91,7 @@ fn reproduce<'py>(
             "use 1",
         ));
     }
-    let experiment = match experiment {
-        Some(path) => Experiment::load(&path)?,
-        None => Experiment::paper()?,
-    };
+    let experiment = loaded(experiment)?;
     let reproduction = Reproduction {
         seed: seed.unwrap_or(experiment.file.seed),
         experiment: &experiment,
@@ -111,9 +108,45 @@ fn reproduce<'py>(
     json::to_python(py, &results)
 }
 
+/// Run one of the further campaigns of an experiment alone, and cache its result in the folder.
+#[pyfunction]
+#[pyo3(signature = (out, campaign, *, seed = None, experiment = None, quick = false, jobs = None))]
+fn run_campaign(
+    py: Python<'_>,
+    out: PathBuf,
+    campaign: u64,
+    seed: Option<u64>,
+    experiment: Option<PathBuf>,
+    quick: bool,
+    jobs: Option<usize>,
+) -> Result<(), Failure> {
+    let experiment = loaded(experiment)?;
+    let reproduction = Reproduction {
+        seed: seed.unwrap_or(experiment.file.seed),
+        experiment: &experiment,
+        quick,
+        campaigns: 1,
+        fresh: false,
+    };
+    let stop = Arc::new(Stop::default());
+    let reported = Reported::new(&stop, None);
+    let own = reproduction.seed.wrapping_add(campaign);
+    let run = || Ok(reproduction.run_campaign(own, &out, &reported)?);
+    watched(py, jobs, &stop, |py| reported.show(py), run)
+}
+
+/// The experiment of a file, or the paper's.
+fn loaded(path: Option<PathBuf>) -> Result<Experiment, Failure> {
+    Ok(match path {
+        Some(path) => Experiment::load(&path)?,
+        None => Experiment::paper()?,
+    })
+}
+
 /// Adds the functions of this file.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(inspect, module)?)?;
     module.add_function(wrap_pyfunction!(check, module)?)?;
-    module.add_function(wrap_pyfunction!(reproduce, module)?)
+    module.add_function(wrap_pyfunction!(reproduce, module)?)?;
+    module.add_function(wrap_pyfunction!(run_campaign, module)?)
 }

@@ -3,19 +3,21 @@
     python cluster.py
 
 Makes the same set in four ways: by one process on one thread, by seven parts that are merged, by a Ray cluster of three nodes of
-which one is killed while its parts run, and by the same cluster once more with all parts there. Prints the hash of each and how long
-it took, and fails if they differ.
+which one is killed while its parts run, and by the same cluster once more with all parts there. Then it runs three campaigns of an
+experiment by one process and on the cluster. Prints the hash of each and how long it took, and fails if they differ.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import ray
 from ray.cluster_utils import Cluster
@@ -23,6 +25,8 @@ from ray.cluster_utils import Cluster
 import underbrush as ub
 import underbrush.distributed
 
+EXPERIMENT = Path(__file__).parents[2] / "experiments/examples/three-categories/three-categories.toml"
+CAMPAIGNS = 3
 REACHES = 14
 SEED = 5
 PARTS = 7
@@ -33,6 +37,11 @@ def hash_of(folder: Path) -> str:
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         total.update(str(path.relative_to(folder)).encode() + b"\0" + path.read_bytes())
     return total.hexdigest()[:16]
+
+
+def results_of(study: dict[str, Any]) -> str:
+    """The hash of everything but the time it took."""
+    return hashlib.sha256(json.dumps(study | {"timing": None}).encode()).hexdigest()[:16]
 
 
 def main() -> None:
@@ -89,11 +98,23 @@ def main() -> None:
             "again, with all parts there",
             lambda: underbrush.distributed.generate(scene, REACHES, folder / "ray", parts=PARTS, seed=SEED, progress=progress),
         )
+        studies = {}
+        options: dict[str, Any] = {"experiment": EXPERIMENT, "quick": True, "campaigns": CAMPAIGNS}
+        start, seen[:] = time.monotonic(), []
+        for name, reproduce, shown in (
+            ("campaigns on two nodes", underbrush.distributed.reproduce, progress),
+            ("campaigns, one process", ub.reproduce, False),
+        ):
+            began = time.monotonic()
+            studies[name] = results_of(reproduce(folder / name, progress=shown, **options))
+            print(f"{name:48} {studies[name]}  {time.monotonic() - began:6.1f} s", flush=True)
         ray.shutdown()
         cluster.shutdown()
+    if len(set(studies.values())) != 1:
+        sys.exit("the results of the campaigns differ")
     if len(set(hashes.values())) != 1:
         sys.exit("the sets differ")
-    print("all sets are equal")
+    print("all sets and all results are equal")
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import pytest
 from conftest import ROOT, quick
 
 import underbrush as ub
+from underbrush import _core
 
 SUITE = """summary = "A leaf is still a leaf"
 seed = 1
@@ -131,5 +132,13 @@ def test_a_study_is_that_of_the_command_line(tmp_path: Path, command) -> None:
     assert len(same) > 10
     with pytest.raises(ub.InputError, match="another run"):
         ub.reproduce(tmp_path / "ours", quick=True)
+    # A campaign that was run alone, as on another machine, is taken as it is.
+    _core.run_campaign(tmp_path / "ours", 1, experiment=experiment)
+    [kept] = (tmp_path / "ours" / "campaigns").glob("seed-*.json")
+    before = kept.read_bytes(), kept.stat().st_mtime_ns
+    two = ub.reproduce(tmp_path / "ours", experiment=experiment, campaigns=2, progress=False)
+    assert (kept.read_bytes(), kept.stat().st_mtime_ns) == before and len(two["campaigns"]["seeds"]) == 2
+    again = ub.reproduce(tmp_path / "theirs", experiment=experiment, campaigns=2, progress=False)
+    assert two["campaigns"] == again["campaigns"]
     with pytest.raises(ub.InputError, match="campaigns"):
         ub.reproduce(tmp_path / "other", campaigns=0)

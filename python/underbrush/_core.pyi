@@ -579,6 +579,15 @@ def reproduce(
     progress: Callable[[int, int, str], object] | None = None,
     jobs: int | None = None,
 ) -> _Json: ...
+def run_campaign(
+    out: _Path,
+    campaign: int,
+    *,
+    seed: int | None = None,
+    experiment: _Path | None = None,
+    quick: bool = False,
+    jobs: int | None = None,
+) -> None: ...
 def replay_page(
     paths: Sequence[_Path],
     reaches: Sequence[int] | None = None,

@@ -1,9 +1,10 @@
-"""Making a data set on many machines with Ray.
+"""Data sets and campaigns on many machines with Ray.
 
 A set is divided into parts that depend on nothing but the call and the version of the package. Each part is one Ray task, which writes
 its part to storage that all nodes share and returns only a manifest. A part may be run twice, as after a lost node: both have the same
 bytes, and the second to finish is thrown away. The driver then merges the parts into the set that one process would have made,
-byte for byte.
+byte for byte. Campaigns of an experiment are tasks of their own: each leaves its result in the folder of the run, and the driver takes
+it from there.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Any, TypedDict
 
 from . import _core
 from ._progress import Bar, Progress
+from ._study import reproduce as _reproduce
 from ._types import ControllerLike, SceneLike
 
 
@@ -31,13 +33,11 @@ def _ray() -> Any:
 
 
 class Manifest(TypedDict):
-    """What a task returns: the part it wrote, and where and how long it ran."""
+    """What a task returns: how many reaches or campaigns it has done, and where and how long it ran."""
 
-    part: int
-    reaches: int
+    done: int
     node: str
     seconds: float
-    written: bool
 
 
 def generate(
@@ -97,8 +97,7 @@ def generate(
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
     listed = [scene if isinstance(scene, _core.Scene) else _core.Scene(scene) for scene in scenes]
-    if not ray.is_initialized():
-        ray.init(address=address, log_to_driver=False, include_dashboard=False)
+    _connect(address)
     total = reaches * len(listed)
     count = parts or max(1, min(4 * int(ray.cluster_resources().get("CPU", 1)), total))
     folder = Path(f"{os.fspath(out)}.parts").absolute()
@@ -110,24 +109,96 @@ def generate(
     }
     run = ray.remote(num_cpus=1, max_retries=retries, retry_exceptions=[OSError])(_run_part)
     waiting = [run.remote(listed, reaches, str(folder), part, count, options) for part in range(1, count + 1)]
-    done = 0
-    nodes: set[str] = set()
     with Bar("reaches").shown(progress) as shown:
-        try:
-            while waiting:
-                ready, waiting = ray.wait(waiting, timeout=1.0)
-                for manifest in _answers(ready):
-                    done += manifest["reaches"]
-                    nodes.add(manifest["node"])
-                if shown is not None:
-                    shown(done, total, f"{len(waiting)} of {count} parts to go, {len(nodes)} nodes")
-        finally:
-            for task in waiting:
-                ray.cancel(task, force=True)
+        _watch(waiting, total, shown)
     merged = _core.merge([folder / str(part) for part in range(1, count + 1)], Path(out), resume=True)
     if not keep_parts:
         shutil.rmtree(folder)
     return merged
+
+
+def reproduce(
+    out: str | os.PathLike[str],
+    *,
+    campaigns: int,
+    experiment: str | os.PathLike[str] | None = None,
+    quick: bool = False,
+    seed: int | None = None,
+    address: str | None = None,
+    retries: int = 3,
+    progress: Progress | bool = True,
+) -> dict[str, Any]:
+    """Run many campaigns of an experiment on the nodes of a Ray cluster, and write its report.
+
+    The results are those of :func:`underbrush.reproduce` with the same number of campaigns. The first campaign, with everything that
+    the report shows of a single one, runs on this machine after the others. Finished campaigns are kept, and the same call goes on
+    from them.
+
+    Parameters
+    ----------
+    out : path
+        The folder to write, on storage that all nodes see under this path.
+    campaigns : int
+        Number of campaigns, of the seed and the next ones.
+    experiment : path, optional
+        An experiment file that all nodes see under this path; by default the paper's.
+    quick : bool
+        Fewer reaches.
+    seed : int, optional
+        Instead of the experiment's.
+    address, retries : optional
+        As for :func:`generate`.
+    progress : bool or callable
+        As for :func:`generate`; it counts campaigns.
+
+    Returns
+    -------
+    dict
+        The results, with the keys of ``underbrush reproduce --json``.
+
+    Raises
+    ------
+    InputError
+        If the experiment file is bad, or the folder holds the results of another run.
+    """
+    ray = _ray()
+    _connect(address)
+    folder = Path(out).absolute()
+    options: dict[str, Any] = {
+        "experiment": None if experiment is None else str(Path(experiment).absolute()),
+        "quick": quick,
+        "seed": seed,
+    }
+    run = ray.remote(num_cpus=1, max_retries=retries, retry_exceptions=[OSError])(_run_campaign)
+    waiting = [run.remote(str(folder), number, options) for number in range(1, campaigns)]
+    with Bar("campaigns").shown(progress) as shown:
+        _watch(waiting, campaigns, shown)
+    return _reproduce(folder, campaigns=campaigns, progress=progress, **options)
+
+
+def _connect(address: str | None) -> None:
+    """Connects this process to a cluster, unless it is."""
+    ray = _ray()
+    if not ray.is_initialized():
+        ray.init(address=address, log_to_driver=False, include_dashboard=False)
+
+
+def _watch(waiting: list[Any], total: int, shown: Progress | None) -> None:
+    """Waits for all tasks, and tells how many of the total are done. If one fails for good, the others are ended."""
+    ray = _ray()
+    count, done = len(waiting), 0
+    nodes: set[str] = set()
+    try:
+        while waiting:
+            ready, waiting = ray.wait(waiting, timeout=1.0)
+            for manifest in _answers(ready):
+                done += manifest["done"]
+                nodes.add(manifest["node"])
+            if shown is not None:
+                shown(done, total, f"{len(waiting)} of {count} tasks to go, {len(nodes)} nodes")
+    finally:
+        for task in waiting:
+            ray.cancel(task, force=True)
 
 
 def _answers(tasks: list[Any]) -> list[Manifest]:
@@ -145,8 +216,7 @@ def _run_part(
     """Runs one part on this node, unless it is finished."""
     start = time.monotonic()
     final = Path(folder, str(part))
-    written = not final.exists()
-    if written:
+    if not final.exists():
         own = Path(folder, f".{part}-{uuid.uuid4().hex}")
         try:
             _core.generate(scenes, reaches, own, shard=(part, count), jobs=1, **options)
@@ -156,13 +226,17 @@ def _run_part(
             except OSError:
                 if not final.exists():
                     raise
-                written = False
         finally:
             shutil.rmtree(own, ignore_errors=True)
-    return Manifest(
-        part=part,
-        reaches=len(_core.Dataset(final)),
-        node=_ray().get_runtime_context().get_node_id(),
-        seconds=time.monotonic() - start,
-        written=written,
-    )
+    return _manifest(len(_core.Dataset(final)), start)
+
+
+def _run_campaign(folder: str, number: int, options: dict[str, Any]) -> Manifest:
+    """Runs one of the further campaigns on this node, unless it is finished."""
+    start = time.monotonic()
+    _core.run_campaign(folder, number, jobs=1, **options)
+    return _manifest(1, start)
+
+
+def _manifest(done: int, start: float) -> Manifest:
+    return Manifest(done=done, node=_ray().get_runtime_context().get_node_id(), seconds=time.monotonic() - start)

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use underbrush_classifier::Model;
 use underbrush_experiments::definition::Experiment;
+use underbrush_experiments::experiment::campaigns;
 use underbrush_experiments::files::{write, write_json};
 use underbrush_experiments::plan::Plan;
 use underbrush_experiments::results::Results;
@@ -59,5 +60,16 @@ impl Reproduction<'_> {
         }
         replay_pages::write(&session, &folder)?;
         Ok((results, report))
+    }
+
+    /// Runs one of the further campaigns alone, and caches its result in the folder for [`Reproduction::run`]. Many processes may
+    /// do this in one folder at a time.
+    ///
+    /// # Errors
+    /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
+    pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), ReproductionError> {
+        Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
+        let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
+        Ok(campaigns::run_one(&session, seed)?)
     }
 }

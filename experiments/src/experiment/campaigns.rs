@@ -139,6 +139,15 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
+/// Runs the campaign of one seed, unless it is cached, and caches it where [`run`] finds it. So campaigns can be run on other
+/// machines.
+///
+/// # Errors
+/// Those of its stages, or a file that cannot be written.
+pub fn run_one(session: &Session, seed: u64) -> Result<(), ExperimentError> {
+    session.kept("seed", seed, || measure(session, seed)).map(drop)
+}
+
 /// The campaign of a seed.
 fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
     let experiment = session.experiment;
