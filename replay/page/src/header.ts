@@ -33,7 +33,8 @@ export class Header {
 
   constructor(all: Summary[], actions: HeaderActions) {
     find("reach-controls").hidden = all.length < 2;
-    say(find("reach-count"), `of ${all.length}`);
+    // Numbers are those of the list, of the address and of --reaches.
+    say(find("reach-count"), `of 0–${all.length - 1}`);
     // A number, and not a choice among names: a set can have thousands of reaches, and the list below has the names.
     for (const input of [this.#reach, this.#beside]) input.max = String(all.length - 1);
     this.#reach.addEventListener("change", () => {

@@ -2,6 +2,7 @@
 
 import { type Palette } from "./colours.ts";
 import { element, newtons, say } from "./dom.ts";
+import { judge } from "./judgement.ts";
 import type { Reach } from "./reach.ts";
 import { SkinMap, type TaxelLook } from "./skinmap.ts";
 import type { ColourBy, State } from "./state.ts";
@@ -96,7 +97,8 @@ export class Pane {
       } else {
         const verdict = trials.verdict(taxel, frame);
         if (verdict === null) continue;
-        const wrong = !stray && verdict.name !== truth;
+        const judgement = judge(truth, verdict.name, reach.header.verdicts!);
+        const wrong = judgement === "wrong" || judgement === "uncertain";
         found.set(taxel, { colour: palette.category(verdict.name), mark: verdict.name, stray, over, wrong });
       }
     }

@@ -43,11 +43,12 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
     curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, { name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }],
   });
   if (verdicts !== null && reach.patchOf[taxel] === verdicts.patch) {
-    const count = verdicts.categories.length;
+    const count = verdicts.scores.length;
+    const shares = verdicts.score_kind === "probability";
     const colours = ["second", "accent", "over", ...JOINTS];
     plots.push({
-      id: "scores", title: `Scores of ${reach.taxelName(taxel)}`, unit: "nats", time, fromZero: false,
-      curves: verdicts.categories.map((name, index) => ({
+      id: "scores", title: `${shares ? "Probabilities" : "Scores"} of ${reach.taxelName(taxel)}`, unit: shares ? null : "nats", time, fromZero: shares,
+      curves: verdicts.scores.map((name, index) => ({
         name, colour: colours[index % colours.length]!, dash: index % 2 === 1,
         values: Array.from(time, (_, frame) => {
           const row = trials.verdict(taxel, frame)?.row;

@@ -20,7 +20,8 @@ export interface Curve {
 export interface PlotData {
   id: string;
   title: string;
-  unit: string;
+  /** Null for pure numbers, such as probabilities. */
+  unit: string | null;
   time: Float64Array;
   curves: Curve[];
   /** A horizontal line with its name. */
@@ -49,7 +50,7 @@ class Plot {
   draw(data: PlotData, palette: Palette, width: number, last: boolean): void {
     this.#plot?.destroy();
     this.#data = data;
-    say(this.title, `${data.title} / ${data.unit}`);
+    say(this.title, data.unit === null ? data.title : `${data.title} / ${data.unit}`);
     this.box.dataset["plot"] = data.id;
     const colour = (name: string) => (name.startsWith("#") ? name : palette.variable(name));
     this.#legend(data, colour, palette);
@@ -107,7 +108,7 @@ class Plot {
     const entries = data.curves.map((curve) => entry(curve.name, colour(curve.colour), curve.dash === true));
     this.#entries = entries.map((made) => made.lastElementChild as HTMLElement);
     if (data.level != null) entries.push(entry(`${data.level.name} ${data.level.value}`, palette.variable("over"), true));
-    this.#value.replaceChildren(...entries.flatMap((made) => [made, " "]), data.unit);
+    this.#value.replaceChildren(...entries.flatMap((made) => [made, " "]), data.unit ?? "");
   }
 
   /** Says the values at a frame. */
@@ -131,6 +132,7 @@ function rangeOf(data: PlotData, low: number, high: number): uPlot.Range.MinMax 
 
 /** What there is to see, for those who do not see it. */
 function summary(data: PlotData): string {
+  const unit = data.unit === null ? "" : ` ${data.unit}`;
   const lines = data.curves.map((curve) => {
     let [best, at] = [Number.NEGATIVE_INFINITY, 0];
     for (let index = 0; index < curve.values.length; index++) {
@@ -138,9 +140,9 @@ function summary(data: PlotData): string {
       if (value != null && value > best) [best, at] = [value, index];
     }
     if (best === Number.NEGATIVE_INFINITY) return `${curve.name}: no values`;
-    return `${curve.name}: largest ${best.toFixed(2)} ${data.unit} at ${seconds(data.time[at]!)}`;
+    return `${curve.name}: largest ${best.toFixed(2)}${unit} at ${seconds(data.time[at]!)}`;
   });
-  const level = data.level == null ? "" : `; ${data.level.name} ${data.level.value} ${data.unit}`;
+  const level = data.level == null ? "" : `; ${data.level.name} ${data.level.value}${unit}`;
   return `${data.title} over time. ${lines.join("; ")}${level}`;
 }
 
