@@ -72,7 +72,7 @@ export class Header {
     const facts = [
       header.controller,
       summary.running ? "running" : `${reached} of ${reached + stuck + timedOut + aborted} goals reached${others.join("")}`,
-      ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)} s`, `peak contact force ${summary.peak_force_n.toFixed(2)} N`]),
+      ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)}\u00a0s`, `peak contact force ${summary.peak_force_n.toFixed(2)}\u00a0N`]),
       stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,
       summary.running ? "" : header.audit_warnings.length === 0 ? "audit within bounds" : `audit: ${header.audit_warnings.join("; ")}`,
       header.verdicts === null ? "" : `model ${header.verdicts.model} (${header.verdicts.classifier})`,

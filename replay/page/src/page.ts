@@ -162,6 +162,7 @@ export class Page {
     const second = this.#panes[1].loaded;
     if (second !== null) this.#panes[1].show(second.reach.frameAt(reach.time[state.frame]!), state, this.#palette, false, texts);
     for (const pane of this.#panes) if (pane.loaded !== null) pane.view?.render(state.playing);
+    if (document.body.dataset["frame"] === undefined) performance.mark("drawn");
     document.body.dataset["frame"] = String(state.frame);
   }
 

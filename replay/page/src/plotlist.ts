@@ -1,7 +1,7 @@
 // Which plots there are for a reach and a chosen taxel.
 
 import type { Loaded } from "./pane.ts";
-import type { Curve, PlotData } from "./plots.ts";
+import { CATEGORY, type Curve, type PlotData } from "./plots.ts";
 import type { Reach } from "./reach.ts";
 import type { Series } from "./series.ts";
 import type { Trials } from "./trials.ts";
@@ -45,11 +45,10 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
   if (verdicts !== null && reach.patchOf[taxel] === verdicts.patch) {
     const count = verdicts.scores.length;
     const shares = verdicts.score_kind === "probability";
-    const colours = ["second", "accent", "over", ...JOINTS];
     plots.push({
       id: "scores", title: `${shares ? "Probabilities" : "Scores"} of ${reach.taxelName(taxel)}`, unit: shares ? null : "nats", time, fromZero: shares,
       curves: verdicts.scores.map((name, index) => ({
-        name, colour: colours[index % colours.length]!, dash: index % 2 === 1,
+        name, colour: `${CATEGORY}${name}`, dash: index % 2 === 1,
         values: Array.from(time, (_, frame) => {
           const row = trials.verdict(taxel, frame)?.row;
           return row === undefined ? null : trials.verdictScore[row * count + index]!;

@@ -7,10 +7,13 @@ import { LEFT, RIGHT } from "./axis.ts";
 import type { Palette } from "./colours.ts";
 import { element, say, seconds } from "./dom.ts";
 
+/** Before the name of a category, whose colour a line then has. */
+export const CATEGORY = "category ";
+
 /** One line of a plot. */
 export interface Curve {
   name: string;
-  /** A variable of the style sheet or a CSS colour. */
+  /** A variable of the style sheet, a category or a CSS colour. */
   colour: string;
   /** Drawn dashed. */
   dash?: boolean;
@@ -52,7 +55,10 @@ class Plot {
     this.#data = data;
     say(this.title, data.unit === null ? data.title : `${data.title} / ${data.unit}`);
     this.box.dataset["plot"] = data.id;
-    const colour = (name: string) => (name.startsWith("#") ? name : palette.variable(name));
+    const colour = (name: string) => {
+      if (name.startsWith(CATEGORY)) return palette.category(name.slice(CATEGORY.length));
+      return name.startsWith("#") ? name : palette.variable(name);
+    };
     this.#legend(data, colour, palette);
     const series: uPlot.Series[] = data.curves.map((curve) => ({
       label: curve.name,

@@ -19,6 +19,8 @@ type Counts = Map<string, number>;
 
 interface Strip {
   label: string;
+  /** Whether it is about the chosen taxel alone. */
+  own?: boolean;
   count: (frame: number, add: (name: string) => void) => void;
 }
 
@@ -65,6 +67,7 @@ export class Strips {
     if (taxel !== null) {
       strips.push({
         label: "its truth",
+        own: true,
         count: (frame, add) => {
           const row = reach.reading(taxel, frame);
           if (row >= 0 && reach.sensed[row]! > threshold) add(reach.category(reach.readingObject[row]!));
@@ -73,6 +76,7 @@ export class Strips {
       if (judged !== null && reach.patchOf[taxel] === judged) {
         strips.push({
           label: "its verdict",
+          own: true,
           count: (frame, add) => {
             const found = trials.verdict(taxel, frame);
             if (found !== null) add(found.name);
@@ -97,13 +101,14 @@ export class Strips {
       context.textAlign = "right";
       context.textBaseline = "middle";
       context.fillText(strip.label, LEFT - 8, top + HEIGHT / 2);
-      this.#fill(context, reach, strip, top, palette, seen);
+      this.#fill(context, reach, strip, top, palette, strip.own === true ? new Map() : seen);
     });
     const judged = reach.header.verdicts;
     const where = judged === null ? "all patches" : `patch ${reach.header.patches[judged.patch]!.name}`;
     const names = [...seen.keys()].sort(byName).map((name) => EXPLAINED[name] ?? name);
     say(this.#key, names.length === 0 ? `Nothing touches ${where} in this reach.` : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
-    const frames = [...seen].map(([name, columns]) => `${name} ${seconds((columns / this.#axis.span / strips.length) * reach.duration)}`);
+    const common = strips.filter(({ own }) => own !== true).length;
+    const frames = [...seen].map(([name, columns]) => `${name} ${seconds((columns / this.#axis.span / common) * reach.duration)}`);
     this.#canvas.setAttribute("aria-label", `Truth${judged === null ? "" : " and verdict"} over time on ${where}: ${frames.join(", ")}`);
   }
 

@@ -26,7 +26,8 @@ export const folder = process.env.REPLAY_DATA ?? mkdtempSync(join(tmpdir(), "und
 export const SCENES = ["leaf", "trunk", "mixed", "outlier"];
 
 export function program(...options) {
-  return execFileSync(PROGRAM, options.map(String), { cwd: ROOT, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  // Verdicts on all frames of a reach are megabytes.
+  return execFileSync(PROGRAM, options.map(String), { cwd: ROOT, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"], maxBuffer: 1e9 });
 }
 
 /** A file of the tests' folder. */
