@@ -51,7 +51,7 @@ export class Pane {
       this.view = new View3D(this.name, this.redraw, this.picked);
       this.stage.append(this.view.box);
     } catch {
-      const text = "This browser cannot draw in 3-D (WebGL is missing or switched off). The maps of the skin, the strips and the plots work all the same.";
+      const text = "This browser cannot draw in 3-D (WebGL is missing or switched off). The maps of the skin, the strips and the plots work without it.";
       this.stage.append(element("p", { class: "no-webgl", role: "status" }, text));
     }
   }

@@ -50,7 +50,7 @@ interface Key {
 
 const KEYS: Key[] = [
   { keys: [" ", "k"], shown: "Space", text: "play or pause", act: (actions) => actions.toggle() },
-  { keys: ["ArrowLeft"], shown: "← →", text: "one frame back or on; with Shift 0.1 s", act: (actions, shift) => actions.step(shift ? -10 : -1) },
+  { keys: ["ArrowLeft"], shown: "← →", text: "one frame back or forward; with Shift ten frames", act: (actions, shift) => actions.step(shift ? -10 : -1) },
   { keys: ["ArrowRight"], shown: "", text: "", act: (actions, shift) => actions.step(shift ? 10 : 1) },
   { keys: ["Home"], shown: "Home, End", text: "first or last frame", act: (actions) => actions.seek(0) },
   { keys: ["End"], shown: "", text: "", act: (actions) => actions.seek(Number.MAX_SAFE_INTEGER) },
@@ -63,7 +63,7 @@ const KEYS: Key[] = [
   { keys: ["1"], shown: "1 2 3", text: "colour by force, truth or verdict", act: (actions) => actions.set({ colour: COLOURS[0]! }) },
   { keys: ["2"], shown: "", text: "", act: (actions) => actions.set({ colour: COLOURS[1]! }) },
   { keys: ["3"], shown: "", text: "", act: (actions) => actions.loaded()?.reach.header.verdicts && actions.set({ colour: COLOURS[2]! }) },
-  { keys: ["v", "V"], shown: "V", text: "next view: free, hand, top, side", act: (actions) => view(actions) },
+  { keys: ["v", "V"], shown: "V", text: "next view: whole, hand, top, side", act: (actions) => view(actions) },
   { keys: ["["], shown: "[ ]", text: "previous or next reach", act: (actions) => actions.reach(-1) },
   { keys: ["]"], shown: "", text: "", act: (actions) => actions.reach(1) },
   { keys: ["Escape"], shown: "Esc", text: "select nothing", act: (actions) => actions.set({ taxel: null, object: null }) },
