@@ -28,11 +28,16 @@ export interface Views {
   wake(): void;
 }
 
-/** Waits until the browser has shown what is on the page so far. In a hidden tab it never does. */
+/** A browser that shows nothing, such as one with a hidden tab, is waited for at most this long, ms. */
+const PATIENCE_MS = 1000;
+
+/** Waits until the browser has shown what is on the page so far. */
 function shown(): Promise<void> {
+  if (document.visibilityState === "hidden") return Promise.resolve();
   return new Promise((done) => {
+    // A frame is shown when the task that follows its callbacks begins.
     requestAnimationFrame(() => setTimeout(done));
-    setTimeout(done, 100);
+    setTimeout(done, PATIENCE_MS);
   });
 }
 
