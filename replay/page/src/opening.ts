@@ -52,9 +52,14 @@ export class Opening {
     return this.views.panes[0].loaded;
   }
 
-  async #fetch(number: number): Promise<Loaded> {
-    const [bytes] = await Promise.all([this.source.bytes(number), this.#listed]);
-    return new Loaded(number, new Reach(new Container(bytes)));
+  async #fetch(number: number, pane: Pane): Promise<Loaded> {
+    const bytes = this.source.bytes(number);
+    // An error is told below, where the bytes are waited for.
+    bytes.catch(() => undefined);
+    await this.#listed;
+    // While the server reads and judges the reach.
+    pane.makeView();
+    return new Loaded(number, new Reach(new Container(await bytes)));
   }
 
   /** Loads a reach by its number and shows it, at the time and with the selection of an address if there is one. */
@@ -63,7 +68,7 @@ export class Opening {
     if (summary === undefined) return;
     const request = ++this.#request;
     try {
-      const loaded = await this.#fetch(number);
+      const loaded = await this.#fetch(number, this.views.panes[0]);
       // A later choice has overtaken this one.
       if (request !== this.#request) return;
       const { reach } = loaded;
@@ -128,7 +133,7 @@ export class Opening {
       pane.loaded = null;
     } else if (pane.loaded?.number !== beside) {
       try {
-        pane.load(await this.#fetch(beside), nameOf(this.all[beside]!));
+        pane.load(await this.#fetch(beside, pane), nameOf(this.all[beside]!));
         find("panes").append(pane.stage);
         find("skins").append(pane.skins);
       } catch (error) {

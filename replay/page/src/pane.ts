@@ -44,8 +44,8 @@ export class Pane {
     this.stage.append(this.#title);
   }
 
-  /** Makes the 3-D view when it is first needed, or says why there is none. */
-  #makeView(): void {
+  /** Makes the 3-D view if it is not there yet, or says why there is none. */
+  makeView(): void {
     if (this.stage.childElementCount > 1) return;
     try {
       this.view = new View3D(this.name, this.redraw, this.picked);
@@ -59,7 +59,7 @@ export class Pane {
   load(loaded: Loaded, title: string): void {
     this.loaded = loaded;
     say(this.#title, title);
-    this.#makeView();
+    this.makeView();
     this.view?.load(loaded.reach);
     this.#hovered = null;
     this.maps = loaded.reach.header.patches.map((_, patch) => {
