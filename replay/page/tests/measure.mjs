@@ -1,7 +1,7 @@
 // Measures, without deciding: how long a list and a reach take to open, what a frame costs while the reach plays, and how much
 // memory the server needs for all reaches one after the other. Times depend on what else the machine does, so CPU times and
 // the load are given too.
-// node tests/measure.mjs INPUT [INPUT …]
+// node tests/measure.mjs INPUT [INPUT …] [--model FILE]
 
 import { readFileSync, readdirSync } from "node:fs";
 import { cpus, loadavg } from "node:os";
