@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use underbrush_classifier::Model;
+use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_replay::{Judging, Source, single_file};
+use underbrush_replay::{Judging, JudgingModel, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use crate::failure::Failure;
@@ -24,18 +25,20 @@ fn replay_page(
 ) -> Result<String, Failure> {
     pool::detached(py, None, || {
         let judging = |path: PathBuf| -> Result<Judging, Failure> {
-            let model = Model::load(&path)?;
+            let by = match any_model::load(&path)? {
+                AnyModel::OfTrials(model) => {
+                    let options = OnlineOptions {
+                        patch,
+                        threshold_n: TrialOptions::default().threshold_n,
+                        decision: model.decision.clone().unwrap_or(Decision::argmax()),
+                    };
+                    JudgingModel::OfTrials(Box::new(model), options)
+                }
+                AnyModel::Touch(model) => JudgingModel::of_touch(*model, patch.as_deref())?,
+            };
             Ok(Judging {
                 name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-                options: OnlineOptions {
-                    patch,
-                    threshold_n: TrialOptions::default().threshold_n,
-                    decision: model
-                        .decision
-                        .clone()
-                        .unwrap_or(underbrush_classifier::decision::Decision::argmax()),
-                },
-                model,
+                by,
             })
         };
         let source = Source::open(&paths, known(), model.map(judging).transpose()?)?;

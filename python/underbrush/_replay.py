@@ -42,9 +42,9 @@ def replay(
     reaches : list of int, optional
         Numbers of the reaches of a data set; all by default.
     model : path, optional
-        A model of trials, whose verdicts are shown.
+        A model of trials or a touch model, whose verdicts are shown.
     patch : str, optional
-        The patch that is judged; the first by default.
+        The patch that is judged; the first by default. A touch model knows its patch.
 
     Returns
     -------

@@ -18,7 +18,7 @@ use serde::Serialize;
 const MAGIC: &[u8; 8] = b"ubreplay";
 /// The version of the format. A page and the program that serves it are built together, so only a single file that was
 /// edited by hand can hold another.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEAD_BYTES: usize = 24;
 /// Sections begin at multiples of this, because the page cannot view a typed array at any other place.
 const ALIGNMENT: usize = 8;

@@ -30,6 +30,14 @@ pub enum ReplayError {
         /// The cause.
         source: OnlineError,
     },
+    /// A patch is asked for that is not the touch model's.
+    #[error("patch {patch}: this touch model judges {own}; leave the patch out")]
+    PatchOfTouchModel {
+        /// The patch that was asked for.
+        patch: String,
+        /// The patch that the model judges, in words.
+        own: String,
+    },
     /// There is no reach with this number.
     #[error("there is no reach {number}; give a number below {count}")]
     NoSuchReach {

@@ -11,6 +11,7 @@ mod answer;
 mod contact_trials;
 mod container;
 mod error;
+mod judging;
 mod known;
 mod live;
 pub mod pack;
@@ -18,15 +19,17 @@ mod page;
 mod running;
 mod server;
 mod source;
+mod touch_regions;
 mod verdicts;
 
 pub use error::ReplayError;
+pub use judging::{Judging, JudgingModel, VerdictLog};
 pub use known::Known;
 pub use live::{Live, SoFar};
 pub use page::single_file;
 pub use server::Server;
 pub use source::{Held, Source, Summary};
-pub use verdicts::{Judging, VerdictLog, Verdicts};
+pub use verdicts::Verdicts;
 
 #[cfg(test)]
 mod tests;

@@ -2,21 +2,11 @@
 
 use serde::Serialize;
 use underbrush_classifier::Model;
-use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use underbrush_recording::{Frame, Recording, SkinLayout};
+use underbrush_classifier::online::{OnlineOptions, TaxelVerdict};
+use underbrush_classifier::touch::{REGION_FEATURES, TaxelTouch, TouchClassifier, TouchDecision, TouchModel};
 
 use crate::container::Sections;
-
-/// A model, and how it judges.
-#[derive(Debug)]
-pub struct Judging {
-    /// What the page calls the model: the name of its file.
-    pub name: String,
-    /// The model.
-    pub model: Model,
-    /// The patch, the threshold of contact and the decision.
-    pub options: OnlineOptions,
-}
+use crate::touch_regions::TouchRegions;
 
 /// What the page has to know to read the verdicts.
 #[derive(Clone, Debug, Serialize)]
@@ -25,33 +15,37 @@ pub struct VerdictHeader {
     model: String,
     /// Name of its kind of classifier.
     classifier: &'static str,
-    /// The columns of its features.
+    /// The columns of its features; of a touch model the features of a contact region.
     features: Vec<String>,
     /// The patch that it judges.
     patch: usize,
     /// A taxel is judged where it senses more than this, N.
-    pub threshold_n: f64,
-    /// The categories of the scores.
+    pub(crate) threshold_n: f64,
+    /// The categories that it knows.
     categories: Vec<String>,
+    /// What each score of a taxel is about: the categories; for a touch model `nothing` before them.
+    scores: Vec<String>,
+    /// What the scores are.
+    score_kind: ScoreKind,
     /// The names of the verdicts.
     verdicts: Vec<String>,
+    /// How a touch model decides; none for classifiers of trials.
+    touch: Option<TouchDecision>,
 }
 
-impl Judging {
-    /// Checks that the model can judge frames of this skin.
-    ///
-    /// # Errors
-    /// [`OnlineError`] if the patch is unknown or does not fit the model's features.
-    pub fn check(&self, layout: &SkinLayout) -> Result<(), OnlineError> {
-        OnlineClassifier::new(self.model.classifier.as_ref(), layout, &self.options).map(drop)
-    }
+/// What the scores of a taxel are.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum ScoreKind {
+    /// Log-likelihoods or log-posteriors, nats.
+    Nats,
+    /// Probabilities, which sum to 1.
+    Probability,
+}
 
-    /// Begins to judge the frames of this skin.
-    ///
-    /// # Errors
-    /// As [`Judging::check`].
-    pub fn begin(&self, layout: &SkinLayout) -> Result<VerdictLog, OnlineError> {
-        let classifier = self.model.classifier.as_ref();
+impl VerdictHeader {
+    pub(crate) fn of_trials(name: &str, model: &Model, options: &OnlineOptions, patch: usize) -> Self {
+        let classifier = model.classifier.as_ref();
         let categories = classifier.categories();
         let mut verdicts = categories.clone();
         for other in ["uncertain", "outlier"] {
@@ -59,89 +53,115 @@ impl Judging {
                 verdicts.push(other.into());
             }
         }
-        let patch = layout.chosen_patch(self.options.patch.as_deref()).unwrap_or_default();
-        let earlier = layout.patches.iter().take(patch);
-        let columns = classifier.features().columns();
-        Ok(VerdictLog {
-            online: OnlineClassifier::new(classifier, layout, &self.options)?,
-            first_taxel: earlier.map(|patch| patch.taxels.len()).sum(),
-            verdicts: Verdicts {
-                header: VerdictHeader {
-                    model: self.name.clone(),
-                    classifier: classifier.name(),
-                    features: columns.into_iter().map(|column| column.to_string()).collect(),
-                    patch,
-                    threshold_n: self.options.threshold_n,
-                    categories,
-                    verdicts,
-                },
-                starts: vec![0],
-                taxels: Vec::new(),
-                codes: Vec::new(),
-                samples: Vec::new(),
-                scores: Vec::new(),
-            },
-        })
-    }
-
-    /// The verdicts on all frames of a recording.
-    ///
-    /// # Errors
-    /// [`OnlineError`] if a frame does not fit.
-    pub fn judge(&self, recording: &Recording) -> Result<Verdicts, OnlineError> {
-        let mut log = self.begin(&recording.layout)?;
-        recording.frames.iter().try_for_each(|frame| log.update(frame))?;
-        Ok(log.verdicts)
-    }
-}
-
-/// Judges frame by frame and keeps all verdicts.
-#[derive(Debug)]
-pub struct VerdictLog {
-    online: OnlineClassifier,
-    first_taxel: usize,
-    verdicts: Verdicts,
-}
-
-impl VerdictLog {
-    /// Judges the next frame.
-    ///
-    /// # Errors
-    /// [`OnlineError`] if it does not fit.
-    pub fn update(&mut self, frame: &Frame) -> Result<(), OnlineError> {
-        let own = &mut self.verdicts;
-        for taxel in self.online.update(frame)? {
-            let code = own.header.verdicts.iter().position(|name| name == taxel.verdict.name());
-            own.taxels.push((self.first_taxel + taxel.taxel) as u32);
-            own.codes.push(code.unwrap_or_default() as u8);
-            own.samples.push(taxel.samples as u32);
-            own.scores.extend(&taxel.scores);
+        let columns = classifier.features().columns().into_iter();
+        VerdictHeader {
+            model: name.into(),
+            classifier: classifier.name(),
+            features: columns.map(|column| column.to_string()).collect(),
+            patch,
+            threshold_n: options.threshold_n,
+            scores: categories.clone(),
+            score_kind: ScoreKind::Nats,
+            categories,
+            verdicts,
+            touch: None,
         }
-        own.starts.push(own.taxels.len() as u32);
-        Ok(())
     }
 
-    /// The verdicts so far.
-    pub fn verdicts(&self) -> &Verdicts {
-        &self.verdicts
+    pub(crate) fn of_touch(name: &str, model: &TouchModel, patch: usize) -> Self {
+        let categories = model.categories().to_vec();
+        let around = |before: &[&str], after: &[&str]| -> Vec<String> {
+            let names = before.iter().copied().chain(categories.iter().map(String::as_str));
+            names.chain(after.iter().copied()).map(str::to_owned).collect()
+        };
+        VerdictHeader {
+            model: name.into(),
+            classifier: "touch",
+            features: REGION_FEATURES.iter().map(|feature| (*feature).to_owned()).collect(),
+            patch,
+            threshold_n: model.options().threshold_n,
+            scores: around(&["nothing"], &[]),
+            score_kind: ScoreKind::Probability,
+            verdicts: around(&["nothing"], &["uncertain", "unknown"]),
+            categories,
+            touch: Some(model.decision),
+        }
+    }
+
+    fn code(&self, verdict: &str) -> u8 {
+        let place = self.verdicts.iter().position(|name| name == verdict);
+        place.unwrap_or_default() as u8
     }
 }
 
-/// Verdicts on every taxel in contact: those of frame f are the rows `starts[f]` to `starts[f + 1]`.
+/// Verdicts on every taxel in contact: those of frame f are the rows `starts[f]` to `starts[f + 1]`, sorted by taxel.
 #[derive(Clone, Debug)]
 pub struct Verdicts {
     /// What the page has to know to read them.
     pub(crate) header: VerdictHeader,
+    /// The number of the judged patch's first taxel.
+    first_taxel: usize,
     starts: Vec<u32>,
     taxels: Vec<u32>,
     codes: Vec<u8>,
     samples: Vec<u32>,
     scores: Vec<f64>,
+    /// The contact regions of a touch model.
+    regions: Option<TouchRegions>,
 }
 
 impl Verdicts {
+    /// No frames so far, on a patch whose first taxel has this number.
+    pub(crate) fn new(header: VerdictHeader, first_taxel: usize) -> Self {
+        Verdicts {
+            first_taxel,
+            starts: vec![0],
+            taxels: Vec::new(),
+            codes: Vec::new(),
+            samples: Vec::new(),
+            scores: Vec::new(),
+            regions: header.touch.map(|_| TouchRegions::default()),
+            header,
+        }
+    }
+
+    /// Adds the verdicts of a classifier of trials on a frame.
+    pub(crate) fn push_of_trials<'a>(&mut self, frame: impl IntoIterator<Item = &'a TaxelVerdict>) {
+        for taxel in frame {
+            self.push(taxel.taxel, taxel.samples, self.header.code(taxel.verdict.name()));
+            self.scores.extend(&taxel.scores);
+        }
+        self.starts.push(self.taxels.len() as u32);
+    }
+
+    /// Adds the verdicts of a touch model on the frame that it has judged last.
+    pub(crate) fn push_of_touch(&mut self, judged: &TouchClassifier) {
+        let categories = judged.model().categories();
+        // They stand region by region.
+        let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().collect();
+        frame.sort_unstable_by_key(|own| own.taxel);
+        for own in &frame {
+            self.push(own.taxel, own.samples, self.header.code(own.touch.name(categories)));
+            let probabilities = judged.probabilities(own.region).iter();
+            self.scores.push(own.nothing);
+            self.scores
+                .extend(probabilities.map(|share| (1.0 - own.nothing) * share));
+        }
+        let code = |name: &str| self.header.code(name);
+        if let Some(regions) = &mut self.regions {
+            regions.push(judged, &frame, code);
+        }
+        self.starts.push(self.taxels.len() as u32);
+    }
+
+    fn push(&mut self, taxel: usize, samples: usize, code: u8) {
+        self.taxels.push((self.first_taxel + taxel) as u32);
+        self.codes.push(code);
+        self.samples.push(samples as u32);
+    }
+
     /// Adds those on the frames from number `from` on as the sections `verdict_*`; rows are counted from the first of these,
-    /// and `verdict_score` has one number a category.
+    /// and `verdict_score` has one number for each of the header's scores.
     pub(crate) fn add(&self, from: usize, sections: &mut Sections) {
         let starts = self.starts.get(from..).unwrap_or_default();
         let first = starts.first().copied().unwrap_or_default() as usize;
@@ -149,8 +169,11 @@ impl Verdicts {
         sections.add("verdict_start", starts.iter().map(|start| start - first as u32));
         sections.add("verdict_taxel", self.taxels[rows.clone()].iter().copied());
         sections.add("verdict_code", self.codes[rows.clone()].iter().copied());
-        sections.add("verdict_samples", self.samples[rows].iter().copied());
-        let scores = &self.scores[first * self.header.categories.len()..];
+        sections.add("verdict_samples", self.samples[rows.clone()].iter().copied());
+        let scores = &self.scores[first * self.header.scores.len()..];
         sections.add_single("verdict_score", scores.iter().copied());
+        if let Some(regions) = &self.regions {
+            regions.add(from, rows, sections);
+        }
     }
 }

@@ -9,7 +9,7 @@ use underbrush_experiments::files;
 use underbrush_experiments::session::Session;
 use underbrush_experiments::{ExperimentError, models, online, reaches, training};
 use underbrush_recording::Recording;
-use underbrush_replay::{Held, Judging, ReplayError, Source, single_file};
+use underbrush_replay::{Held, Judging, JudgingModel, ReplayError, Source, single_file};
 
 use crate::error::ReproductionError;
 use crate::replay_links::{ENGINEERED_FILE, TEST_FILE, TRAINING_FILE};
@@ -56,8 +56,10 @@ fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Exp
     let models = session.once(models::run)?;
     let judging = Judging {
         name: "model.json".into(),
-        model: Model::new(Box::new(models.0.clone())),
-        options: online::options(session.experiment, rule),
+        by: JudgingModel::OfTrials(
+            Box::new(Model::new(Box::new(models.0.clone()))),
+            online::options(session.experiment, rule),
+        ),
     };
     Ok(Held {
         recording,

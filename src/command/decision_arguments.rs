@@ -73,6 +73,17 @@ impl<'a> Scores<'a> {
     }
 }
 
+/// Refuses an option that a touch model would ignore, if it was given.
+pub fn refuse_for_touch_model(option: Option<&'static str>) -> Result<(), Failure> {
+    match option {
+        None => Ok(()),
+        Some(option) => Err(Failure::usage(format!(
+            "{option} does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
+             --unknown-share and --cost-of-uncertain, or leave it out"
+        ))),
+    }
+}
+
 impl DecisionArguments {
     /// The first given option.
     pub fn given(&self) -> Option<&'static str> {
@@ -84,9 +95,9 @@ impl DecisionArguments {
         options.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
     }
 
-    /// Whether any of these options was given.
-    pub fn is_given(&self) -> bool {
-        self.given().is_some()
+    /// Refuses options that a touch model would ignore.
+    pub fn refuse_for_touch_model(&self) -> Result<(), Failure> {
+        refuse_for_touch_model(self.given())
     }
 
     /// The decision for these scores.

@@ -19,6 +19,7 @@ use underbrush_sim::scene::Scene;
 use super::decision_arguments::DecisionArguments;
 use super::pictures::Pictures;
 use super::replay;
+use super::touch::TouchDecisionArguments;
 use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
@@ -120,7 +121,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     dataset::say_doubts([&plan.arm], &Shown);
     let mut pictures = Pictures::new(options.picture, options.animation)?;
     let judging = options.model.as_deref();
-    let judging = judging.map(|path| replay::judging_by(path, options.patch.as_deref(), &DecisionArguments::default()));
+    let judging = judging.map(|path| {
+        let (decision, touch) = (DecisionArguments::default(), TouchDecisionArguments::default());
+        replay::judging_by(path, options.patch.as_deref(), &decision, &touch)
+    });
     let judging = judging.transpose()?;
     let mut watched = if options.watch {
         let so_far = ReachSoFar::new(&plan, options.index);

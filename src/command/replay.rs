@@ -6,14 +6,15 @@ use std::process::{Command, Stdio};
 
 use clap::Args;
 use serde::Serialize;
+use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::disk::remove_leftovers;
-use underbrush_replay::{Judging, Server, Source, single_file};
+use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::decision_arguments::{DecisionArguments, Scores};
-use super::score;
+use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::{input, output};
 
@@ -40,14 +41,16 @@ pub struct Options {
     /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
     #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out")]
     reaches: Vec<usize>,
-    /// Model file: the page also shows its verdicts
+    /// Model file of a classifier of trials or a touch model: the page also shows its verdicts
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// With --model: patch of skin that is classified [default: the first]
+    /// With --model: patch of skin that is classified [default: the first; a touch model knows its patch]
     #[arg(long, value_name = "NAME", requires = "model")]
     patch: Option<String>,
     #[command(flatten)]
     decision: DecisionArguments,
+    #[command(flatten, next_help_heading = "Verdicts of touch models")]
+    touch: TouchDecisionArguments,
     /// Port to listen on; 0 takes a free one
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
@@ -85,28 +88,42 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
 fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
     let Some(path) = &options.model else {
-        if options.decision.is_given() {
-            return Err(Failure::usage(
-                "--decision, --margin and --prior are about verdicts; add --model, or leave them out",
-            ));
-        }
-        return Ok(None);
+        return match options.decision.given().or(options.touch.given()) {
+            None => Ok(None),
+            Some(option) => Err(Failure::usage(format!(
+                "{option} is about verdicts; add --model, or leave it out"
+            ))),
+        };
     };
-    judging_by(path, options.patch.as_deref(), &options.decision).map(Some)
+    judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
 }
 
 /// The model of a file, and how it judges a patch, or the first.
-pub fn judging_by(path: &Path, patch: Option<&str>, decision: &DecisionArguments) -> Result<Judging, Failure> {
-    let model = score::load(path, None, "--score")?;
-    let decision = decision.decision(&Scores::of_model(&model))?;
+pub fn judging_by(
+    path: &Path,
+    patch: Option<&str>,
+    decision: &DecisionArguments,
+    touch: &TouchDecisionArguments,
+) -> Result<Judging, Failure> {
+    let by = match any_model::load(path)? {
+        AnyModel::OfTrials(model) => {
+            touch.refuse_for_trials()?;
+            let options = OnlineOptions {
+                patch: patch.map(str::to_owned),
+                threshold_n: TrialOptions::default().threshold_n,
+                decision: decision.decision(&Scores::of_model(&model))?,
+            };
+            JudgingModel::OfTrials(Box::new(model), options)
+        }
+        AnyModel::Touch(mut model) => {
+            decision.refuse_for_touch_model()?;
+            model.decision = touch.over(model.decision);
+            JudgingModel::of_touch(*model, patch)?
+        }
+    };
     Ok(Judging {
         name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        options: OnlineOptions {
-            patch: patch.map(str::to_owned),
-            threshold_n: TrialOptions::default().threshold_n,
-            decision,
-        },
-        model,
+        by,
     })
 }
 

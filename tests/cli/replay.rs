@@ -1,5 +1,6 @@
 //! `underbrush replay`, as far as it needs no browser.
 
+use super::touch;
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
@@ -56,4 +57,40 @@ fn bad_usage_is_refused() {
     .refused(&["hand", "forearm"]);
     underbrush!["replay", set, "--reaches", "0"].refused(&["--out"]);
     assert!(!page.exists());
+}
+
+/// Pins that a touch model's verdicts are written into the page, that its own options change them, and that options which one of
+/// the two kinds of model would ignore are refused.
+#[test]
+fn touch_models_judge_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = fixture().dataset();
+    let page = |name: &str| folder.path().join(name);
+    let (first, second, refused) = (page("first.html"), page("second.html"), page("refused.html"));
+    let touch = touch::model();
+    underbrush!["replay", set, "--reaches", "0", "--model", touch, "--out", first].success();
+    underbrush![
+        "replay",
+        set,
+        "--reaches",
+        "0",
+        "--model",
+        touch,
+        "--unknown-share",
+        "1",
+        "--out",
+        second
+    ]
+    .success();
+    let [first, second] = [first, second].map(|page| std::fs::read_to_string(page).unwrap());
+    assert!(first != second, "the option changed no verdict");
+    for (model, option, value, said) in [
+        (touch.clone(), "--margin", "3", "--margin"),
+        (touch.clone(), "--patch", "flipper", "patch flipper"),
+        (fixture().model(), "--nothing-above", "0.5", "--nothing-above"),
+    ] {
+        underbrush!["replay", set, "--model", model, option, value, "--out", refused].refused(&[said]);
+    }
+    underbrush!["replay", set, "--unknown-share", "0.5", "--out", refused].refused(&["--unknown-share", "--model"]);
+    assert!(!refused.exists());
 }

@@ -51,6 +51,18 @@ pub enum Touch {
     Unknown,
 }
 
+impl Touch {
+    /// The name of the verdict, if the categories are these: `nothing`, a category, `uncertain` or `unknown`.
+    pub fn name<'a>(&self, categories: &'a [String]) -> &'a str {
+        match self {
+            Touch::Nothing => "nothing",
+            Touch::Category(index) => &categories[*index],
+            Touch::Uncertain => "uncertain",
+            Touch::Unknown => "unknown",
+        }
+    }
+}
+
 impl TouchDecision {
     /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known contacts
     /// that are as unusual.

@@ -19,6 +19,9 @@ const LOOKS: Record<string, Look> = {
   spurious: { light: "#78828c", dark: "#9aa4ae", mark: "slash" },
 };
 
+/** Verdicts of touch models look like what they claim. */
+const ALIKE: Record<string, string> = { nothing: "spurious", unknown: "outlier" };
+
 const FURTHER: Look[] = [
   { light: "#8c4fb3", dark: "#c99ae6", mark: "diamond" },
   { light: "#b58900", dark: "#e3c04f", mark: "disc" },
@@ -28,9 +31,9 @@ const FURTHER: Look[] = [
 
 const further: string[] = [];
 
-/** The look of a category, of the verdict "uncertain", or of a "spurious" reading that nothing causes. */
+/** The look of a category, of a verdict, or of a "spurious" reading that nothing causes. */
 export function look(category: string): Look {
-  const known = LOOKS[category];
+  const known = LOOKS[ALIKE[category] ?? category];
   if (known !== undefined) return known;
   if (!further.includes(category)) further.push(category);
   return FURTHER[further.indexOf(category) % FURTHER.length]!;

@@ -4,7 +4,7 @@
 export class DataError extends Error {}
 
 const MAGIC = "ubreplay";
-const VERSION = 1;
+const VERSION = 2;
 const HEAD_BYTES = 24;
 
 const ARRAYS = {

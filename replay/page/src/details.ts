@@ -22,6 +22,9 @@ function parameter(name: string, value: number): Row {
 const LEAST_N = 0.005;
 
 export class Details {
+  /** Whether the features of a region are unfolded. */
+  #featuresOpen = false;
+
   constructor(readonly box: HTMLElement, readonly seek: (frame: number) => void, readonly selectObject: (object: number) => void) {}
 
   show(reach: Reach, trials: Trials, state: State): void {
@@ -73,6 +76,7 @@ export class Details {
     const trial = trials.at(taxel, frame);
     const nodes: Node[] = [element("h3", {}, reach.taxelName(taxel)), this.#rows(rows)];
     if (trial !== null) nodes.push(element("h4", {}, `Trial ${trial.index}`), this.#rows(this.#trial(reach, trials, trial, frame)));
+    nodes.push(...this.#region(reach, trials, taxel, frame));
     nodes.push(this.#others(reach, trials.of(taxel), trial));
     return nodes;
   }
@@ -91,12 +95,31 @@ export class Details {
     const verdict = trials.verdict(trial.taxel, frame);
     const header = reach.header.verdicts;
     if (verdict === null || header === null) return rows;
-    rows.push(["verdict now", `${verdict.name} after ${plural(verdict.samples, "sample")}`], ["verdict at the end", `${trial.verdict} (${trial.judgement})`]);
-    const scores = header.categories.map((name, index) => ({ name, score: trials.verdictScore[verdict.row * header.categories.length + index]! }));
+    rows.push(["verdict now", `${verdict.name} after ${plural(verdict.samples, "sample")}`], ["verdict of the trial", `${trial.verdict} (${trial.judgement})`]);
+    const scores = header.scores.map((name, index) => ({ name, score: trials.verdictScore[verdict.row * header.scores.length + index]! }));
+    if (header.touch !== null) return [...rows, ...scores.map(({ name, score }): Row => [`probability of ${name}`, score.toFixed(3)])];
     for (const { name, score } of scores) rows.push([`score of ${name}`, `${score.toFixed(2)} nats`]);
     const [best, second] = scores.map(({ score }) => score).sort((a, b) => b - a);
     if (best !== undefined && second !== undefined) rows.push(["margin", `${(best - second).toFixed(2)} nats`]);
     return rows;
+  }
+
+  /** The contact region of a taxel as a touch model sees it. */
+  #region(reach: Reach, trials: Trials, taxel: number, frame: number): Node[] {
+    const header = reach.header.verdicts;
+    const verdict = trials.verdict(taxel, frame);
+    const region = verdict === null ? null : trials.region(verdict.row, frame);
+    if (header === null || header.touch === null || region === null) return [];
+    const { unknown_share: share } = header.touch;
+    const rows: Row[] = [
+      ["verdict on the region", `${region.verdict} after ${plural(region.samples, "sample")}`],
+      ["taxels", `${region.taxels}, of which ${region.touchedTaxels} are not called nothing`],
+      ["known contacts as unusual", `${(100 * region.shareBeyond).toFixed(1)} % (unknown at ${100 * share} % or less)`],
+    ];
+    const features = header.features.map((name, index): Row => [name, region.features[index]!.toFixed(2)]);
+    const more = element("details", { class: "features", open: this.#featuresOpen }, element("summary", {}, "Features that the model sees (logarithmic scales)"), this.#rows(features));
+    more.addEventListener("toggle", () => (this.#featuresOpen = more.open));
+    return [element("h4", {}, `Contact region ${region.contact}`), this.#rows(rows), more];
   }
 
   #others(reach: Reach, trials: Trial[], current: Trial | null): Node {

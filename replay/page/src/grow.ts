@@ -4,7 +4,7 @@ import { type ArrayOf, type Container, DataError, type Numbers, type NumberType,
 import type { Contact, Header, Reach } from "./reach.ts";
 
 /** Arrays whose numbers are rows of other arrays, counted from the first that was sent. */
-const STARTS = ["reading_start", "verdict_start"];
+const STARTS = ["reading_start", "verdict_start", "touch_start"];
 
 /** Arrays in memory. */
 class Joined implements ReachData {

@@ -33,7 +33,8 @@ export class Header {
 
   constructor(all: Summary[], actions: HeaderActions) {
     find("reach-controls").hidden = all.length < 2;
-    say(find("reach-count"), `of ${all.length}`);
+    // Numbers are those of the list, of the address and of --reaches.
+    say(find("reach-count"), `of 0–${all.length - 1}`);
     // A number, and not a choice among names: a set can have thousands of reaches, and the list below has the names.
     for (const input of [this.#reach, this.#beside]) input.max = String(all.length - 1);
     this.#reach.addEventListener("change", () => {
@@ -71,7 +72,7 @@ export class Header {
     const facts = [
       header.controller,
       summary.running ? "running" : `${reached} of ${reached + stuck + timedOut + aborted} goals reached${others.join("")}`,
-      ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)} s`, `peak contact force ${summary.peak_force_n.toFixed(2)} N`]),
+      ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)}\u00a0s`, `peak contact force ${summary.peak_force_n.toFixed(2)}\u00a0N`]),
       stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,
       summary.running ? "" : header.audit_warnings.length === 0 ? "audit within bounds" : `audit: ${header.audit_warnings.join("; ")}`,
       header.verdicts === null ? "" : `model ${header.verdicts.model} (${header.verdicts.classifier})`,

@@ -59,12 +59,12 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   } else {
     const names = colour === "truth" ? [...reach.categories, "spurious"] : (verdicts?.verdicts ?? []);
     entries.push(...names.map((name) => swatch(palette, name)));
-    if (colour === "verdict") entries.push(text("dashed red frame: the verdict is not the truth"));
+    if (colour === "verdict") entries.push(text("dashed red frame: the verdict is wrong or uncertain"));
   }
   const objects = reach.categories.map((name) => swatch(palette, name));
   if (colour !== "truth" && objects.length > 0) entries.push(element("span", { class: "entries" }, "objects:", ...objects));
   const cm = 100 * METRES_PER_NEWTON;
   const over = limit === null ? "" : "; red if a taxel is above the limit";
-  entries.push(text(`arrows: force on the skin from ${WEAKEST_N} N, ${cm} cm a newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
+  entries.push(text(`arrows: force on the skin from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
   box.replaceChildren(...entries);
 }

@@ -42,6 +42,10 @@ export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
   );
 }
 
+function wrongFrames(trial: Trial): string {
+  return trial.verdict === null ? "–" : `${trial.wrongFrames} of ${trial.last - trial.first + 1}`;
+}
+
 /** A trial with its reach, for the table. */
 export interface TrialRow {
   trial: Trial;
@@ -58,6 +62,7 @@ export function trialTable(name: string, noun: [string, string], choose: (trial:
       { title: "truth", text: ({ trial }) => trial.truth },
       { title: "verdict", text: ({ trial }) => trial.verdict ?? "not judged" },
       { title: "judged", text: ({ trial }) => trial.judgement },
+      { title: "wrong frames", text: ({ trial }) => wrongFrames(trial), value: ({ trial }) => trial.wrongFrames, hint: () => "Frames with a wrong verdict on what presses in that frame" },
       { title: "length / s", text: ({ trial, reach }) => ((trial.last - trial.first + 1) / reach.header.rate_hz).toFixed(2), value: ({ trial }) => trial.last - trial.first },
       { title: "peak / N", text: ({ trial }) => trial.peak.toFixed(2), value: ({ trial }) => trial.peak },
       { title: "object", text: ({ trial, reach }) => reach.objectName(trial.object) },

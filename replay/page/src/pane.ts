@@ -2,6 +2,7 @@
 
 import { type Palette } from "./colours.ts";
 import { element, newtons, say } from "./dom.ts";
+import { judge } from "./judgement.ts";
 import type { Reach } from "./reach.ts";
 import { SkinMap, type TaxelLook } from "./skinmap.ts";
 import type { ColourBy, State } from "./state.ts";
@@ -43,14 +44,14 @@ export class Pane {
     this.stage.append(this.#title);
   }
 
-  /** Makes the 3-D view when it is first needed, or says why there is none. */
-  #makeView(): void {
+  /** Makes the 3-D view if it is not there yet, or says why there is none. */
+  makeView(): void {
     if (this.stage.childElementCount > 1) return;
     try {
       this.view = new View3D(this.name, this.redraw, this.picked);
       this.stage.append(this.view.box);
     } catch {
-      const text = "This browser cannot draw in 3-D (WebGL is missing or switched off). The maps of the skin, the strips and the plots work all the same.";
+      const text = "This browser cannot draw in 3-D (WebGL is missing or switched off). The maps of the skin, the strips and the plots work without it.";
       this.stage.append(element("p", { class: "no-webgl", role: "status" }, text));
     }
   }
@@ -58,7 +59,7 @@ export class Pane {
   load(loaded: Loaded, title: string): void {
     this.loaded = loaded;
     say(this.#title, title);
-    this.#makeView();
+    this.makeView();
     this.view?.load(loaded.reach);
     this.#hovered = null;
     this.maps = loaded.reach.header.patches.map((_, patch) => {
@@ -96,7 +97,8 @@ export class Pane {
       } else {
         const verdict = trials.verdict(taxel, frame);
         if (verdict === null) continue;
-        const wrong = !stray && verdict.name !== truth;
+        const judgement = judge(truth, verdict.name, reach.header.verdicts!);
+        const wrong = judgement === "wrong" || judgement === "uncertain";
         found.set(taxel, { colour: palette.category(verdict.name), mark: verdict.name, stray, over, wrong });
       }
     }

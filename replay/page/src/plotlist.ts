@@ -1,7 +1,7 @@
 // Which plots there are for a reach and a chosen taxel.
 
 import type { Loaded } from "./pane.ts";
-import type { Curve, PlotData } from "./plots.ts";
+import { CATEGORY, type Curve, type PlotData } from "./plots.ts";
 import type { Reach } from "./reach.ts";
 import type { Series } from "./series.ts";
 import type { Trials } from "./trials.ts";
@@ -43,12 +43,12 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
     curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, { name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }],
   });
   if (verdicts !== null && reach.patchOf[taxel] === verdicts.patch) {
-    const count = verdicts.categories.length;
-    const colours = ["second", "accent", "over", ...JOINTS];
+    const count = verdicts.scores.length;
+    const shares = verdicts.score_kind === "probability";
     plots.push({
-      id: "scores", title: `Scores of ${reach.taxelName(taxel)}`, unit: "nats", time, fromZero: false,
-      curves: verdicts.categories.map((name, index) => ({
-        name, colour: colours[index % colours.length]!, dash: index % 2 === 1,
+      id: "scores", title: `${shares ? "Probabilities" : "Scores"} of ${reach.taxelName(taxel)}`, unit: shares ? null : "nats", time, fromZero: shares,
+      curves: verdicts.scores.map((name, index) => ({
+        name, colour: `${CATEGORY}${name}`, dash: index % 2 === 1,
         values: Array.from(time, (_, frame) => {
           const row = trials.verdict(taxel, frame)?.row;
           return row === undefined ? null : trials.verdictScore[row * count + index]!;

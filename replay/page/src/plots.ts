@@ -7,10 +7,13 @@ import { LEFT, RIGHT } from "./axis.ts";
 import type { Palette } from "./colours.ts";
 import { element, say, seconds } from "./dom.ts";
 
+/** Before the name of a category, whose colour a line then has. */
+export const CATEGORY = "category ";
+
 /** One line of a plot. */
 export interface Curve {
   name: string;
-  /** A variable of the style sheet or a CSS colour. */
+  /** A variable of the style sheet, a category or a CSS colour. */
   colour: string;
   /** Drawn dashed. */
   dash?: boolean;
@@ -20,7 +23,8 @@ export interface Curve {
 export interface PlotData {
   id: string;
   title: string;
-  unit: string;
+  /** Null for pure numbers, such as probabilities. */
+  unit: string | null;
   time: Float64Array;
   curves: Curve[];
   /** A horizontal line with its name. */
@@ -49,9 +53,12 @@ class Plot {
   draw(data: PlotData, palette: Palette, width: number, last: boolean): void {
     this.#plot?.destroy();
     this.#data = data;
-    say(this.title, `${data.title} / ${data.unit}`);
+    say(this.title, data.unit === null ? data.title : `${data.title} / ${data.unit}`);
     this.box.dataset["plot"] = data.id;
-    const colour = (name: string) => (name.startsWith("#") ? name : palette.variable(name));
+    const colour = (name: string) => {
+      if (name.startsWith(CATEGORY)) return palette.category(name.slice(CATEGORY.length));
+      return name.startsWith("#") ? name : palette.variable(name);
+    };
     this.#legend(data, colour, palette);
     const series: uPlot.Series[] = data.curves.map((curve) => ({
       label: curve.name,
@@ -107,7 +114,7 @@ class Plot {
     const entries = data.curves.map((curve) => entry(curve.name, colour(curve.colour), curve.dash === true));
     this.#entries = entries.map((made) => made.lastElementChild as HTMLElement);
     if (data.level != null) entries.push(entry(`${data.level.name} ${data.level.value}`, palette.variable("over"), true));
-    this.#value.replaceChildren(...entries.flatMap((made) => [made, " "]), data.unit);
+    this.#value.replaceChildren(...entries.flatMap((made) => [made, " "]), data.unit ?? "");
   }
 
   /** Says the values at a frame. */
@@ -131,6 +138,7 @@ function rangeOf(data: PlotData, low: number, high: number): uPlot.Range.MinMax 
 
 /** What there is to see, for those who do not see it. */
 function summary(data: PlotData): string {
+  const unit = data.unit === null ? "" : ` ${data.unit}`;
   const lines = data.curves.map((curve) => {
     let [best, at] = [Number.NEGATIVE_INFINITY, 0];
     for (let index = 0; index < curve.values.length; index++) {
@@ -138,9 +146,9 @@ function summary(data: PlotData): string {
       if (value != null && value > best) [best, at] = [value, index];
     }
     if (best === Number.NEGATIVE_INFINITY) return `${curve.name}: no values`;
-    return `${curve.name}: largest ${best.toFixed(2)} ${data.unit} at ${seconds(data.time[at]!)}`;
+    return `${curve.name}: largest ${best.toFixed(2)}${unit} at ${seconds(data.time[at]!)}`;
   });
-  const level = data.level == null ? "" : `; ${data.level.name} ${data.level.value} ${data.unit}`;
+  const level = data.level == null ? "" : `; ${data.level.name} ${data.level.value}${unit}`;
   return `${data.title} over time. ${lines.join("; ")}${level}`;
 }
 

@@ -63,8 +63,14 @@ export interface VerdictHeader {
   features: string[];
   patch: number;
   threshold_n: number;
+  /** The categories that the model knows. */
   categories: string[];
+  /** What each score is about. */
+  scores: string[];
+  score_kind: "nats" | "probability";
   verdicts: string[];
+  /** How a touch model decides; null for classifiers of trials. */
+  touch: { nothing_above: number; unknown_share: number; cost_of_uncertain: number } | null;
 }
 
 /** What the program says about a reach besides the arrays; replay/src/pack.rs writes it. */

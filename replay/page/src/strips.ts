@@ -6,6 +6,11 @@ import { element, prepare, say, seconds } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import type { Trials } from "./trials.ts";
 
+const EXPLAINED: Record<string, string> = {
+  spurious: "spurious (hatched; a reading that no object causes)",
+  nothing: "nothing (hatched; the verdict that no object causes the reading)",
+  unknown: "unknown (unlike all categories that the model knows)",
+};
 const HEIGHT = 22;
 const GAP = 4;
 
@@ -14,6 +19,8 @@ type Counts = Map<string, number>;
 
 interface Strip {
   label: string;
+  /** Whether it is about the chosen taxel alone. */
+  own?: boolean;
   count: (frame: number, add: (name: string) => void) => void;
 }
 
@@ -60,6 +67,7 @@ export class Strips {
     if (taxel !== null) {
       strips.push({
         label: "its truth",
+        own: true,
         count: (frame, add) => {
           const row = reach.reading(taxel, frame);
           if (row >= 0 && reach.sensed[row]! > threshold) add(reach.category(reach.readingObject[row]!));
@@ -68,6 +76,7 @@ export class Strips {
       if (judged !== null && reach.patchOf[taxel] === judged) {
         strips.push({
           label: "its verdict",
+          own: true,
           count: (frame, add) => {
             const found = trials.verdict(taxel, frame);
             if (found !== null) add(found.name);
@@ -92,13 +101,14 @@ export class Strips {
       context.textAlign = "right";
       context.textBaseline = "middle";
       context.fillText(strip.label, LEFT - 8, top + HEIGHT / 2);
-      this.#fill(context, reach, strip, top, palette, seen);
+      this.#fill(context, reach, strip, top, palette, strip.own === true ? new Map() : seen);
     });
     const judged = reach.header.verdicts;
     const where = judged === null ? "all patches" : `patch ${reach.header.patches[judged.patch]!.name}`;
-    const names = [...seen.keys()].map((name) => (name === "spurious" ? "spurious (hatched): a reading that no object causes" : name));
+    const names = [...seen.keys()].sort(byName).map((name) => EXPLAINED[name] ?? name);
     say(this.#key, names.length === 0 ? `Nothing touches ${where} in this reach.` : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
-    const frames = [...seen].map(([name, columns]) => `${name} ${seconds((columns / this.#axis.span / strips.length) * reach.duration)}`);
+    const common = strips.filter(({ own }) => own !== true).length;
+    const frames = [...seen].map(([name, columns]) => `${name} ${seconds((columns / this.#axis.span / common) * reach.duration)}`);
     this.#canvas.setAttribute("aria-label", `Truth${judged === null ? "" : " and verdict"} over time on ${where}: ${frames.join(", ")}`);
   }
 
@@ -120,7 +130,7 @@ export class Strips {
       for (const name of [...counts.keys()].sort(byName)) {
         const height = (HEIGHT * counts.get(name)!) / total;
         context.fillStyle = palette.category(name);
-        if (name === "spurious") hatch(context, LEFT + x, bottom - height, height);
+        if (name === "spurious" || name === "nothing") hatch(context, LEFT + x, bottom - height, height);
         else context.fillRect(LEFT + x, bottom - height, 1, height);
         bottom -= height;
         seen.set(name, (seen.get(name) ?? 0) + 1);
@@ -144,7 +154,7 @@ function hatch(context: CanvasRenderingContext2D, x: number, top: number, height
   for (let y = Math.floor(top); y < top + height; y++) if ((x + y) % 6 < 2) context.fillRect(x, y, 1, 1);
 }
 
-const ORDER = ["leaf", "trunk", "block", "outlier", "uncertain", "spurious"];
+const ORDER = ["leaf", "trunk", "block", "outlier", "unknown", "uncertain", "spurious", "nothing"];
 
 function byName(a: string, b: string): number {
   const place = (name: string) => (ORDER.includes(name) ? ORDER.indexOf(name) : 3.5);

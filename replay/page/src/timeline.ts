@@ -85,9 +85,8 @@ export class Timeline {
     }
     const mistakes = verdicts === null ? "" : `, ${plural(trials.mistakes.length, "wrong or uncertain trial")}`;
     this.#canvas.setAttribute("aria-label", `${plural(goals.length, "goal")}, ${plural(contacts.length, "contact")}${mistakes}`);
-    const order = reach.categories.length > 1 ? [`contacts from top to bottom: ${reach.categories.join(", ")}`] : [];
-    const crosses = verdicts === null ? [] : ["mistakes: × wrong, ○ uncertain, where the trial begins"];
-    const entries = [...order, ...crosses];
-    say(this.key, entries.length === 0 ? "" : `Playback bar – ${entries.join("; ")}.`);
+    const order = reach.categories.length > 1 ? `The playback bar shows contacts from top to bottom with ${reach.categories.join(", ")}.` : "";
+    const crosses = verdicts === null ? "" : "Mistakes are marked where the trial begins: × wrong, ○ uncertain.";
+    say(this.key, `${order} ${crosses}`.trim());
   }
 }

@@ -2,16 +2,17 @@
 
 import { button, element, find } from "./dom.ts";
 import type { Loaded } from "./pane.ts";
-import { CAMERAS, COLOURS, RATES, type Store } from "./state.ts";
+import { CAMERAS, COLOURS, RATES, type State } from "./state.ts";
 
-/** What the keys and buttons do; main.ts gives it. */
+/** What the keys and buttons do; page.ts gives it. */
 export interface Actions {
   seek(frame: number): void;
   step(frames: number): void;
   toggle(): void;
   reach(step: number): void;
   loaded(): Loaded | null;
-  store: Store;
+  state: Readonly<State>;
+  set(values: Partial<State>): void;
 }
 
 type Jump = "contact" | "mistake" | "peak" | "goal";
@@ -31,12 +32,12 @@ function targets(loaded: Loaded, jump: Jump): { frame: number; taxel: number | n
 function go(actions: Actions, jump: Jump, forward: boolean): void {
   const loaded = actions.loaded();
   if (loaded === null) return;
-  const { frame } = actions.store.state;
+  const { frame } = actions.state;
   const all = targets(loaded, jump);
   const next = forward ? all.find((target) => target.frame > frame) : all.findLast((target) => target.frame < frame);
   if (next === undefined) return;
-  actions.store.set({ playing: false });
-  if (next.taxel !== null) actions.store.set({ taxel: next.taxel });
+  actions.set({ playing: false });
+  if (next.taxel !== null) actions.set({ taxel: next.taxel });
   actions.seek(next.frame);
 }
 
@@ -49,7 +50,7 @@ interface Key {
 
 const KEYS: Key[] = [
   { keys: [" ", "k"], shown: "Space", text: "play or pause", act: (actions) => actions.toggle() },
-  { keys: ["ArrowLeft"], shown: "← →", text: "one frame back or on; with Shift 0.1 s", act: (actions, shift) => actions.step(shift ? -10 : -1) },
+  { keys: ["ArrowLeft"], shown: "← →", text: "one frame back or forward; with Shift ten frames", act: (actions, shift) => actions.step(shift ? -10 : -1) },
   { keys: ["ArrowRight"], shown: "", text: "", act: (actions, shift) => actions.step(shift ? 10 : 1) },
   { keys: ["Home"], shown: "Home, End", text: "first or last frame", act: (actions) => actions.seek(0) },
   { keys: ["End"], shown: "", text: "", act: (actions) => actions.seek(Number.MAX_SAFE_INTEGER) },
@@ -59,24 +60,24 @@ const KEYS: Key[] = [
   { keys: ["g", "G"], shown: "G", text: "next goal; with Shift the previous one", act: (actions, shift) => go(actions, "goal", !shift) },
   { keys: [",", "<"], shown: ", .", text: "slower or faster", act: (actions) => rate(actions, -1) },
   { keys: [".", ">"], shown: "", text: "", act: (actions) => rate(actions, 1) },
-  { keys: ["1"], shown: "1 2 3", text: "colour by force, truth or verdict", act: (actions) => actions.store.set({ colour: COLOURS[0]! }) },
-  { keys: ["2"], shown: "", text: "", act: (actions) => actions.store.set({ colour: COLOURS[1]! }) },
-  { keys: ["3"], shown: "", text: "", act: (actions) => actions.loaded()?.reach.header.verdicts && actions.store.set({ colour: COLOURS[2]! }) },
-  { keys: ["v", "V"], shown: "V", text: "next view: free, hand, top, side", act: (actions) => view(actions) },
+  { keys: ["1"], shown: "1 2 3", text: "colour by force, truth or verdict", act: (actions) => actions.set({ colour: COLOURS[0]! }) },
+  { keys: ["2"], shown: "", text: "", act: (actions) => actions.set({ colour: COLOURS[1]! }) },
+  { keys: ["3"], shown: "", text: "", act: (actions) => actions.loaded()?.reach.header.verdicts && actions.set({ colour: COLOURS[2]! }) },
+  { keys: ["v", "V"], shown: "V", text: "next view: whole, hand, top, side", act: (actions) => view(actions) },
   { keys: ["["], shown: "[ ]", text: "previous or next reach", act: (actions) => actions.reach(-1) },
   { keys: ["]"], shown: "", text: "", act: (actions) => actions.reach(1) },
-  { keys: ["Escape"], shown: "Esc", text: "select nothing", act: (actions) => actions.store.set({ taxel: null, object: null }) },
+  { keys: ["Escape"], shown: "Esc", text: "select nothing", act: (actions) => actions.set({ taxel: null, object: null }) },
   { keys: ["?"], shown: "?", text: "this list", act: () => find<HTMLDialogElement>("help").showModal() },
 ];
 
 function rate(actions: Actions, step: number): void {
-  const at = RATES.indexOf(actions.store.state.rate as (typeof RATES)[number]) + step;
-  if (RATES[at] !== undefined) actions.store.set({ rate: RATES[at] });
+  const at = RATES.indexOf(actions.state.rate as (typeof RATES)[number]) + step;
+  if (RATES[at] !== undefined) actions.set({ rate: RATES[at] });
 }
 
 function view(actions: Actions): void {
-  const at = CAMERAS.indexOf(actions.store.state.camera);
-  actions.store.set({ camera: CAMERAS[(at + 1) % CAMERAS.length]! });
+  const at = CAMERAS.indexOf(actions.state.camera);
+  actions.set({ camera: CAMERAS[(at + 1) % CAMERAS.length]! });
 }
 
 /** Makes the buttons and listens to the keys. */
@@ -96,7 +97,7 @@ export function addTransport(actions: Actions): void {
   }
   const rates = find<HTMLSelectElement>("rate");
   rates.append(...RATES.map((value) => element("option", { value }, `${value}×`)));
-  rates.addEventListener("change", () => actions.store.set({ rate: Number(rates.value) }));
+  rates.addEventListener("change", () => actions.set({ rate: Number(rates.value) }));
   const help = find<HTMLDialogElement>("help");
   const rows = KEYS.filter(({ shown }) => shown !== "").flatMap(({ shown, text }) => [element("dt", {}, element("kbd", {}, shown)), element("dd", {}, text)]);
   const close = element("button", { type: "button" }, "Close");

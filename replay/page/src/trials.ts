@@ -1,9 +1,7 @@
 // Contact trials of a reach: what one taxel felt from the beginning of a contact to its end, and what the model said.
 
+import { judge, type Judgement } from "./judgement.ts";
 import { type Reach, search } from "./reach.ts";
-
-/** How a trial was judged. */
-export type Judgement = "right" | "wrong" | "uncertain" | "spurious" | "unjudged";
 
 export interface Trial {
   index: number;
@@ -18,9 +16,11 @@ export interface Trial {
   /** The frame of the peak. */
   peakFrame: number;
   truth: string;
-  /** The last verdict, if the model judges this taxel. */
+  /** The last verdict, if the model judges this taxel; of a touch model the last one while its object presses. */
   verdict: string | null;
   judgement: Judgement;
+  /** Frames with a wrong verdict on what presses in that frame. */
+  wrongFrames: number;
 }
 
 /** The verdict on a taxel in a frame. */
@@ -30,6 +30,49 @@ export interface VerdictRow {
   samples: number;
 }
 
+/** A contact region as a touch model sees it in a frame. */
+export interface TouchRegion {
+  /** Number of the contact, which the region keeps while it slides. */
+  contact: number;
+  samples: number;
+  taxels: number;
+  /** Taxels that are not called nothing. */
+  touchedTaxels: number;
+  verdict: string;
+  /** The share of contacts with known categories that are as unusual. */
+  shareBeyond: number;
+  features: Float32Array;
+}
+
+/** The regions of a touch model: those of frame f are the rows start[f] to start[f + 1]. */
+interface TouchRegions {
+  start: Uint32Array;
+  /** For each verdict the place of its region among those of the frame. */
+  ofVerdict: Uint16Array;
+  contact: Uint32Array;
+  samples: Uint32Array;
+  taxels: Uint16Array;
+  touchedTaxels: Uint16Array;
+  code: Uint8Array;
+  shareBeyond: Float32Array;
+  features: Float32Array;
+}
+
+function touchRegions({ data, header }: Reach): TouchRegions | null {
+  if (header.verdicts === null || header.verdicts.touch === null) return null;
+  return {
+    start: data.array("touch_start", "u32"),
+    ofVerdict: data.array("verdict_region", "u16"),
+    contact: data.array("touch_contact", "u32"),
+    samples: data.array("touch_samples", "u32"),
+    taxels: data.array("touch_taxels", "u16"),
+    touchedTaxels: data.array("touch_touched_taxels", "u16"),
+    code: data.array("touch_code", "u8"),
+    shareBeyond: data.array("touch_share_beyond", "f32"),
+    features: data.array("touch_feature", "f32"),
+  };
+}
+
 /** The trials of a reach and the verdicts on them. */
 export class Trials {
   readonly all: Trial[];
@@ -37,6 +80,7 @@ export class Trials {
   readonly verdictTaxel: Uint32Array;
   readonly verdictCode: Uint8Array;
   readonly verdictScore: Float32Array;
+  readonly touch: TouchRegions | null;
   readonly #samples: Uint32Array;
   readonly #byTaxel = new Map<number, Trial[]>();
   readonly motion: Float32Array;
@@ -51,6 +95,7 @@ export class Trials {
     this.verdictCode = judged ? data.array("verdict_code", "u8") : new Uint8Array();
     this.#samples = judged ? data.array("verdict_samples", "u32") : new Uint32Array();
     this.verdictScore = judged ? data.array("verdict_score", "f32") : new Float32Array();
+    this.touch = touchRegions(reach);
     this.motion = data.array("sample_motion_m", "f32");
     this.regionTaxels = data.array("sample_region_taxels", "u16");
     this.regionForce = data.array("sample_region_force_n", "f32");
@@ -65,6 +110,7 @@ export class Trials {
 
   #read(): Trial[] {
     const { reach } = this;
+    const header = reach.header.verdicts;
     const taxels = reach.data.array("trial_taxel", "u32");
     const firsts = reach.data.array("trial_first_frame", "u32");
     const objects = reach.data.array("trial_object", "i16");
@@ -72,17 +118,40 @@ export class Trials {
     return Array.from(taxels, (taxel, index) => {
       const first = firsts[index]!;
       const last = first + samples[index + 1]! - samples[index]! - 1;
-      let [peak, peakFrame] = [0, first];
+      const object = objects[index]!;
+      let [peak, peakFrame, verdict, wrongFrames] = [0, first, null as string | null, 0];
       for (let frame = first; frame <= last; frame++) {
         const row = reach.reading(taxel, frame);
-        if (row >= 0 && reach.sensed[row]! > peak) [peak, peakFrame] = [reach.sensed[row]!, frame];
+        if (row < 0) continue;
+        if (reach.sensed[row]! > peak) [peak, peakFrame] = [reach.sensed[row]!, frame];
+        if (header === null || reach.patchOf[taxel] !== header.patch) continue;
+        const now = this.verdict(taxel, frame)?.name ?? null;
+        const pressing = reach.readingObject[row]!;
+        if (judge(reach.category(pressing), now, header) === "wrong") wrongFrames++;
+        // A touch model says nothing when its object has left, although the sensor still reads a little.
+        if (header.touch === null || pressing === object) verdict = now;
       }
-      const object = objects[index]!;
       const truth = reach.category(object);
-      const verdict = this.verdict(taxel, last)?.name ?? null;
-      const judgement = judge(truth, verdict);
-      return { index, taxel, first, last, object, sample: samples[index]!, peak, peakFrame, truth, verdict, judgement };
+      const judgement = header === null ? "unjudged" : judge(truth, verdict, header);
+      return { index, taxel, first, last, object, sample: samples[index]!, peak, peakFrame, truth, verdict, judgement, wrongFrames };
     });
+  }
+
+  /** What a touch model knows of the region of a taxel, by the row of its verdict; null for other models. */
+  region(verdict: number, frame: number): TouchRegion | null {
+    const { touch } = this;
+    if (touch === null) return null;
+    const row = touch.start[frame]! + touch.ofVerdict[verdict]!;
+    const count = this.reach.header.verdicts!.features.length;
+    return {
+      contact: touch.contact[row]!,
+      samples: touch.samples[row]!,
+      taxels: touch.taxels[row]!,
+      touchedTaxels: touch.touchedTaxels[row]!,
+      verdict: this.reach.header.verdicts!.verdicts[touch.code[row]!]!,
+      shareBeyond: touch.shareBeyond[row]!,
+      features: touch.features.subarray(row * count, (row + 1) * count),
+    };
   }
 
   /** The verdict on a taxel in a frame, if it is in contact and judged. */
@@ -108,11 +177,4 @@ export class Trials {
   get mistakes(): Trial[] {
     return this.all.filter((trial) => trial.judgement === "wrong" || trial.judgement === "uncertain");
   }
-}
-
-function judge(truth: string, verdict: string | null): Judgement {
-  if (verdict === null) return "unjudged";
-  if (truth === "spurious") return "spurious";
-  if (verdict === "uncertain") return "uncertain";
-  return verdict === truth ? "right" : "wrong";
 }

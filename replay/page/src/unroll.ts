@@ -56,7 +56,7 @@ function rowsAndColumns(reach: Reach, patch: number): Plan {
 type Vector = [number, number, number];
 
 function dot(a: number[], b: number[]): number {
-  return a.reduce((sum, value, axis) => sum + value * b[axis]!, 0);
+  return a[0]! * b[0]! + a[1]! * b[1]! + a[2]! * b[2]!;
 }
 
 /** The direction in which points lie farthest apart, by power iteration, orthogonal to `others`. */
@@ -80,20 +80,26 @@ function longest(points: number[][], others: Vector[]): Vector {
 
 /** Moves squares of this size on the same side just so far that none covers another. */
 function moveApart(squares: { back: boolean; x: number; y: number }[], size: number): void {
+  // Plain loops without new arrays: up to 200 rounds over all pairs are on the way to the first picture.
   for (let round = 0; round < 200; round++) {
     let moved = false;
-    squares.forEach((a, index) => {
-      for (const b of squares.slice(index + 1)) {
-        const [dx, dy] = [b.x - a.x, b.y - a.y];
-        const [overX, overY] = [size - Math.abs(dx), size - Math.abs(dy)];
-        if (a.back !== b.back || overX <= 1e-9 || overY <= 1e-9) continue;
+    for (let first = 0; first < squares.length; first++) {
+      const a = squares[first]!;
+      for (let second = first + 1; second < squares.length; second++) {
+        const b = squares[second]!;
+        if (a.back !== b.back) continue;
+        const dx = b.x - a.x;
+        const dy = b.y - a.y;
+        const overX = size - Math.abs(dx);
+        const overY = size - Math.abs(dy);
+        if (overX <= 1e-9 || overY <= 1e-9) continue;
         moved = true;
         const along = overX < overY ? "x" : "y";
         const step = (0.51 * Math.min(overX, overY) + 1e-9) * ((along === "x" ? dx : dy) < 0 ? -1 : 1);
         a[along] -= step;
         b[along] += step;
       }
-    });
+    }
     if (!moved) return;
   }
 }

@@ -219,7 +219,7 @@ test("verdicts are those of the program", async () => {
   await settle(page);
   assert.ok((await page.locator("#clock").textContent()).startsWith(`${start} s`));
   const details = await page.locator("#details").textContent();
-  assert.ok(details.includes(`truth of the trial${truth}`) && details.includes(`verdict at the end${said} (`), details);
+  assert.ok(details.includes(`truth of the trial${truth}`) && details.includes(`verdict of the trial${said} (`), details);
   assert.deepEqual(page.problems, []);
   await close();
 });

@@ -1,7 +1,7 @@
 // Measures, without deciding: how long a list and a reach take to open, what a frame costs while the reach plays, and how much
 // memory the server needs for all reaches one after the other. Times depend on what else the machine does, so CPU times and
 // the load are given too.
-// node tests/measure.mjs INPUT [INPUT …]
+// node tests/measure.mjs INPUT [INPUT …] [--model FILE]
 
 import { readFileSync, readdirSync } from "node:fs";
 import { cpus, loadavg } from "node:os";
@@ -88,7 +88,9 @@ for (const [width, height] of [[390, 844], [1100, 900], [1920, 1080]]) {
   const shown = performance.now() - start;
   const used = total(cpuSince(busy));
   const reaches = await page.locator("#panel-reaches [role=status]").textContent();
-  console.log(`${width} px: ${reaches} listed after ${listed.toFixed(0)} ms (${thread.toFixed(0)} ms of CPU in the page's thread), reach after ${shown.toFixed(0)} ms (${(await threadTime()).toFixed(0)} ms; ${used} ms in all processes); ${load()}`);
+  // From the moment in which the new page begins to load until the list is on the screen.
+  const [mark, first] = await page.evaluate(() => ["listed", "drawn"].map((name) => performance.getEntriesByName(name)[0].startTime));
+  console.log(`${width} px: ${reaches} listed after ${listed.toFixed(0)} ms (${mark.toFixed(0)} ms from the start of its loading; ${thread.toFixed(0)} ms of CPU in the page's thread), reach after ${shown.toFixed(0)} ms (${first.toFixed(0)} ms from the start; ${(await threadTime()).toFixed(0)} ms; ${used} ms in all processes); ${load()}`);
   const before = browserCpu();
   const [{ frames, time, longest }, wall, drawn, ratio] = await page.evaluate((played) => new Promise((done) => {
     window.spent = { frames: 0, time: 0, longest: 0 };

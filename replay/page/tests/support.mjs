@@ -26,7 +26,8 @@ export const folder = process.env.REPLAY_DATA ?? mkdtempSync(join(tmpdir(), "und
 export const SCENES = ["leaf", "trunk", "mixed", "outlier"];
 
 export function program(...options) {
-  return execFileSync(PROGRAM, options.map(String), { cwd: ROOT, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  // Verdicts on all frames of a reach are megabytes.
+  return execFileSync(PROGRAM, options.map(String), { cwd: ROOT, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"], maxBuffer: 1e9 });
 }
 
 /** A file of the tests' folder. */
@@ -36,8 +37,8 @@ export function file(name) {
 
 const run = promisify(execFile);
 
-/** Makes recordings of the four scenes, a data set and a model, once for all tests. A recording uses one core, so they are made
- * side by side. */
+/** Makes recordings of the four scenes, a data set, a model of trials and a touch model, once for all tests. A recording uses one
+ * core, so they are made side by side. */
 export async function makeData() {
   if (existsSync(file("done"))) return;
   const reach = (name, scene, ...more) => run(PROGRAM, ["reach", `scenes/${scene}.toml`, "--seed", "3", ...more, "--out", file(`${name}.parquet`)], { cwd: ROOT });
@@ -46,6 +47,9 @@ export async function makeData() {
     await run(PROGRAM, ["train", file("set"), "--out", file("model.json"), "--states", "3", "--jobs", "1"], { cwd: ROOT });
   };
   await Promise.all([...SCENES.map((scene) => reach(scene, scene)), reach("blind", "mixed", "--controller", "blind"), model()]);
+  // A touch model needs more reaches, and how well it judges does not matter here.
+  const reaches = ["set", "leaf.parquet", "trunk.parquet", "mixed.parquet", "blind.parquet"].map(file);
+  await run(PROGRAM, ["train", ...reaches, "--classifier", "touch", "--out", file("touch.json"), "--jobs", "2"], { cwd: ROOT });
   writeFileSync(file("done"), "");
 }
 

@@ -5,6 +5,7 @@ mod live;
 mod pack;
 mod server;
 mod single_file;
+mod touch;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

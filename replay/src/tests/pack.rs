@@ -7,8 +7,8 @@ use crate::pack::{pack, pack_from};
 use crate::{ReplayError, Source};
 
 /// Packed bytes, read as the page reads them.
-struct Packed {
-    header: Value,
+pub(super) struct Packed {
+    pub header: Value,
     data: Vec<u8>,
 }
 
@@ -17,7 +17,7 @@ fn u32_at(bytes: &[u8], at: usize) -> usize {
 }
 
 impl Packed {
-    fn read(bytes: &[u8]) -> Packed {
+    pub fn read(bytes: &[u8]) -> Packed {
         assert_eq!(&bytes[..8], b"ubreplay");
         assert_eq!(u32_at(bytes, 16), bytes.len());
         assert_eq!(u32_at(bytes, 12), crc32fast::hash(&bytes[16..]) as usize);
@@ -29,7 +29,7 @@ impl Packed {
     }
 
     /// The numbers of a section.
-    fn section(&self, name: &str) -> Vec<f64> {
+    pub fn section(&self, name: &str) -> Vec<f64> {
         let sections = self.header["sections"].as_array().unwrap();
         let section = sections.iter().find(|section| section["name"] == name).unwrap();
         let number = |key: &str| section[key].as_u64().unwrap() as usize;

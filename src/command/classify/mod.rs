@@ -16,7 +16,7 @@ use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
 
-use super::decision_arguments::{DecisionArguments, Scores};
+use super::decision_arguments::{DecisionArguments, Scores, refuse_for_touch_model};
 use super::score::{self, Score};
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
@@ -90,14 +90,8 @@ impl Options {
 
     /// Refuses options that a touch model would ignore.
     fn refuse_for_touch(&self) -> Result<(), Failure> {
-        let given = self.decision.given().or(self.score.map(|_| "--score"));
-        match given {
-            Some(option) => Err(Failure::usage(format!(
-                "{option} does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
-                 --unknown-share and --cost-of-uncertain, or leave it out"
-            ))),
-            None => self.cut.refuse_for_touch_model(),
-        }
+        refuse_for_touch_model(self.decision.given().or(self.score.map(|_| "--score")))?;
+        self.cut.refuse_for_touch_model()
     }
 }
 

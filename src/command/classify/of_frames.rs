@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
-use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
+use underbrush_classifier::touch::{TouchClassifier, TouchModel};
 use underbrush_recording::{Frame, SkinLayout};
 
 use super::super::touch::TouchDecisionArguments;
@@ -84,7 +84,7 @@ impl Reach for Frames {
             taxel: own.taxel,
             samples: own.samples,
             contact: classifier.regions()[own.region].contact,
-            verdict: verdict(own.touch, categories),
+            verdict: own.touch.name(categories),
             nothing: own.nothing,
             probabilities: probabilities(own.region, 1.0 - own.nothing),
         });
@@ -93,7 +93,7 @@ impl Reach for Frames {
             samples: own.samples,
             taxels: own.taxels[0],
             touched_taxels: own.taxels[1],
-            verdict: verdict(own.touch, categories),
+            verdict: own.touch.name(categories),
             probabilities: probabilities(index, 1.0),
             share_beyond: own.share_beyond,
         });
@@ -102,14 +102,5 @@ impl Reach for Frames {
             taxels: taxels.collect(),
             regions: regions.collect(),
         })
-    }
-}
-
-fn verdict(touch: Touch, categories: &[String]) -> &str {
-    match touch {
-        Touch::Nothing => "nothing",
-        Touch::Category(index) => &categories[index],
-        Touch::Uncertain => "uncertain",
-        Touch::Unknown => "unknown",
     }
 }

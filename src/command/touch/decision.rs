@@ -30,16 +30,21 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl TouchDecisionArguments {
-    /// Refuses options that would be ignored, because verdicts come from a classifier of trials.
-    pub fn refuse_for_trials(&self) -> Result<(), Failure> {
+    /// The first given option.
+    pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--nothing-above", self.nothing_above),
             ("--unknown-share", self.unknown_share),
             ("--cost-of-uncertain", self.cost_of_uncertain),
         ];
-        match options.iter().find(|(_, given)| given.is_some()) {
+        options.iter().find(|(_, given)| given.is_some()).map(|(name, _)| *name)
+    }
+
+    /// Refuses options that would be ignored, because verdicts come from a classifier of trials.
+    pub fn refuse_for_trials(&self) -> Result<(), Failure> {
+        match self.given() {
             None => Ok(()),
-            Some((option, _)) => Err(Failure::usage(format!(
+            Some(option) => Err(Failure::usage(format!(
                 "{option} applies to the classifier touch only, and this is a classifier of trials; use --decision, or leave it out"
             ))),
         }

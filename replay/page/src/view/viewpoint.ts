@@ -1,0 +1,98 @@
+// Where the 3-D view looks from: the four views, a hand that is followed, and turning by pointer and keys.
+
+import { PerspectiveCamera, Vector3 } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+import type { CameraKind } from "../state.ts";
+
+/** A hand that is followed stays at this distance, m. */
+const HAND_DISTANCE_M = 0.75;
+/** Angle from the bottom of a wide view to its top, degrees. */
+const FIELD_DEG = 38;
+
+/** What each key does: turn about the vertical and over the horizontal, rad, and a factor of the distance. */
+const TURNS: Record<string, [number, number, number]> = {
+  ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, -0.1, 1], ArrowDown: [0, 0.1, 1],
+  "+": [0, 0, 0.9], "=": [0, 0, 0.9], "-": [0, 0, 1.1],
+};
+
+export class Viewpoint {
+  readonly camera = new PerspectiveCamera(FIELD_DEG, 1, 0.02, 20);
+  readonly #controls: OrbitControls;
+  #kind: CameraKind | null = null;
+  /** Whether a pointer turns the view. */
+  turning = false;
+
+  /** `moved` is called when the view has changed. */
+  constructor(canvas: HTMLCanvasElement, readonly moved: () => void) {
+    this.camera.up.set(0, 0, 1);
+    this.#controls = new OrbitControls(this.camera, canvas);
+    this.#controls.addEventListener("change", moved);
+    this.#controls.addEventListener("start", () => (this.turning = true));
+    this.#controls.addEventListener("end", () => {
+      this.turning = false;
+      moved();
+    });
+    this.#controls.maxDistance = 6;
+    this.#controls.minDistance = 0.08;
+    canvas.addEventListener("keydown", (event) => {
+      const turn = TURNS[event.key];
+      if (turn === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.#turn(...turn);
+    });
+  }
+
+  /** Turns the camera about its target, rad, and scales its distance. */
+  #turn(around: number, over: number, distance: number): void {
+    const offset = this.camera.position.clone().sub(this.#controls.target);
+    const flat = Math.hypot(offset.x, offset.y);
+    const azimuth = Math.atan2(offset.y, offset.x) + around;
+    const height = Math.min(Math.max(Math.atan2(offset.z, flat) - over, -1.5), 1.5);
+    const length = offset.length() * distance;
+    offset.set(Math.cos(azimuth) * Math.cos(height), Math.sin(azimuth) * Math.cos(height), Math.sin(height)).multiplyScalar(length);
+    this.camera.position.copy(this.#controls.target).add(offset);
+    this.#controls.update();
+    this.moved();
+  }
+
+  /** Takes a new view of what is shown next. */
+  forget(): void {
+    this.#kind = null;
+  }
+
+  /** Looks as this kind of view does: where it begins if it is new, and after the hand if it follows it. `centre` is the middle
+   * of the path of the hand. */
+  look(kind: CameraKind, tip: Vector3, centre: Vector3): void {
+    if (kind !== this.#kind) this.#aim(kind, tip, centre);
+    if (kind !== "hand") return;
+    const step = tip.sub(this.#controls.target);
+    this.#controls.target.add(step);
+    this.camera.position.add(step);
+    this.#controls.update();
+  }
+
+  #aim(kind: CameraKind, tip: Vector3, centre: Vector3): void {
+    this.#kind = kind;
+    // The shoulder is near the origin of the world; the middle of what is seen lies between it and the goals.
+    const middle = new Vector3(centre.x * 0.62, centre.y * 0.8, centre.z);
+    const places: Record<CameraKind, [Vector3, Vector3]> = {
+      free: [middle, new Vector3(-0.35, -1.25, 0.75)],
+      hand: [tip, new Vector3(-0.2, -1, 0.55).normalize().multiplyScalar(HAND_DISTANCE_M)],
+      top: [middle, new Vector3(0, -0.001, 1.6)],
+      side: [middle, new Vector3(0, -1.6, 0)],
+    };
+    const [target, offset] = places[kind];
+    this.#controls.target.copy(target);
+    this.camera.position.copy(target).add(offset);
+    this.#controls.update();
+  }
+
+  /** Fits a view of this size, CSS pixels. A narrow one keeps its width. */
+  fit(width: number, height: number): void {
+    this.camera.aspect = width / height;
+    this.camera.fov = width > height ? FIELD_DEG : Math.min(2 * Math.atan(Math.tan(0.33) * (height / width)) * (180 / Math.PI), 75);
+    this.camera.updateProjectionMatrix();
+  }
+}
