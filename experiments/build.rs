@@ -7,9 +7,13 @@ use std::path::{Path, PathBuf};
 /// The folders of the crates whose sources are hashed, by name. Crates that this one depends on tell theirs through cargo
 /// (`links` in their manifests), so that sources are found in the repository and among packages of a registry.
 pub struct Folders {
+    /// This crate.
     pub experiments: PathBuf,
+    /// The simulator.
     pub sim: PathBuf,
+    /// What is recorded.
     pub recording: PathBuf,
+    /// The classifiers.
     pub classifier: PathBuf,
 }
 
