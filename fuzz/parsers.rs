@@ -54,10 +54,11 @@ pub fn expect_panics() {
     }));
 }
 
-/// Calls `read` with a file that holds the bytes, in a folder that also holds the seeds' arm and scene.
+/// Calls `read` with a file that holds the bytes, in a folder that also holds the seeds' arm and its scene under two names.
 fn in_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path) -> bool) -> bool {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for (name, text) in FINGER.into_iter().chain([("thicket.toml", THICKET)]) {
+    let scenes = [("thicket.toml", THICKET), ("grove.toml", THICKET)];
+    for (name, text) in FINGER.into_iter().chain(scenes) {
         fs::write(folder.path().join(name), text).expect("a file of the seeds");
     }
     let path = folder.path().join(name);

@@ -63,7 +63,7 @@ seed = 5
 
 [[scenes]]
 scene = "thicket.toml"
-reaches = 1
+reaches = 2
 
 [scenes.bounds]
 audit = { at_most = 1, blessed = 0.8 }
@@ -80,6 +80,11 @@ truncations = [10]
 [[training]]
 scene = "thicket.toml"
 label = "trunk"
+reaches = 2
+
+[[training]]
+scene = "grove.toml"
+label = "leaf"
 reaches = 2
 
 [trials]
