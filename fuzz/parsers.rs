@@ -42,18 +42,6 @@ pub const PARSERS: [(&str, Parser); 16] = [
     ("urdf", urdf),
 ];
 
-/// Makes panics silent: decoders of Parquet, HDF5 and MCAP panic on some damaged files, which the readers turn into errors.
-/// libFuzzer's hook would end the program there. A panic that is not caught still ends it, because `fuzz_target!` catches
-/// and reports it.
-#[allow(dead_code, reason = "the tests do not call it")]
-pub fn expect_panics() {
-    std::panic::set_hook(Box::new(|panic| {
-        if std::env::var_os("UNDERBRUSH_FUZZ_PANICS").is_some() {
-            eprintln!("{panic}");
-        }
-    }));
-}
-
 /// Calls `read` with a file that holds the bytes, in a folder that also holds the seeds' arm and its scene under two names.
 fn in_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path) -> bool) -> bool {
     let folder = tempfile::tempdir().expect("a temporary folder");
