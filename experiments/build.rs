@@ -1,48 +1,90 @@
 //! Gives the crate a hash of the sources that decide data, and one of those that decide results, so that data and cached
 //! results of one build are never taken for those of another.
 
+use std::env::var_os;
 use std::path::{Path, PathBuf};
 
-/// What decides the frames of a reach, relative to this crate.
-pub const DATA_SOURCES: [&str; 5] = [
-    "../sim/src",
-    "../sim/arms",
-    "../recording/src",
-    "src/dataset.rs",
-    "../Cargo.lock",
-];
-/// What decides the results that are computed from them: this crate and the classifier, whole. The report is a crate of
-/// its own and not included. Experiment files and scenes are hashed when they are read.
-pub const ANALYSIS_SOURCES: [&str; 2] = ["src", "../classifier/src"];
+/// The folders of the crates whose sources are hashed, by name. Crates that this one depends on tell theirs through cargo
+/// (`links` in their manifests), so that sources are found in the repository and among packages of a registry.
+pub struct Folders {
+    /// This crate.
+    pub experiments: PathBuf,
+    /// The simulator.
+    pub sim: PathBuf,
+    /// What is recorded.
+    pub recording: PathBuf,
+    /// The classifiers.
+    pub classifier: PathBuf,
+}
+
+impl Folders {
+    /// What decides the frames of a reach.
+    pub fn data_sources(&self) -> Vec<(&'static str, PathBuf)> {
+        vec![
+            ("Cargo.lock", self.lock()),
+            ("experiments/src/dataset.rs", self.experiments.join("src/dataset.rs")),
+            ("recording/src", self.recording.join("src")),
+            ("sim/arms", self.sim.join("arms")),
+            ("sim/src", self.sim.join("src")),
+        ]
+    }
+
+    /// What decides the results that are computed from them: this crate and the classifier, whole. The report is a crate of
+    /// its own and not included. Experiment files and scenes are hashed when they are read.
+    pub fn analysis_sources(&self) -> Vec<(&'static str, PathBuf)> {
+        vec![
+            ("classifier/src", self.classifier.join("src")),
+            ("experiments/src", self.experiments.join("src")),
+        ]
+    }
+
+    /// The versions of all dependencies: in a package those that it was published with, otherwise those of the workspace.
+    fn lock(&self) -> PathBuf {
+        let packaged = self.experiments.join("Cargo.lock");
+        if packaged.exists() {
+            return packaged;
+        }
+        self.experiments.join("../Cargo.lock")
+    }
+}
 
 fn main() {
+    let folder = |variable| PathBuf::from(var_os(variable).unwrap_or_else(|| panic!("{variable} is not set")));
+    let folders = Folders {
+        experiments: folder("CARGO_MANIFEST_DIR"),
+        sim: folder("DEP_UNDERBRUSH_SIM_FOLDER"),
+        recording: folder("DEP_UNDERBRUSH_RECORDING_FOLDER"),
+        classifier: folder("DEP_UNDERBRUSH_CLASSIFIER_FOLDER"),
+    };
+    println!("cargo::rerun-if-changed=build.rs");
     for (variable, sources) in [
-        ("UNDERBRUSH_DATA_SOURCES", &DATA_SOURCES[..]),
-        ("UNDERBRUSH_ANALYSIS_SOURCES", &ANALYSIS_SOURCES[..]),
+        ("UNDERBRUSH_DATA_SOURCES", folders.data_sources()),
+        ("UNDERBRUSH_ANALYSIS_SOURCES", folders.analysis_sources()),
     ] {
-        for source in sources {
-            println!("cargo::rerun-if-changed={source}");
+        for (_, source) in &sources {
+            println!("cargo::rerun-if-changed={}", source.display());
         }
-        println!("cargo::rustc-env={variable}={}", hash(Path::new("."), sources));
+        println!("cargo::rustc-env={variable}={}", hash(&sources));
     }
 }
 
 /// 16 hexadecimal digits of BLAKE3 over the names and contents of all files in these folders: enough to notice changes.
-pub fn hash(crate_folder: &Path, sources: &[&str]) -> String {
-    let mut files = Vec::new();
-    for source in sources {
-        collect(&crate_folder.join(source), &mut files);
-    }
-    files.sort();
+pub fn hash(sources: &[(&'static str, PathBuf)]) -> String {
     let mut hasher = blake3::Hasher::new();
-    for file in files {
-        let name = file.strip_prefix(crate_folder).unwrap_or(&file);
-        let name = name.to_string_lossy().replace('\\', "/");
-        let contents = std::fs::read(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
-        // Each part is preceded by its length, so that different files cannot give the same bytes.
-        for part in [name.as_bytes(), &contents] {
-            hasher.update(&(part.len() as u64).to_le_bytes());
-            hasher.update(part);
+    for (name, source) in sources {
+        let mut files = Vec::new();
+        collect(source, &mut files);
+        files.sort();
+        for file in files {
+            let below = file.strip_prefix(source).unwrap_or(&file);
+            let path = Path::new(name).join(below);
+            let path = path.to_string_lossy().replace('\\', "/");
+            let contents = std::fs::read(&file).unwrap_or_else(|error| panic!("{path}: {error}"));
+            // Each part is preceded by its length, so that different files cannot give the same bytes.
+            for part in [path.as_bytes(), &contents] {
+                hasher.update(&(part.len() as u64).to_le_bytes());
+                hasher.update(part);
+            }
         }
     }
     hasher.finalize().to_hex()[..16].to_string()

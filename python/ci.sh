@@ -13,7 +13,9 @@ fi
 "$python" -m pip install --quiet 'maturin>=1.16,<2'
 wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
-"$venv/bin/maturin" build --release --quiet --interpreter "$python" --out "$wheels"
+# The lock file decides the version that data sets carry. It is not demanded in pyproject.toml, because a source distribution
+# has fewer crates than the lock file, and cargo then has to leave them out.
+"$venv/bin/maturin" build --release --locked --quiet --interpreter "$python" --out "$wheels"
 "$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
 "$python" -m pip install --quiet "underbrush[test] @ file://$(echo "$wheels"/*.whl)"
 

@@ -119,7 +119,7 @@ def by_us(models, trials, repeats):
                     print(f"{number},{category},{0.01 * index!r},{float(value)!r}", file=out)
         with open(file, "w", encoding="utf-8") as out:
             json.dump({"format": FORMAT, "features": ["force_n"], "models": models}, out)
-        command = ["cargo", "run", "--release", "-q", "-p", "underbrush-classifier", "--example", "hmm_peer", "--"]
+        command = ["cargo", "run", "--release", "-q", "--example", "hmm_peer", "--"]
         found = subprocess.run([*command, table, file, str(repeats)], check=True, capture_output=True, text=True)
         return json.loads(found.stdout)
 

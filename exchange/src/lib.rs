@@ -3,12 +3,14 @@
 //!
 //! * [`write_mcap`] writes a reach for Foxglove and tools of ROS 2.
 //! * [`Hdf5Writer`] writes reaches in the shape of robomimic's data sets.
+//! * [`live`] reads the lines of a live stream of frames.
 //! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file says.
 
 mod error;
 #[cfg(test)]
 mod example;
 pub mod import;
+pub mod live;
 mod mcap;
 mod to_hdf5;
 mod to_mcap;

@@ -8,7 +8,7 @@ use underbrush_recording::InputError;
 use underbrush_report::picture;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::{SHIPPED, Scene};
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::array;
@@ -16,28 +16,12 @@ use crate::failure::Failure;
 use crate::json;
 use crate::pool::guarded;
 
-macro_rules! shipped {
-    ($($name:literal: $path:literal,)*) => {
-        /// The scenes that ship, by name, with their text.
-        const SHIPPED: &[(&str, &str)] = &[$(($name, include_str!(concat!("../../scenes/", $path))),)*];
-    };
-}
-shipped! {
-    "leaf": "leaf.toml",
-    "trunk": "trunk.toml",
-    "mixed": "mixed.toml",
-    "outlier": "outlier.toml",
-    "bottle": "bottle.toml",
-    "leaf-clump": "engineered/leaf-clump.toml",
-    "leaf-right": "engineered/leaf-right.toml",
-    "leaf-row": "engineered/leaf-row.toml",
-    "leaf-stiff": "engineered/leaf-stiff.toml",
-    "leaf-tall": "engineered/leaf-tall.toml",
-    "trunk-gate": "engineered/trunk-gate.toml",
-    "trunk-post": "engineered/trunk-post.toml",
-    "trunk-right": "engineered/trunk-right.toml",
-    "trunk-row": "engineered/trunk-row.toml",
-    "trunk-thick": "engineered/trunk-thick.toml",
+/// The scenes that ship, by name, with their text.
+fn shipped() -> impl Iterator<Item = (&'static str, &'static str)> {
+    SHIPPED.iter().map(|(path, text)| {
+        let file = path.rsplit('/').next().unwrap_or(path);
+        (file.trim_end_matches(".toml"), *text)
+    })
 }
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
@@ -80,10 +64,10 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         Failure::argument("scene", found, allowed, "give one of them")
     })?;
     let name = path.to_string_lossy();
-    match SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
-        Some((shipped, text)) => Ok(Scene::parse(format!("{shipped}.toml"), (*text).to_owned())?),
+    match shipped().find(|(shipped, _)| *shipped == name) {
+        Some((shipped, text)) => Ok(Scene::parse(format!("{shipped}.toml"), text.to_owned())?),
         None if path.extension().is_none() && !path.exists() => {
-            let names: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = shipped().map(|(name, _)| name).collect();
             let allowed = format!("{}, or the path of a scene file", names.join(", "));
             Err(Failure::argument("scene", name, allowed, "choose one of them"))
         }
@@ -152,7 +136,7 @@ impl PyScene {
     /// Names of the scenes that ship.
     #[staticmethod]
     fn names() -> Vec<&'static str> {
-        SHIPPED.iter().map(|(name, _)| *name).collect()
+        shipped().map(|(name, _)| name).collect()
     }
 
     /// Name of the scene: that of its file without the ending.

@@ -1,5 +1,6 @@
 //! All kinds of bad input: exit status 2, an error with place, cause and remedy, and no output left behind.
 
+mod corpus;
 mod damaged;
 mod models;
 mod ranges;

@@ -2,7 +2,7 @@
 
 use underbrush_sim::audit::energy::{EnergyBalance, EnergySums};
 use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::{Scene, shipped};
 
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
@@ -14,11 +14,11 @@ pub const CHECK: Check = Check {
               contacts and integrator",
     cases: &[
         Case {
-            compare: |simulated| compare("trunks", include_str!("../../scenes/trunk.toml"), simulated),
+            compare: |simulated| compare("trunks", "trunk.toml", simulated),
             falsifications: &[STRONG_DAMPERS],
         },
         Case {
-            compare: |simulated| compare("leaves", include_str!("../../scenes/leaf.toml"), simulated),
+            compare: |simulated| compare("leaves", "leaf.toml", simulated),
             falsifications: &[STRONG_DAMPERS],
         },
     ],
@@ -50,7 +50,8 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparis
 }
 
 /// The energy balance of one reach whose dampers are `wrong` times as strong as the balance assumes.
-fn reach(name: &str, text: &str, wrong: f64) -> Result<EnergySums, CheckError> {
+fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, CheckError> {
+    let text = shipped(file).ok_or_else(|| CheckError::Case(format!("no scene {file} ships")))?;
     let mut scene = Scene::parse(format!("{name}.toml"), text.into())?;
     scene.file.physics.step_s = 1e-3;
     let mut plan = ReachPlan::new(scene, None, 0)?;

@@ -9,7 +9,7 @@ use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::ControllerKind;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::{Scene, shipped};
 
 use crate::source::{self, Field, Source};
 
@@ -41,31 +41,6 @@ pub struct Experiment {
     hash: String,
 }
 
-macro_rules! shipped {
-    ($($path:literal),* $(,)?) => {
-        [$((concat!("../", $path), include_str!(concat!("../../../", $path)))),*]
-    };
-}
-
-/// The scenes of the experiment that ships, by their path in its file.
-const SHIPPED_SCENES: [(&str, &str); 15] = shipped![
-    "scenes/leaf.toml",
-    "scenes/trunk.toml",
-    "scenes/mixed.toml",
-    "scenes/outlier.toml",
-    "scenes/bottle.toml",
-    "scenes/engineered/leaf-clump.toml",
-    "scenes/engineered/leaf-right.toml",
-    "scenes/engineered/leaf-row.toml",
-    "scenes/engineered/leaf-stiff.toml",
-    "scenes/engineered/leaf-tall.toml",
-    "scenes/engineered/trunk-gate.toml",
-    "scenes/engineered/trunk-post.toml",
-    "scenes/engineered/trunk-right.toml",
-    "scenes/engineered/trunk-row.toml",
-    "scenes/engineered/trunk-thick.toml",
-];
-
 /// The JSON Schema of experiment files.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(ExperimentFile)
@@ -79,11 +54,10 @@ impl Experiment {
     pub fn paper() -> Result<Self, InputError> {
         let text = include_str!("../../paper.toml");
         Self::parse(Path::new("paper.toml"), text, |name, field| {
-            let shipped = SHIPPED_SCENES.iter().find(|(path, _)| *path == name);
-            let Some((path, text)) = shipped else {
+            let Some(text) = name.strip_prefix("../scenes/").and_then(shipped) else {
                 return Err(field.fault(name, "a scene that ships"));
             };
-            Scene::parse(path.trim_start_matches("../"), (*text).into())
+            Scene::parse(name.trim_start_matches("../"), text.into())
         })
     }
 

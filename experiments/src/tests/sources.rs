@@ -1,4 +1,4 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 #[path = "../../build.rs"]
 #[expect(
@@ -8,7 +8,18 @@ use std::path::Path;
 )]
 mod build_script;
 
-use build_script::{ANALYSIS_SOURCES, DATA_SOURCES, hash};
+use build_script::{Folders, hash};
+
+/// The folders of crates that lie side by side.
+fn side_by_side(root: &Path) -> Folders {
+    let folder = |name: &str| -> PathBuf { root.join(name) };
+    Folders {
+        experiments: folder("experiments"),
+        sim: folder("sim"),
+        recording: folder("recording"),
+        classifier: folder("classifier"),
+    }
+}
 
 /// Pins what decides cached results: a change in this crate or in the classifier changes their hash, also a new file; a
 /// change in the report or the simulator does not. What decides data changes with the simulator, and not with the classifier.
@@ -31,8 +42,8 @@ fn each_hash_follows_its_sources() {
         "Cargo.lock",
     ];
     files.iter().for_each(|file| write(file, "1"));
-    let own = folder.path().join("experiments");
-    let hashes = || (hash(&own, &ANALYSIS_SOURCES), hash(&own, &DATA_SOURCES));
+    let folders = side_by_side(folder.path());
+    let hashes = || (hash(&folders.analysis_sources()), hash(&folders.data_sources()));
     let mut before = hashes();
     let mut changes = |path: &str| {
         write(path, &format!("{path} changed"));
@@ -51,12 +62,15 @@ fn each_hash_follows_its_sources() {
     assert_eq!(changes("sim/src/world.rs"), (false, true));
     assert_eq!(changes("sim/arms/cody/cody.toml"), (false, true));
     assert_eq!(changes("Cargo.lock"), (false, true));
+    // A package has a lock file of its own.
+    assert_eq!(changes("experiments/Cargo.lock"), (false, true));
+    assert_eq!(changes("Cargo.lock"), (false, false));
 }
 
 /// Pins that the hashes built into the program are those of the sources beside this test.
 #[test]
 fn the_program_holds_the_hashes_of_its_sources() {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
-    assert_eq!(crate::kept::ANALYSIS_VERSION, hash(own, &ANALYSIS_SOURCES));
-    assert!(crate::dataset::PROGRAM_VERSION.ends_with(&hash(own, &DATA_SOURCES)));
+    let folders = side_by_side(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    assert_eq!(crate::kept::ANALYSIS_VERSION, hash(&folders.analysis_sources()));
+    assert!(crate::dataset::PROGRAM_VERSION.ends_with(&hash(&folders.data_sources())));
 }

@@ -13,8 +13,10 @@ use crate::toml_text::{key_at, line_of, sets_key};
 
 mod file;
 pub mod limits;
+mod shipped;
 
 pub use file::{Goals, Objects, PhysicsSection, RobotSection, SceneFile, Workspace};
+pub use shipped::{SHIPPED, shipped};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
 #[derive(Clone, Debug)]

@@ -1,9 +1,6 @@
 //! `underbrush classify`: a verdict for each trial, or for each taxel in contact as frames come in.
 
-mod json;
 mod latency;
-mod line;
-mod lines;
 mod of_contacts;
 mod of_frames;
 mod online;

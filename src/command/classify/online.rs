@@ -6,15 +6,13 @@ use std::time::Instant;
 
 use serde::Serialize;
 use serde_json::json;
+use underbrush_exchange::live::{LineError, LineParser, Lines, Message};
 use underbrush_recording::disk::{Dataset, is_recording, read_recording};
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
 use super::Options;
-use super::json::LineError;
 use super::latency::Latency;
-use super::line::{LineParser, Message};
-use super::lines::Lines;
 use crate::failure::Failure;
 use crate::{input, output};
 
@@ -119,7 +117,7 @@ impl Online<'_> {
         let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_u64;
         loop {
-            let line = lines.next();
+            let line = lines.next_line();
             let line = line.map_err(|error| Failure::run(format!("cannot read standard input: {error}")))?;
             let arrived = Instant::now();
             let Some((number, text)) = line else { break };

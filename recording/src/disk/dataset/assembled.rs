@@ -6,10 +6,10 @@
 //! reaches and not with its square.
 
 use std::fs;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use super::checksums::{Checksums, FileSum};
 use super::episode::Episode;
@@ -17,7 +17,7 @@ use super::names;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use crate::disk::DiskError;
-use crate::disk::whole_file::{json_bytes, write_bytes};
+use crate::disk::whole_file::{begin, commit, json_bytes, write_bytes};
 
 /// Everything about the reaches in complete files that the rest of the set depends on.
 #[derive(Debug, Serialize, Deserialize)]
@@ -39,17 +39,46 @@ pub(super) struct Assembled {
     pub(super) checksums: Checksums,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Stored {
-    /// BLAKE3 of the state as compact JSON with sorted keys.
-    blake3: String,
-    state: Value,
+/// Bytes of the last line: a hash in hexadecimal digits and the end of the line.
+const HASH_LINE: usize = 65;
+
+/// Passes bytes on and hashes them.
+struct Hashed<W> {
+    to: W,
+    hasher: blake3::Hasher,
 }
 
-impl Stored {
-    fn hash(state: &Value) -> String {
-        blake3::hash(state.to_string().as_bytes()).to_hex().to_string()
+impl<W: Write> Write for Hashed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.to.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
     }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
+    }
+}
+
+/// Writes a state as one line of JSON and its BLAKE3 hash as another. The histograms of the statistics are tens of megabytes as
+/// text and more as a tree of values, so neither is made in memory.
+fn write_hashed(state: &impl Serialize, to: impl Write) -> io::Result<()> {
+    let mut to = Hashed {
+        to: BufWriter::new(to),
+        hasher: blake3::Hasher::new(),
+    };
+    serde_json::to_writer(&mut to, state)?;
+    to.write_all(b"\n")?;
+    let Hashed { mut to, hasher } = to;
+    writeln!(to, "{}", hasher.finalize().to_hex())?;
+    to.flush()
+}
+
+/// The JSON that [`write_hashed`] has written; `None` if its hash is another.
+fn hashed(bytes: &[u8]) -> Option<&[u8]> {
+    let (json, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_LINE)?)?;
+    let expected = format!("{}\n", blake3::hash(json).to_hex());
+    (hash == expected.as_bytes()).then_some(json)
 }
 
 /// Where the episodes of a file are, by the file's number from 0.
@@ -75,11 +104,7 @@ impl Assembled {
     /// count as missing.
     pub(super) fn read(dir: &Path) -> Option<Self> {
         let bytes = fs::read(dir.join(names::ASSEMBLED)).ok()?;
-        let Stored { blake3, state } = serde_json::from_slice(&bytes).ok()?;
-        if Stored::hash(&state) != blake3 {
-            return None;
-        }
-        let mut assembled: Assembled = serde_json::from_value(state).ok()?;
+        let mut assembled: Assembled = serde_json::from_slice(hashed(&bytes)?).ok()?;
         for (number, sum) in assembled.lists.iter().enumerate() {
             let bytes = fs::read(list_path(dir, number)).ok()?;
             if FileSum::of_bytes(&bytes) != *sum {
@@ -107,8 +132,28 @@ impl Assembled {
         self.lists.push(FileSum::of_bytes(&bytes));
         self.listed = self.episodes.len();
         let path = dir.join(names::ASSEMBLED);
-        let state = serde_json::to_value(&*self).map_err(|error| DiskError::io(&path, "write")(error.into()))?;
-        let blake3 = Stored::hash(&state);
-        write_bytes(&path, &json_bytes(&path, &Stored { blake3, state })?)
+        let mut temporary = begin(&path)?;
+        write_hashed(&*self, &mut temporary).map_err(DiskError::io(&path, "write"))?;
+        commit(temporary, &path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pins that a state comes back, and that no changed or missing byte goes unnoticed.
+    #[test]
+    fn damage_to_the_stored_state_is_noticed() {
+        let mut bytes = Vec::new();
+        write_hashed(&vec![0.1, 2.5e-17, -3.0], &mut bytes).unwrap();
+        let read: Vec<f64> = serde_json::from_slice(hashed(&bytes).unwrap()).unwrap();
+        assert_eq!(read, [0.1, 2.5e-17, -3.0]);
+        for place in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[place] ^= 1;
+            assert!(hashed(&damaged).is_none(), "byte {place} is changed");
+            assert!(hashed(&bytes[..place]).is_none(), "only {place} bytes");
+        }
     }
 }

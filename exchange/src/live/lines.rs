@@ -24,7 +24,7 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The next line that is not blank, with its number from 1, without its end; `None` at the end of the stream.
-    pub fn next(&mut self) -> io::Result<Option<(usize, Result<&str, LineError>)>> {
+    pub fn next_line(&mut self) -> io::Result<Option<(usize, Result<&str, LineError>)>> {
         let result = loop {
             self.buffer.clear();
             // One byte more than allowed distinguishes a line that is too long from one that just fits.
@@ -68,7 +68,7 @@ mod tests {
         // A small buffer, so that lines do not end where reads do.
         let mut lines = Lines::new(BufReader::with_capacity(3, bytes), max_bytes);
         let mut found = Vec::new();
-        while let Some((number, line)) = lines.next().unwrap() {
+        while let Some((number, line)) = lines.next_line().unwrap() {
             found.push((number, line.map(str::to_owned).map_err(|error| error.found)));
             assert!(lines.buffer.capacity() <= 2 * (max_bytes + 1), "the buffer grows");
         }

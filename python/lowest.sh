@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Tests the Python package with the oldest versions of its direct dependencies that pyproject.toml allows, in a virtual
+# environment of its own. Prints the versions.
+#
+#     python/lowest.sh [WHEEL]          # default: the wheel that .ci/package has built
+#
+# Some of these versions have no wheels for newer Pythons, so it needs Python 3.11: PYTHON=/path/to/python3.11 if `python3` is another.
+set -euo pipefail
+cd "$(dirname "$0")"
+target=$(realpath -m "${CARGO_TARGET_DIR:-../target}")
+wheel=$(realpath "${1:-$(echo "$target"/sdist/underbrush-*.whl)}")
+venv=$(mktemp -d)
+trap 'rm -rf "$venv"' EXIT
+"${PYTHON:-python3}" -m venv "$venv"
+python=$venv/bin/python
+"$python" -m pip install --quiet 'uv>=0.5'
+"$venv/bin/uv" pip install --quiet --python "$python" --resolution lowest-direct "underbrush[test] @ file://$wheel"
+"$venv/bin/uv" pip list --python "$python" --format freeze | grep -v '^pip=\|^uv=\|^setuptools='
+export UNDERBRUSH=${UNDERBRUSH:-$target/release/underbrush}
+"$venv/bin/pytest" tests

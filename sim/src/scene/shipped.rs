@@ -1,0 +1,32 @@
+//! The scenes that ship, built into the library so that programs need no folder beside them. `sim/scenes` is a link to the
+//! folder `scenes` of the repository, so that the package of this crate contains them.
+
+macro_rules! shipped {
+    ($($path:literal),* $(,)?) => {
+        /// The scenes that ship: path below the folder `scenes`, and text.
+        pub const SHIPPED: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../scenes/", $path)))),*];
+    };
+}
+
+shipped![
+    "leaf.toml",
+    "trunk.toml",
+    "mixed.toml",
+    "outlier.toml",
+    "bottle.toml",
+    "engineered/leaf-clump.toml",
+    "engineered/leaf-right.toml",
+    "engineered/leaf-row.toml",
+    "engineered/leaf-stiff.toml",
+    "engineered/leaf-tall.toml",
+    "engineered/trunk-gate.toml",
+    "engineered/trunk-post.toml",
+    "engineered/trunk-right.toml",
+    "engineered/trunk-row.toml",
+    "engineered/trunk-thick.toml",
+];
+
+/// The text of the scene with this path below the folder `scenes`.
+pub fn shipped(path: &str) -> Option<&'static str> {
+    SHIPPED.iter().find(|(name, _)| *name == path).map(|(_, text)| *text)
+}

@@ -1,0 +1,33 @@
+//! Files that fuzzing has found, and the seeds from which it started.
+
+use std::fs;
+use std::path::Path;
+
+#[path = "../../fuzz/parsers.rs"]
+mod parsers;
+
+use parsers::PARSERS;
+
+/// Pins that every parser either reads or refuses each file of its corpus without a panic, that each corpus has a file that is
+/// read, and that no corpus lacks a parser.
+#[test]
+fn every_parser_survives_its_corpus() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    for (name, parse) in PARSERS {
+        let mut read = 0;
+        for file in fs::read_dir(corpus.join(name)).unwrap() {
+            let file = file.unwrap().path();
+            let bytes = fs::read(&file).unwrap();
+            match std::panic::catch_unwind(|| parse(&bytes)) {
+                Ok(whole) => read += usize::from(whole),
+                Err(_) => panic!("{} makes the parser panic", file.display()),
+            }
+        }
+        assert!(read > 0, "{name}: no file of the corpus is read");
+    }
+    let known = PARSERS.map(|(name, _)| name);
+    for folder in fs::read_dir(corpus).unwrap() {
+        let folder = folder.unwrap().file_name().to_string_lossy().into_owned();
+        assert!(known.contains(&folder.as_str()), "no parser is called {folder}");
+    }
+}

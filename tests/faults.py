@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""Lets every system call that changes files fail once, while a set is generated, assembled, merged or exported.
+
+    python3 tests/faults.py [--underbrush target/release/underbrush] [--every N] [--only COMMAND]
+
+For each n, strace lets the n-th call of `openat` (for writing), `write`, `fsync`, `renameat`, `mkdir`, … fail with ENOSPC and with EIO, and
+kills the program there. Afterwards one of these must hold, or the script prints what does not and ends with exit status 1:
+
+* whole: what the command writes is there, with the bytes of a run without faults;
+* unfinished: `inspect` refuses the set as unfinished, or there is no set yet (of an export: no file, or only whole ones).
+
+In both cases the same command without a fault (for sets, with --resume) must lead to the same bytes, without leftovers. A
+program that was not killed must not report success unless the set is whole, and must name what failed, without a panic.
+
+Needs Linux, strace and no packages; TMPDIR=/dev/shm makes it quicker. `--every N` tries only every N-th of the writes; all other calls are always tried.
+"""
+
+import argparse
+import collections
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+# A finger of two joints, whose reaches take milliseconds.
+SCENE = os.path.join(ROOT, "fuzz/seeds/thicket.toml")
+CALLS = ["openat", "write", "pwrite64", "writev", "fsync", "fdatasync", "ftruncate", "renameat", "renameat2", "rename"]
+CALLS += ["mkdir", "mkdirat", "unlink", "unlinkat", "rmdir", "linkat", "copy_file_range"]
+# Without --seccomp-bpf, with which strace 6.1 does not deliver signals.
+STRACE = ["strace", "-f"]
+FAULTS = {"ENOSPC": "error=ENOSPC", "EIO": "error=EIO", "kill": "signal=KILL"}
+# Of what a set says while it is unfinished, or before there is one.
+UNFINISHED = ["unfinished", "no such file or folder", "no meta/info.json"]
+SECONDS = 120
+
+
+def contents(path):
+    """One hash over names and bytes of all files at a path; None if there is nothing."""
+    if not os.path.exists(path):
+        return None
+    files = [path]
+    if os.path.isdir(path):
+        files = sorted(os.path.join(place, name) for place, _, names in os.walk(path) for name in names)
+    digest = hashlib.sha256()
+    for file in files:
+        with open(file, "rb") as bytes_of:
+            own = bytes_of.read()
+        digest.update(f"{os.path.relpath(file, path)} {len(own)}\n".encode() + own)
+    return digest.hexdigest()
+
+
+def run(command, folder):
+    """Runs a command; returns exit status (negative for signals) and standard error."""
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=SECONDS, check=False)
+    return done.returncode, done.stderr.decode(errors="replace")
+
+
+class Job:
+    """A command that writes `out`, after `prepare` has made what it starts from. With `again` it can be continued."""
+
+    def __init__(self, name, command, out, prepare=None, again=None, is_set=True):
+        self.name, self.command, self.out, self.is_set = name, command, out, is_set
+        self.parts = set()
+        self.prepare = prepare or (lambda folder: None)
+        self.again = again or command
+
+    def fresh(self, folder):
+        """A folder with what the command starts from."""
+        start = f"{folder} of {self.name}"
+        if not os.path.exists(start):
+            os.makedirs(start)
+            self.prepare(start)
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(start, folder)
+
+    def points(self, folder):
+        """The calls that change files: {call: sorted numbers}, counted from 1 in each thread, as strace counts."""
+        self.fresh(folder)
+        log = os.path.join(folder, "..", "trace")
+        status, errors = run([*STRACE, "-o", log, "-e", f"trace={','.join(CALLS)}", *self.command], folder)
+        if status != 0:
+            sys.exit(f"{self.name} without a fault: {errors}")
+        counts = collections.Counter()
+        points = collections.defaultdict(set)
+        with open(log, encoding="utf-8", errors="replace") as lines:
+            for line in lines:
+                found = re.match(r"(\d+) +(\w+)\(", line)
+                if found:
+                    counts[found.groups()] += 1
+                    call = found.group(2)
+                    if call != "openat" or re.search("O_WRONLY|O_RDWR|O_CREAT", line):
+                        points[call].add(counts[found.groups()])
+        return {call: sorted(numbers) for call, numbers in points.items()}
+
+    def whole(self, folder):
+        return contents(os.path.join(folder, self.out))
+
+
+def judge(job, call, folder, underbrush, expected, status, errors):
+    """The outcome of a faulty run, and what is wrong with it."""
+    wrong = []
+    if "panicked" in errors:
+        wrong.append(f"a panic: {errors.strip()[:300]}")
+    whole = job.whole(folder) == expected
+    if status == 0 and not whole:
+        wrong.append("success is reported, but the output is not whole")
+    # The message is a write, too, which may be the one that fails.
+    if status > 0 and call != "write" and not errors.strip():
+        wrong.append("no message")
+    if not whole and job.is_set:
+        inspected, said = run([underbrush, "inspect", job.out], folder)
+        if inspected == 0 or not any(text in said for text in UNFINISHED):
+            wrong.append(f"inspect ends with {inspected}: {said.strip()[:300]}")
+    if not whole and not job.is_set:
+        # Files of an export get their names when they are whole.
+        out = os.path.join(folder, job.out)
+        names = [out] if os.path.isfile(out) else [os.path.join(out, name) for name in os.listdir(out)] if os.path.isdir(out) else []
+        for name in names:
+            if not os.path.basename(name).startswith(".") and contents(name) not in job.parts:
+                wrong.append(f"{os.path.basename(name)} is not whole")
+    again, said = run(job.again, folder)
+    if again != 0:
+        wrong.append(f"the next run ends with {again}: {said.strip()[:300]}")
+    elif job.whole(folder) != expected:
+        listing = sorted(os.path.relpath(os.path.join(place, name), folder) for place, _, names in os.walk(folder) for name in names)
+        wrong.append(f"the next run leads to other bytes: {' '.join(listing)[:600]}")
+    outcome = "killed, " if status < 0 or status == 137 else "success, " if status == 0 else "error, "
+    return outcome + ("whole" if whole else "unfinished"), wrong
+
+
+def jobs(underbrush, folder):
+    """The commands."""
+    generate = [underbrush, "generate", SCENE, "--reaches", "2", "--seed", "5", "--jobs", "1", "--out", "set"]
+    parts = os.path.join(folder, "parts")
+    for part in (1, 2):
+        own = [*generate[:-1], os.path.join(parts, str(part)), "--shard", f"{part}/2"]
+        subprocess.run(own, check=True, stdout=subprocess.DEVNULL)
+    whole = os.path.join(folder, "whole")
+    subprocess.run([*generate[:-1], whole], check=True, stdout=subprocess.DEVNULL)
+
+    def staged(place):
+        """All reaches are staged, none is assembled: the program is killed when it makes the first folder of the tables."""
+        for number in range(1, 20):
+            run([*STRACE, "-o", "/dev/null", "-e", "trace=mkdir", "-e", f"inject=mkdir:signal=KILL:when={number}", *generate], place)
+            if os.path.exists(os.path.join(place, "set/incomplete/reach-000001.json")):
+                return
+            shutil.rmtree(os.path.join(place, "set"), ignore_errors=True)
+        sys.exit("the reaches are not staged where this script expects them")
+
+    merge = [underbrush, "merge", f"{parts}/1", f"{parts}/2", "--out", "set"]
+    return [
+        Job("generate", generate, "set", again=[*generate, "--resume"]),
+        Job("generate --resume, all staged", [*generate, "--resume"], "set", prepare=staged),
+        Job("merge", merge, "set", again=[*merge, "--resume"]),
+        Job("export to MCAP", [underbrush, "export", whole, "--to", "mcap", "--out", "mcap"], "mcap", is_set=False),
+        Job("export to HDF5", [underbrush, "export", whole, "--to", "hdf5", "--out", "set.hdf5"], "set.hdf5", is_set=False),
+    ]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--underbrush", default=os.path.join(ROOT, "target/release/underbrush"))
+    parser.add_argument("--every", type=int, default=1, metavar="N")
+    parser.add_argument("--only", help="part of a command's name")
+    options = parser.parse_args()
+    underbrush = os.path.abspath(options.underbrush)
+    complaints = 0
+    print("| command | call | tried | " + " | ".join(FAULTS) + " |\n|---|---|---|" + "---|" * len(FAULTS))
+    with tempfile.TemporaryDirectory() as folder:
+        for job in jobs(underbrush, folder):
+            if options.only and options.only not in job.name:
+                continue
+            place = os.path.join(folder, "place")
+            points = job.points(place)
+            expected = job.whole(place)
+            out = os.path.join(place, job.out)
+            files = [os.path.join(out, name) for name in os.listdir(out)] if os.path.isdir(out) else [out]
+            job.parts = {contents(file) for file in files}
+            for call, numbers in points.items():
+                tried = numbers[:: options.every if call == "write" else 1]
+                cells = []
+                for fault, injected in FAULTS.items():
+                    outcomes = collections.Counter()
+                    for number in tried:
+                        job.fresh(place)
+                        inject = ["-e", f"trace={call}", "-e", f"inject={call}:{injected}:when={number}"]
+                        status, errors = run([*STRACE, "-o", "/dev/null", *inject, *job.command], place)
+                        outcome, wrong = judge(job, call, place, underbrush, expected, status, errors)
+                        outcomes[outcome] += 1
+                        for complaint in wrong:
+                            complaints += 1
+                            print(f"{job.name}, {fault} at {call} {number}: {complaint}", file=sys.stderr, flush=True)
+                    cells.append(", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items())))
+                print(f"| {job.name} | {call} | {len(tried)} | " + " | ".join(cells) + " |", flush=True)
+    print(f"{complaints} findings")
+    sys.exit(1 if complaints else 0)
+
+
+if __name__ == "__main__":
+    main()
