@@ -29,18 +29,30 @@ const IMPACT_FRAMES: usize = 15;
 const COMMANDED_RAD: f64 = 0.02;
 /// Frames of the level that an onset leads to.
 const LEVEL: std::ops::Range<usize> = 15..30;
+/// An onset that leads to this force or more is no graze, N: the allowed force of the published controller.
+const PRESSED_N: f64 = 3.0;
 /// Larger changes of force from one frame to the next are listed, N.
 const LARGE_JUMP_N: f64 = 5.0;
 /// A patch that reaches farther from its centre is no edge, m.
 const BROAD_M: f64 = 5e-3;
+
+/// How a force on a trunk rises.
+#[derive(Clone, Copy)]
+struct Onset {
+    /// Time until 63 % of the level, s.
+    time_s: f64,
+    /// Peak over the level.
+    overshoot: f64,
+    /// The force that it leads to, N.
+    level_n: f64,
+}
 
 #[derive(Default)]
 struct Survey {
     angles_deg: Vec<f64>,
     work_j: f64,
     coulomb_j: f64,
-    onsets_s: Vec<f64>,
-    overshoots: Vec<f64>,
+    onsets: Vec<Onset>,
     /// With an impact, and without.
     jump_n: [f64; 2],
     /// Large ones without an impact.
@@ -52,8 +64,7 @@ struct Survey {
 impl Survey {
     fn join(mut self, other: Survey) -> Survey {
         self.angles_deg.extend(other.angles_deg);
-        self.onsets_s.extend(other.onsets_s);
-        self.overshoots.extend(other.overshoots);
+        self.onsets.extend(other.onsets);
         self.work_j += other.work_j;
         self.coulomb_j += other.coulomb_j;
         self.jumps.extend(other.jumps);
@@ -138,9 +149,12 @@ impl Survey {
         let force: Vec<f64> = course.iter().map(|frame| frame[&pair].force.length()).collect();
         let level = force[LEVEL].iter().sum::<f64>() / LEVEL.len() as f64;
         if let Some(at) = force.iter().position(|force| *force >= 0.63 * level) {
-            self.onsets_s.push((at + 1) as f64 * 0.01);
             let peak = force[..15].iter().copied().fold(0.0, f64::max);
-            self.overshoots.push(peak / level);
+            self.onsets.push(Onset {
+                time_s: (at + 1) as f64 * 0.01,
+                overshoot: peak / level,
+                level_n: level,
+            });
         }
     }
 }
@@ -267,6 +281,11 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
+/// The median of a number of each onset.
+fn median(onsets: &[Onset], number: impl Fn(&Onset) -> f64) -> f64 {
+    quantile(&mut onsets.iter().map(number).collect::<Vec<_>>(), 0.5)
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [reaches, scenes @ ..] = arguments.as_slice() else {
@@ -274,7 +293,7 @@ fn main() {
     };
     let reaches: u64 = reaches.parse().unwrap();
     println!(
-        "| scene | reaches | angle / ° | work | onsets | onset / s | overshoot | jump / N: impact, none | deepest / mm | broad |\n\
+        "| scene | reaches | angle / ° | work | onsets, pressed | onset / s, pressed | overshoot, pressed | jump / N: impact, none | deepest / mm | broad |\n\
          |---|---|---|---|---|---|---|---|---|---|"
     );
     for path in scenes {
@@ -284,18 +303,27 @@ fn main() {
         let surveys: Vec<Survey> = (0..reaches).into_par_iter().map(|reach| survey(&plan, reach)).collect();
         let mut all = surveys.into_iter().fold(Survey::default(), Survey::join);
         let angles = [0.5, 0.9].map(|share| quantile(&mut all.angles_deg, share));
+        let pressed: Vec<Onset> = all
+            .onsets
+            .iter()
+            .copied()
+            .filter(|own| own.level_n >= PRESSED_N)
+            .collect();
         let deepest = all
             .deepest_m
             .iter()
             .map(|(category, depth)| format!("{category} {:.1}", depth * 1e3));
         println!(
-            "| {name} | {reaches} | {:.2}, {:.2} | {:.4} | {} | {:.3} | {:.2} | {:.1}, {:.1} | {} | {:.1} |",
+            "| {name} | {reaches} | {:.2}, {:.2} | {:.4} | {}, {} | {:.3}, {:.3} | {:.2}, {:.2} | {:.1}, {:.1} | {} | {:.1} |",
             angles[0],
             angles[1],
             all.work_j / all.coulomb_j,
-            all.onsets_s.len(),
-            quantile(&mut all.onsets_s, 0.5),
-            quantile(&mut all.overshoots, 0.5),
+            all.onsets.len(),
+            pressed.len(),
+            median(&all.onsets, |own| own.time_s),
+            median(&pressed, |own| own.time_s),
+            median(&all.onsets, |own| own.overshoot),
+            median(&pressed, |own| own.overshoot),
             all.jump_n[0],
             all.jump_n[1],
             deepest.collect::<Vec<_>>().join(", "),
