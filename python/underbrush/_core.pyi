@@ -47,6 +47,7 @@ __all__ = [
     "reach",
     "replay_page",
     "reproduce",
+    "run_campaign",
     "seconds_without_python",
     "step_many",
     "validate",
