@@ -29,8 +29,8 @@ impl Folders {
         ]
     }
 
-    /// What decides the results that are computed from them: this crate and the classifier, whole. The report is a crate of
-    /// its own and not included. Experiment files and scenes are hashed when they are read.
+    /// What decides the results that are computed from the frames: all of this crate and of the classifier. The report is a
+    /// separate crate and is not included. Experiment files and scenes are hashed when they are read.
     pub fn analysis_sources(&self) -> Vec<(&'static str, PathBuf)> {
         vec![
             ("classifier/src", self.classifier.join("src")),

@@ -9,8 +9,8 @@
 //!
 //! then the loss of a new reach is at most α on average. The loss is a share of the reach's touched taxel frames here.
 //!
-//! The theorem is about one model that has seen none of the n reaches. Here each of them is judged by a model of the other fold,
-//! and the model in use is fitted to all of them, so it is not proven to hold. docs/results.md tells what was measured.
+//! The theorem assumes one model that was fitted to none of the n reaches. Here each reach is judged by a model that was fitted to
+//! the other fold, and the final model is fitted to all reaches. So the bound is not proven here; docs/results.md has measurements.
 
 use super::decision::TouchDecision;
 use crate::error::ModelError;
@@ -36,7 +36,7 @@ pub(super) struct Lapse {
 }
 
 impl RiskLimits {
-    /// Whether every share is one, and so many reaches can show that it is kept to.
+    /// Checks that every share is between 0 and 1, and that there are enough reaches for it.
     ///
     /// # Errors
     /// [`ModelError::BadOption`] for a share that is not between 0 and 1, [`ModelError::FewReaches`].

@@ -26,7 +26,7 @@ shipped![
     "engineered/trunk-thick.toml",
 ];
 
-/// The text of the scene with this path below the folder `scenes`.
+/// The text of a scene, by its path in the folder `scenes`; `None` if no such scene ships.
 pub fn shipped(path: &str) -> Option<&'static str> {
     SHIPPED.iter().find(|(name, _)| *name == path).map(|(_, text)| *text)
 }
