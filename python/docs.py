@@ -58,7 +58,7 @@ def page() -> str:
     modules: list[tuple[str, ModuleType, list[str]]] = [
         ("underbrush", underbrush, list(underbrush.__all__)),
         ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
-        ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce"]),
+        ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

@@ -96,6 +96,8 @@ enum Command {
     Validate(command::validate::Options),
     /// Run regression suites: hold what scenes, controller and model give against the bounds in a file
     Check(command::check::Options),
+    /// Judge a model or a controller on frozen scenes, for a table that others can check
+    Benchmark(command::benchmark::Options),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
     Inspect(command::inspect::Options),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
@@ -144,6 +146,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Score(options) => command::score::run(options, shared.json),
         Command::Validate(options) => command::validate::run(options, shared.json),
         Command::Check(options) => command::check::run(options, shared.json),
+        Command::Benchmark(options) => command::benchmark::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
         Command::Replay(options) => command::replay::run(options, shared.json),
         Command::Export(options) => command::export::run(options, shared.json),

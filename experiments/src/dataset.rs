@@ -188,6 +188,14 @@ impl Campaign {
         Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
     }
 
+    /// Name of the controller of its first scene.
+    pub fn controller_name(&self) -> Result<String, ExperimentError> {
+        Ok(self
+            .plans()?
+            .first()
+            .map_or_else(String::new, ReachPlan::controller_name))
+    }
+
     fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
         let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| {

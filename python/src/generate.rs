@@ -50,22 +50,6 @@ fn generate(
             "rename one of them",
         ));
     }
-    let shard = match shard {
-        None => None,
-        Some((number, count)) if (1..=count).contains(&number) => Some(Shard {
-            index: number - 1,
-            count,
-        }),
-        Some((number, count)) => {
-            let found = format!("({number}, {count})");
-            return Err(Failure::argument(
-                "shard",
-                found,
-                "(I, N) with 1 <= I <= N",
-                "count shards from 1",
-            ));
-        }
-    };
     let stop = Arc::new(Stop::default());
     let (kind, own) = controller::chosen(controller, &stop)?;
     let campaign = Campaign {
@@ -75,7 +59,7 @@ fn generate(
         controller: kind,
         own_controller: own,
         verdicts: verdicts.as_deref().map(VerdictControl::load).transpose()?,
-        shard,
+        shard: self::shard(shard)?,
     };
     write(py, &campaign, &out, resume, &stop, progress, jobs)
 }
@@ -98,7 +82,24 @@ fn generate_again(
     write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)
 }
 
-fn write(
+/// Part I of N, counted from 1.
+pub fn shard(shard: Option<(u64, u64)>) -> Result<Option<Shard>, Failure> {
+    match shard {
+        None => Ok(None),
+        Some((number, count)) if (1..=count).contains(&number) => Ok(Some(Shard {
+            index: number - 1,
+            count,
+        })),
+        Some((number, count)) => {
+            let found = format!("({number}, {count})");
+            let allowed = "(I, N) with 1 <= I <= N";
+            Err(Failure::argument("shard", found, allowed, "count shards from 1"))
+        }
+    }
+}
+
+/// Runs a campaign and writes its set.
+pub fn write(
     py: Python<'_>,
     campaign: &Campaign,
     out: &std::path::Path,

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 mod arguments;
 mod arm;
 mod array;
+mod benchmark;
 mod classifier;
 mod controller;
 mod controller_input;
@@ -69,5 +70,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     validation::add_to(module)?;
     replay::add_to(module)?;
     study::add_to(module)?;
+    benchmark::add_to(module)?;
     array::add_to(module)
 }

@@ -4,7 +4,8 @@
 
 Makes the same set in four ways: by one process on one thread, by seven parts that are merged, by a Ray cluster of three nodes of
 which one is killed while its parts run, and by the same cluster once more with all parts there. Then it runs three campaigns of an
-experiment by one process and on the cluster. Prints the hash of each and how long it took, and fails if they differ.
+experiment, and a row of the benchmark, by one process and on the cluster. Prints the hash of each and how long it took, and fails if
+they differ.
 """
 
 from __future__ import annotations
@@ -108,13 +109,26 @@ def main() -> None:
             began = time.monotonic()
             studies[name] = results_of(reproduce(folder / name, progress=shown, **options))
             print(f"{name:48} {studies[name]}  {time.monotonic() - began:6.1f} s", flush=True)
+        rows = {}
+        start, seen[:] = time.monotonic(), []
+        for name, benchmark, shown in (
+            ("a row on two nodes", underbrush.distributed.benchmark, progress),
+            ("a row, one process", ub.benchmark, False),
+        ):
+            began = time.monotonic()
+            benchmark("reaching", folder / name, controller="cody-2013", quick=True, progress=shown)
+            [row] = (folder / name / "quick-rows").iterdir()
+            rows[name] = hashlib.sha256(row.read_bytes()).hexdigest()[:16]
+            print(f"{name:48} {rows[name]}  {time.monotonic() - began:6.1f} s", flush=True)
         ray.shutdown()
         cluster.shutdown()
+    if len(set(rows.values())) != 1:
+        sys.exit("the rows of the benchmark differ")
     if len(set(studies.values())) != 1:
         sys.exit("the results of the campaigns differ")
     if len(set(hashes.values())) != 1:
         sys.exit("the sets differ")
-    print("all sets and all results are equal")
+    print("all sets, results and rows are equal")
 
 
 if __name__ == "__main__":

@@ -38,6 +38,7 @@ from ._core import (
     step_many,
     validate,
 )
+from ._benchmark import benchmark
 from ._data import FrameDataset, TrialDataset
 from ._errors import InputError, RunError, StorageError
 from ._generate import generate, generate_again
@@ -70,6 +71,7 @@ __all__ = [
     "TrialDataset",
     "Trials",
     "__version__",
+    "benchmark",
     "check",
     "checks",
     "classifiers",

@@ -34,6 +34,9 @@ __all__ = [
     "Trial",
     "Trials",
     "__version__",
+    "benchmark",
+    "benchmark_part",
+    "benchmark_sets",
     "check",
     "checks",
     "classifiers",
@@ -580,6 +583,38 @@ def reproduce(
     progress: Callable[[int, int, str], object] | None = None,
     jobs: int | None = None,
 ) -> _Json: ...
+def benchmark(
+    track: str,
+    *,
+    out: _Path,
+    model: _Path | None = None,
+    controller: ControllerLike | None = None,
+    verdicts: _Path | None = None,
+    quick: bool = False,
+    progress: Callable[[int, int, str], object] | None = None,
+    jobs: int | None = None,
+) -> _Json: ...
+def benchmark_sets(
+    track: str,
+    *,
+    out: _Path,
+    model: _Path | None = None,
+    controller: ControllerLike | None = None,
+    verdicts: _Path | None = None,
+    quick: bool = False,
+) -> list[tuple[Path, int]]: ...
+def benchmark_part(
+    place: int,
+    part: _Path,
+    *,
+    track: str,
+    shard: tuple[int, int],
+    model: _Path | None = None,
+    controller: ControllerLike | None = None,
+    verdicts: _Path | None = None,
+    quick: bool = False,
+    jobs: int | None = None,
+) -> None: ...
 def run_campaign(
     out: _Path,
     campaign: int,

@@ -13,11 +13,14 @@ import os
 import shutil
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, TypedDict
 
 from . import _core
+from ._benchmark import Track, entry
+from ._benchmark import benchmark as _benchmark
 from ._progress import Bar, Progress
 from ._study import reproduce as _reproduce
 from ._types import ControllerLike, SceneLike
@@ -93,28 +96,19 @@ def generate(
     InputError
         If a scene, an option or a folder is bad.
     """
-    ray = _ray()
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
     listed = [scene if isinstance(scene, _core.Scene) else _core.Scene(scene) for scene in scenes]
     _connect(address)
-    total = reaches * len(listed)
-    count = parts or max(1, min(4 * int(ray.cluster_resources().get("CPU", 1)), total))
-    folder = Path(f"{os.fspath(out)}.parts").absolute()
-    folder.mkdir(parents=True, exist_ok=True)
-    options: dict[str, Any] = {
-        "seed": seed,
-        "controller": controller,
-        "verdicts": None if verdicts is None else str(Path(verdicts).absolute()),
-    }
-    run = ray.remote(num_cpus=1, max_retries=retries, retry_exceptions=[OSError])(_run_part)
-    waiting = [run.remote(listed, reaches, str(folder), part, count, options) for part in range(1, count + 1)]
-    with Bar("reaches").shown(progress) as shown:
-        _watch(waiting, total, shown)
-    merged = _core.merge([folder / str(part) for part in range(1, count + 1)], Path(out), resume=True)
-    if not keep_parts:
-        shutil.rmtree(folder)
-    return merged
+    make = partial(
+        _generate_part,
+        listed,
+        reaches,
+        seed=seed,
+        controller=controller,
+        verdicts=None if verdicts is None else str(Path(verdicts).absolute()),
+    )
+    return _in_parts(make, reaches * len(listed), Path(out), parts, retries, keep_parts, progress)
 
 
 def reproduce(
@@ -176,6 +170,82 @@ def reproduce(
     return _reproduce(folder, campaigns=campaigns, progress=progress, **options)
 
 
+def benchmark(
+    track: Track,
+    out: str | os.PathLike[str] = "out/benchmark",
+    *,
+    model: str | os.PathLike[str] | None = None,
+    controller: ControllerLike | None = None,
+    verdicts: str | os.PathLike[str] | None = None,
+    quick: bool = False,
+    parts: int | None = None,
+    address: str | None = None,
+    retries: int = 3,
+    progress: Progress | bool = True,
+) -> dict[str, Any]:
+    """Judge a model or a controller on frozen scenes, with the reaches made on the nodes of a Ray cluster.
+
+    The row is that of :func:`underbrush.benchmark`, byte for byte. Sets that are in the folder already are not made again.
+
+    Parameters
+    ----------
+    track : {"verdicts", "transfer", "reaching"}
+        As for :func:`underbrush.benchmark`.
+    out : path
+        The folder to write, on storage that all nodes see under this path.
+    model, controller, verdicts, quick : optional
+        As for :func:`underbrush.benchmark`. Models lie on storage that all nodes see.
+    parts : int, optional
+        Number of tasks for each set; by default four for each processor of the cluster.
+    address, retries : optional
+        As for :func:`generate`.
+    progress : bool or callable
+        As for :func:`generate`.
+
+    Returns
+    -------
+    dict
+        The row, with the keys of ``underbrush benchmark --json``.
+
+    Raises
+    ------
+    InputError
+        If the model is bad, or does not go with the track.
+    """
+    _connect(address)
+    folder = Path(out).absolute()
+    options: dict[str, Any] = {"quick": quick, **entry(model, controller, verdicts)}
+    for place, (path, reaches) in enumerate(_core.benchmark_sets(track, out=folder, **options)):
+        if not path.exists():
+            make = partial(_core.benchmark_part, place, track=track, **options)
+            _in_parts(make, reaches, path, parts, retries, False, progress)
+    return _benchmark(track, folder, model=model, controller=controller, verdicts=verdicts, quick=quick, progress=progress)
+
+
+def _in_parts(
+    make: Callable[..., object],
+    reaches: int,
+    out: Path,
+    parts: int | None,
+    retries: int,
+    keep_parts: bool,
+    progress: Progress | bool,
+) -> _core.Dataset:
+    """Makes the parts of a set as tasks, by ``make(folder, shard=(I, N), jobs=1)``, and merges them."""
+    ray = _ray()
+    count = parts or max(1, min(4 * int(ray.cluster_resources().get("CPU", 1)), reaches))
+    folder = Path(f"{out}.parts").absolute()
+    folder.mkdir(parents=True, exist_ok=True)
+    run = ray.remote(num_cpus=1, max_retries=retries, retry_exceptions=[OSError])(_run_part)
+    waiting = [run.remote(make, str(folder), part, count) for part in range(1, count + 1)]
+    with Bar("reaches").shown(progress) as shown:
+        _watch(waiting, reaches, shown)
+    merged = _core.merge([folder / str(part) for part in range(1, count + 1)], out, resume=True)
+    if not keep_parts:
+        shutil.rmtree(folder)
+    return merged
+
+
 def _connect(address: str | None) -> None:
     """Connects this process to a cluster, unless it is."""
     ray = _ray()
@@ -210,16 +280,18 @@ def _answers(tasks: list[Any]) -> list[Manifest]:
         raise error.cause from None
 
 
-def _run_part(
-    scenes: list[_core.Scene], reaches: int, folder: str, part: int, count: int, options: dict[str, Any]
-) -> Manifest:
+def _generate_part(scenes: list[_core.Scene], reaches: int, out: Path, **options: Any) -> None:
+    _core.generate(scenes, reaches, out, **options)
+
+
+def _run_part(make: Callable[..., object], folder: str, part: int, count: int) -> Manifest:
     """Runs one part on this node, unless it is finished."""
     start = time.monotonic()
     final = Path(folder, str(part))
     if not final.exists():
         own = Path(folder, f".{part}-{uuid.uuid4().hex}")
         try:
-            _core.generate(scenes, reaches, own, shard=(part, count), jobs=1, **options)
+            make(own, shard=(part, count), jobs=1)
             try:
                 # One step: another run of the same part either has finished, or finds this one.
                 own.rename(final)

@@ -5,6 +5,7 @@
 //! [`junit`] writes the results of regression suites for CI systems.
 
 mod agreement;
+pub mod benchmark_text;
 pub mod category_looks;
 pub mod drawing;
 mod error;

@@ -1,5 +1,6 @@
 //! The commands end to end, with small inputs.
 
+mod benchmark;
 mod check;
 mod classifiers;
 mod classify;

@@ -97,8 +97,13 @@ impl Checksums {
     }
 
     fn hash(&self) -> String {
+        self.hash_of(|_| true)
+    }
+
+    /// Hash of the lines of some of the files, hexadecimal.
+    pub(super) fn hash_of(&self, is_wanted: impl Fn(&str) -> bool) -> String {
         let mut hasher = blake3::Hasher::new();
-        for (name, FileSum { bytes, blake3 }) in &self.files {
+        for (name, FileSum { bytes, blake3 }) in self.files.iter().filter(|(name, _)| is_wanted(name)) {
             hasher.update(format!("{name} {bytes} {blake3}\n").as_bytes());
         }
         hasher.finalize().to_hex().to_string()

@@ -87,6 +87,11 @@ fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskErro
     Err(InputError::new(path, key, found, known, REMEDY).into())
 }
 
+/// Whether a file holds frames or the truth about them.
+fn is_large(name: &str) -> bool {
+    name.starts_with("data/") || name.starts_with("truth/")
+}
+
 impl Dataset {
     /// Opens a data set. It must be finished and of this version, and its folders must hold the listed files with their
     /// sizes and no others. Hashes are checked here except for the large tables in `data/` and `truth/`, whose hashes
@@ -102,8 +107,7 @@ impl Dataset {
         require_version(dir.join(names::PROVENANCE), "format", FORMAT)?;
         let checksums = Checksums::read(&dir)?;
         checksums.check_listing(&dir)?;
-        let large = |name: &&str| name.starts_with("data/") || name.starts_with("truth/");
-        let small: Vec<&str> = checksums.names().filter(|name| !large(name)).collect();
+        let small: Vec<&str> = checksums.names().filter(|name| !is_large(name)).collect();
         for name in &small {
             checksums.check(&dir, name)?;
         }
@@ -193,6 +197,12 @@ impl Dataset {
         self.checksums
             .names()
             .try_for_each(|name| self.checksums.check(&self.dir, name))
+    }
+
+    /// BLAKE3 hash over the paths, sizes and hashes of all files in `data/` and `truth/`, hexadecimal: the same for sets with the
+    /// same frames, also if they were made by different versions of the program.
+    pub fn data_blake3(&self) -> String {
+        self.checksums.hash_of(is_large)
     }
 
     /// The path of a file of the set, to be read: its hash is checked the first time. All reading goes through here.

@@ -1,0 +1,229 @@
+//! The benchmark `incidental-contact-1`: three tracks with frozen scenes, seeds and figures (`benchmarks/` describes them).
+//!
+//! A row of its table depends on the entry and the data alone. The data are sets that [`crate::dataset::Campaign`] makes, on one
+//! machine or many, so a row is the same to the byte wherever they were made.
+
+mod contacts;
+mod counts;
+mod frozen;
+mod reaching;
+mod resampled;
+mod row;
+#[cfg(test)]
+mod tests;
+mod transfer;
+mod verdicts;
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use underbrush_recording::disk::Dataset;
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::reach::MakeController;
+
+use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
+use crate::error::ExperimentError;
+use crate::files;
+use crate::progress::Progress;
+use crate::verdict_controller::VerdictControl;
+
+pub use contacts::JudgedModel;
+pub use frozen::{MOMENTS, NAME, TRAINING_REACHES, TRAINING_SCENES, TRAINING_SEED};
+pub use reaching::Reaching;
+pub use resampled::Estimate;
+pub use row::{EntryRecord, Figures, Row, SceneRecord, SetRecord};
+pub use transfer::{Transfer, TransferTo};
+pub use verdicts::{ContactCounts, Verdicts, VerdictsAt};
+
+/// What is judged, in one of the tracks.
+pub enum Entry {
+    /// Track 1: a model says what contacts are.
+    Verdicts(Box<JudgedModel>),
+    /// Track 2: the same with other arms, speeds and sensors than in training.
+    Transfer(Box<JudgedModel>),
+    /// Track 3: a controller reaches through clutter.
+    Reaching(EnteredController),
+}
+
+/// A controller that is judged.
+#[derive(Clone, Default)]
+pub struct EnteredController {
+    /// One that ships; the scene's if not given.
+    pub kind: Option<ControllerKind>,
+    /// A user's own. Finished reaches are found by its name, so one that has changed needs another name or folder.
+    pub own: Option<MakeController>,
+    /// Verdicts for the controller, if it is to have any.
+    pub verdicts: Option<VerdictControl>,
+}
+
+/// Reaches on which an entry is judged.
+pub struct TestSet {
+    /// Its name, also that of its folder.
+    pub name: String,
+    /// The reaches.
+    pub campaign: Campaign,
+}
+
+impl Entry {
+    /// Names of the tracks.
+    pub const TRACKS: [&str; 3] = ["verdicts", "transfer", "reaching"];
+
+    /// Name of its track.
+    pub fn track(&self) -> &'static str {
+        match self {
+            Entry::Verdicts(_) => "verdicts",
+            Entry::Transfer(_) => "transfer",
+            Entry::Reaching(_) => "reaching",
+        }
+    }
+
+    /// The sets on which it is judged; with `quick` those with few reaches, to try things out.
+    ///
+    /// # Errors
+    /// If a controller's verdicts do not suit the arm, or the frozen files are broken.
+    pub fn sets(&self, quick: bool) -> Result<Vec<TestSet>, ExperimentError> {
+        let set = |name: String, scenes: &[&str], reaches: u64, seed: u64| {
+            let reaches = if quick { frozen::QUICK_REACHES } else { reaches };
+            let scenes_of = scenes.iter().map(|name| Ok((frozen::scene(name)?, reaches)));
+            let campaign = Campaign {
+                scenes: scenes_of.collect::<Result<_, ExperimentError>>()?,
+                arms: frozen::arms(scenes)?,
+                seed,
+                controller: None,
+                own_controller: None,
+                verdicts: None,
+                shard: None,
+            };
+            Ok::<TestSet, ExperimentError>(TestSet { name, campaign })
+        };
+        let judged = frozen::JUDGED_REACHES;
+        match self {
+            Entry::Verdicts(_) => {
+                let name = "verdicts".to_owned();
+                Ok(vec![set(name, frozen::VERDICTS_SCENES, judged, frozen::VERDICTS_SEED)?])
+            }
+            Entry::Transfer(_) => {
+                let (usual, other) = ("transfer".to_owned(), "transfer-other-arm".to_owned());
+                Ok(vec![
+                    set(usual, frozen::TRANSFER_SCENES, judged, frozen::TRANSFER_SEED)?,
+                    set(other, &[frozen::OTHER_ARM], judged, frozen::TRANSFER_SEED)?,
+                ])
+            }
+            Entry::Reaching(controller) => {
+                let scenes = [frozen::REACHING_SCENE];
+                let mut set = set(
+                    String::new(),
+                    &scenes,
+                    frozen::CONTROLLED_REACHES,
+                    frozen::REACHING_SEED,
+                )?;
+                set.campaign.controller = controller.kind;
+                set.campaign.own_controller = controller.own.clone();
+                set.campaign.verdicts = controller.verdicts.clone();
+                set.name = format!("reaching-{}", set.campaign.controller_name()?);
+                if let Some(verdicts) = &controller.verdicts {
+                    // Other models give other reaches.
+                    set.name += &format!("-{}", &verdicts.model_blake3()[..8]);
+                }
+                Ok(vec![set])
+            }
+        }
+    }
+
+    /// Judges the entry: makes the sets in `folder` that are missing there, and writes the row beside them.
+    ///
+    /// # Errors
+    /// If a reach fails, a file cannot be read or written, or the model does not suit the skin.
+    pub fn run(&self, folder: &Path, quick: bool, progress: &dyn Progress) -> Result<Row, ExperimentError> {
+        let mut sets = Vec::new();
+        for set in self.sets(quick)? {
+            progress.stage(&format!("Reaches of the set {}", set.name));
+            let dataset = match set
+                .campaign
+                .write(&set_folder(folder, &set.name, quick), true, progress)?
+            {
+                Written::New(dataset) | Written::Before(dataset) => dataset,
+            };
+            sets.push((set.name, dataset));
+        }
+        progress.stage("Figures");
+        let record = |(name, dataset): &(String, Dataset)| SetRecord::of(name, dataset);
+        let row = Row {
+            benchmark: NAME.into(),
+            track: self.track().into(),
+            complete: !quick,
+            entry: self.record(&sets),
+            program_version: PROGRAM_VERSION.into(),
+            analysis_sources: env!("UNDERBRUSH_ANALYSIS_SOURCES").into(),
+            engine: underbrush_sim::physics::ENGINE.into(),
+            sets: sets.iter().map(record).collect::<Result<_, _>>()?,
+            figures: self.figures(&sets, progress)?,
+        };
+        let kind = if quick { "quick-rows" } else { "rows" };
+        files::write_json(
+            &folder.join(kind).join(format!("{}-{}.json", row.track, row.entry.name)),
+            &row,
+        )?;
+        Ok(row)
+    }
+
+    fn record(&self, sets: &[(String, Dataset)]) -> EntryRecord {
+        match self {
+            Entry::Verdicts(model) | Entry::Transfer(model) => EntryRecord {
+                name: model.name.clone(),
+                classifier: Some(model.classifier.clone()),
+                model_blake3: Some(model.blake3.clone()),
+            },
+            Entry::Reaching(controller) => EntryRecord {
+                name: sets
+                    .first()
+                    .map_or_else(String::new, |(_, set)| set.provenance().controller.clone()),
+                classifier: None,
+                model_blake3: controller.verdicts.as_ref().map(|own| own.model_blake3().to_owned()),
+            },
+        }
+    }
+
+    fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, ExperimentError> {
+        let contacts = |model: &JudgedModel| {
+            each_reach(sets, progress, |recording| {
+                Ok((recording.scene.clone(), model.contacts(recording)?))
+            })
+        };
+        Ok(match self {
+            Entry::Verdicts(model) => Figures::Verdicts(verdicts::figures(&contacts(model)?)),
+            Entry::Transfer(model) => Figures::Transfer(transfer::figures(&contacts(model)?)),
+            Entry::Reaching(_) => {
+                let reaches = each_reach(sets, progress, |reach| {
+                    Ok(reaching::Reach::of(&reach.goals, &reach.contacts, &reach.objects))
+                })?;
+                Figures::Reaching(reaching::figures(&reaches))
+            }
+        })
+    }
+}
+
+/// Where a set lies in the benchmark's folder.
+pub fn set_folder(folder: &Path, name: &str, quick: bool) -> PathBuf {
+    folder.join(if quick { "quick-sets" } else { "sets" }).join(name)
+}
+
+/// Reads all reaches of all sets, several at a time, and gives what `of` makes of them, in their order.
+fn each_reach<T: Send>(
+    sets: &[(String, Dataset)],
+    progress: &dyn Progress,
+    of: impl Fn(&underbrush_recording::Recording) -> Result<T, ExperimentError> + Sync,
+) -> Result<Vec<T>, ExperimentError> {
+    let all: Vec<(&Dataset, usize)> = (sets.iter())
+        .flat_map(|(_, dataset)| (0..dataset.episodes().len()).map(move |index| (dataset, index)))
+        .collect();
+    let count = progress.count("reaches", all.len() as u64, 0);
+    all.into_par_iter()
+        .with_max_len(1)
+        .map(|(dataset, index)| {
+            let found = of(&dataset.read_reach(index)?);
+            count.advance();
+            found
+        })
+        .collect()
+}

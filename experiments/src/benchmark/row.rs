@@ -1,0 +1,100 @@
+//! A row of the benchmark's table, with everything that is needed to check it.
+
+use serde::{Deserialize, Serialize};
+use underbrush_recording::disk::Dataset;
+
+use super::reaching::Reaching;
+use super::transfer::Transfer;
+use super::verdicts::Verdicts;
+use crate::error::ExperimentError;
+
+/// A row. It holds no times and no paths, so the same entry gives the same bytes on every machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the benchmark.
+    pub benchmark: String,
+    /// Name of the track.
+    pub track: String,
+    /// Whether all reaches were run. A quick run is no row of the table.
+    pub complete: bool,
+    /// What was judged.
+    pub entry: EntryRecord,
+    /// Version of the program, with a hash of the sources that decide data.
+    pub program_version: String,
+    /// Hash of the sources that decide results from data.
+    pub analysis_sources: String,
+    /// Name and version of the physics engine.
+    pub engine: String,
+    /// The data that it was judged on.
+    pub sets: Vec<SetRecord>,
+    /// The figures.
+    pub figures: Figures,
+}
+
+/// What was judged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EntryRecord {
+    /// Its name in the table.
+    pub name: String,
+    /// Name of a model's classifier.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub classifier: Option<String>,
+    /// BLAKE3 hash of the model's file, hexadecimal; of the touch model's for a controller with verdicts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model_blake3: Option<String>,
+}
+
+/// A data set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetRecord {
+    /// Its name.
+    pub name: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Its scenes.
+    pub scenes: Vec<SceneRecord>,
+    /// BLAKE3 hash over the names, sizes and hashes of its files in `data/` and `truth/`, hexadecimal.
+    pub data_blake3: String,
+}
+
+/// A scene of a data set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneRecord {
+    /// Its name.
+    pub name: String,
+    /// Number of reaches.
+    pub reaches: u64,
+    /// BLAKE3 hash of its file, hexadecimal.
+    pub blake3: String,
+}
+
+/// The figures of a track.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Figures {
+    /// Of track 1.
+    Verdicts(Verdicts),
+    /// Of track 2.
+    Transfer(Transfer),
+    /// Of track 3.
+    Reaching(Reaching),
+}
+
+impl SetRecord {
+    /// The record of a set. All of its files are checked.
+    pub(super) fn of(name: &str, dataset: &Dataset) -> Result<Self, ExperimentError> {
+        dataset.verify()?;
+        let provenance = dataset.provenance();
+        let scene = |own: &underbrush_recording::disk::SceneText| SceneRecord {
+            name: own.name.clone(),
+            reaches: own.reaches,
+            blake3: own.file.blake3.clone(),
+        };
+        Ok(SetRecord {
+            name: name.to_owned(),
+            seed: provenance.seed,
+            scenes: provenance.scenes.iter().map(scene).collect(),
+            data_blake3: dataset.data_blake3(),
+        })
+    }
+}

@@ -1,0 +1,150 @@
+use std::fmt::Write;
+
+use underbrush_recording::{Category, Contact as Touching, GoalRecord, ObjectRecord, Outcome};
+use underbrush_sim::clutter::PlacedObject;
+use underbrush_sim::reach::ReachPlan;
+
+use super::contacts::{Answer, Class, Moment, Open, Pressing};
+use super::*;
+
+/// Pins that the frozen scenes draw what they drew when the benchmark was published: objects with their properties, goals, and the
+/// options of physics and sensor. Defaults of scene files may change later; then the files must say what they were.
+#[test]
+fn frozen_scenes_draw_what_they_drew() {
+    let mut text = String::new();
+    let scenes = frozen::VERDICTS_SCENES
+        .iter()
+        .chain(frozen::TRANSFER_SCENES)
+        .chain([&frozen::OTHER_ARM]);
+    for name in scenes {
+        let scene = frozen::scene(name).unwrap();
+        let plan = match frozen::arms(&[name]).unwrap().remove(*name) {
+            Some(arm) => ReachPlan::with_arm(scene, arm, None, 1).unwrap(),
+            None => ReachPlan::new(scene, None, 1).unwrap(),
+        };
+        let clutter = plan.draw(0).unwrap();
+        let file = &plan.scene.file;
+        writeln!(
+            text,
+            "{name} {:?} {:?} {:?}",
+            file.physics,
+            file.sensor,
+            plan.controller_name()
+        )
+        .unwrap();
+        for record in clutter.objects.iter().map(PlacedObject::record) {
+            // Rounded, so that the last digits of a mathematical library do not matter.
+            let foot = record.position_world;
+            write!(text, "{} {:.6} {:.6}", record.kind, foot.x, foot.y).unwrap();
+            for (name, value) in &record.parameters {
+                write!(text, " {name} {value:.6e}").unwrap();
+            }
+            writeln!(text).unwrap();
+        }
+        for goal in &clutter.goals {
+            writeln!(text, "goal {:.6} {:.6} {:.6}", goal.x, goal.y, goal.z).unwrap();
+        }
+    }
+    assert_eq!(
+        blake3::hash(text.as_bytes()).to_hex()[..16],
+        *"ebf9b43a1d4a77b6",
+        "{text}"
+    );
+}
+
+fn answer(likeliest: Class) -> Answer {
+    Answer {
+        likeliest,
+        trunk: Some(likeliest == Class::Trunk),
+        unlike: 0.0,
+    }
+}
+
+/// Pins which frame of a contact stands for each moment, that shorter contacts keep their last answer, and that the truth of a
+/// contact is what pressed most often.
+#[test]
+fn moments_are_those_samples_of_the_contact() {
+    let mut open = Open::default();
+    for sample in 1..=60 {
+        let likeliest = if sample < 25 { Class::Leaf } else { Class::Trunk };
+        // The touch ends before the reading does.
+        let pressing = if sample <= 30 { Some(Category::TRUNK) } else { None };
+        open.push(answer(likeliest), pressing);
+    }
+    let contact = open.close().unwrap();
+    assert_eq!(contact.truth, Class::Trunk);
+    let found = contact
+        .moments
+        .map(|Moment { answer, pressing }| (answer.likeliest, pressing));
+    let touched = Pressing::Known(Class::Trunk);
+    let over = Pressing::Known(Class::Nothing);
+    // After 1, 2, 3, 6 and 12 samples; after 25; and after 50, and at the end at 60.
+    assert_eq!(found[..5], [(Class::Leaf, touched); 5]);
+    assert_eq!(found[5], (Class::Trunk, touched));
+    assert_eq!(found[6..], [(Class::Trunk, over); 4]);
+}
+
+/// Pins what is no contact of the benchmark: one with a foam block. A reading that nothing ever pressed is one.
+#[test]
+fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
+    let closed = |pressing: &[Option<Category>]| {
+        let mut open = Open::default();
+        for category in pressing {
+            open.push(answer(Class::Leaf), *category);
+        }
+        open.close().map(|contact| contact.truth)
+    };
+    assert_eq!(
+        closed(&[Some(Category::BLOCK), Some(Category::BLOCK), Some(Category::LEAF)]),
+        None
+    );
+    assert_eq!(closed(&[None, None]), Some(Class::Nothing));
+    assert_eq!(closed(&[None, Some(Category::OUTLIER)]), Some(Class::Other));
+}
+
+/// Pins the figures of two reaches against values worked out by hand.
+#[test]
+fn reaching_figures_are_those_worked_out_by_hand() {
+    let goal = |outcome, seconds: f64| GoalRecord {
+        position_world: glam::DVec3::ZERO,
+        start_time_s: 1.0,
+        end_time_s: 1.0 + seconds,
+        outcome,
+        safety_stop: None,
+    };
+    let touching = |object: u16, frames: u32, peak_force_n: f64, mean_force_n: f64| Touching {
+        link: "forearm".into(),
+        patch: Some(0),
+        object,
+        first_frame: 7,
+        last_frame: 7 + frames - 1,
+        peak_force_n,
+        mean_force_n,
+    };
+    let objects = [Category::LEAF, Category::TRUNK].map(|category| ObjectRecord {
+        kind: category.name().into(),
+        category,
+        position_world: glam::DVec3::ZERO,
+        parameters: [].into(),
+    });
+    let reach = |goals: Vec<GoalRecord>, contacts: Vec<Touching>| reaching::Reach::of(&goals, &contacts, &objects);
+    let reaches = [
+        reach(
+            vec![goal(Outcome::Reached, 2.0), goal(Outcome::Stuck, 4.0)],
+            vec![
+                touching(0, 100, 3.0, 0.5),
+                touching(1, 10, 8.0, 2.0),
+                touching(1, 10, 6.0, 2.0),
+            ],
+        ),
+        reach(vec![goal(Outcome::Reached, 3.0)], vec![touching(0, 50, 1.0, 0.2)]),
+    ];
+    let found = reaching::figures(&reaches);
+    let near = |estimate: Estimate, expected: f64| (estimate.value.unwrap() - expected).abs() < 1e-12;
+    assert_eq!((found.reaches, found.goals, found.largest_on_trunk_n), (2, 3, 8.0));
+    assert!(near(found.reached, 2.0 / 3.0));
+    assert!(near(found.seconds_for_each, 9.0 / 2.0));
+    assert!(near(found.trunk_peak_n, (8.0 + 0.0) / 2.0));
+    // 1 s at 0.5 N, and 0.5 s at 0.2 N.
+    assert!(near(found.leaf_impulse_n_s, (0.5 + 0.1) / 2.0));
+}

@@ -1,0 +1,79 @@
+"""Rows of the benchmark's table."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from . import _core
+from ._progress import Bar, Progress
+from ._types import ControllerLike
+
+Track: TypeAlias = Literal["verdicts", "transfer", "reaching"]
+
+
+def benchmark(
+    track: Track,
+    out: str | os.PathLike[str] = "out/benchmark",
+    *,
+    model: str | os.PathLike[str] | None = None,
+    controller: ControllerLike | None = None,
+    verdicts: str | os.PathLike[str] | None = None,
+    quick: bool = False,
+    progress: Progress | bool = True,
+    jobs: int | None = None,
+) -> dict[str, Any]:
+    """Judge a model or a controller on frozen scenes, as ``underbrush benchmark`` does.
+
+    ``benchmarks/incidental-contact-1.md`` has the rules and the table. Reaches are made once and kept in the folder for the next
+    model. The same call continues after Ctrl-C.
+
+    Parameters
+    ----------
+    track : {"verdicts", "transfer", "reaching"}
+        What contacts are; the same with another arm, speed or sensor than in training; or how a controller reaches.
+    out : path
+        Folder for the reaches, and for the rows as JSON files.
+    model : path, optional
+        The model to judge, of any kind; for verdicts and transfer.
+    controller : str, callable or class, optional
+        The controller to judge, as for :func:`generate`; for reaching. Reaches of a controller of your own are found again by
+        its name, so give it another name when you have changed it.
+    verdicts : path, optional
+        A touch model that tells the controller what the skin touches.
+    quick : bool
+        Only two reaches of each scene, to try things out.
+    progress : bool or callable
+        ``True`` shows a bar on a terminal; a function is called as ``progress(done, total, text)`` on the calling thread.
+    jobs : int, optional
+        Number of threads; all cores by default.
+
+    Returns
+    -------
+    dict
+        The row, with the keys of ``underbrush benchmark --json``.
+
+    Raises
+    ------
+    InputError
+        If the model is bad, or does not go with the track.
+    """
+    with Bar("reaches").shown(progress) as shown:
+        row: dict[str, Any] = _core.benchmark(
+            track, out=Path(out), quick=quick, progress=shown, jobs=jobs, **entry(model, controller, verdicts)
+        )
+    return row
+
+
+def entry(
+    model: str | os.PathLike[str] | None,
+    controller: ControllerLike | None,
+    verdicts: str | os.PathLike[str] | None,
+) -> dict[str, Any]:
+    """What is judged, as the native functions take it."""
+    return {
+        "model": None if model is None else Path(model).absolute(),
+        "controller": controller,
+        "verdicts": None if verdicts is None else Path(verdicts).absolute(),
+    }

@@ -1,0 +1,94 @@
+//! `underbrush benchmark`: judges a model or a controller on frozen scenes, for a row of a table that others can check.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use underbrush_experiments::benchmark::{EnteredController, Entry, JudgedModel};
+use underbrush_experiments::verdict_controller::VerdictControl;
+use underbrush_report::benchmark_text;
+use underbrush_sim::controller::ControllerKind;
+
+use crate::failure::Failure;
+use crate::progress::Shown;
+use crate::{input, interrupt, output};
+
+/// Shown at the end of `underbrush benchmark --help`.
+const EXAMPLE: &str = "\
+Train on the training set, and measure:
+
+  cd benchmarks/incidental-contact-1/scenes
+  underbrush generate leaf.toml trunk.toml mixed.toml --reaches 25 --seed 900000 --out training
+  underbrush train --classifier touch training --out touch.json
+  underbrush benchmark verdicts --model touch.json
+  underbrush benchmark transfer --model touch.json
+  underbrush benchmark reaching --controller cody-2013
+  underbrush benchmark reaching --controller cody-2013 --verdicts touch.json
+
+Reaches are made once and kept for the next model: 200 in the track verdicts, 280 in transfer, 500 for each controller. An \
+interrupted command goes on where it stopped. benchmarks/incidental-contact-1.md has the rules and the table.";
+
+/// Options of `underbrush benchmark`.
+#[derive(Args)]
+#[command(after_help = EXAMPLE)]
+pub struct Options {
+    /// What is measured
+    #[arg(value_enum)]
+    track: Track,
+    /// Model to judge, of any kind; for verdicts and transfer
+    #[arg(long, value_name = "MODEL", required_if_eq_any = [("track", "verdicts"), ("track", "transfer")])]
+    model: Option<PathBuf>,
+    /// Controller to judge; for reaching
+    #[arg(long, value_name = "NAME", value_parser = input::controller(), conflicts_with = "model")]
+    #[arg(required_if_eq("track", "reaching"))]
+    controller: Option<ControllerKind>,
+    /// Tell the controller what the skin touches, by this touch model; for reaching
+    #[arg(long, value_name = "MODEL", requires = "controller")]
+    verdicts: Option<PathBuf>,
+    /// Folder for the reaches and for the rows, as JSON files with versions, seeds and hashes
+    #[arg(long, value_name = "DIR", default_value = "out/benchmark")]
+    out: PathBuf,
+    /// Only two reaches of each scene, to try things out. The result is no row of the table
+    #[arg(long)]
+    quick: bool,
+}
+
+/// A track.
+#[derive(Clone, Copy, ValueEnum)]
+enum Track {
+    /// What contacts are, by the number of samples since they began, with outliers that are unseen in training
+    Verdicts,
+    /// The same with an arm, speed or sensor that is not the one of the training
+    Transfer,
+    /// How a controller reaches through clutter, and how hard it presses on trunks and leaves
+    Reaching,
+}
+
+impl Options {
+    fn entry(&self) -> Result<Entry, Failure> {
+        let model = || {
+            let path = self.model.as_deref();
+            let path = path.ok_or_else(|| Failure::usage("this track judges a model; give it with --model"))?;
+            Ok::<_, Failure>(Box::new(JudgedModel::load(path)?))
+        };
+        Ok(match self.track {
+            Track::Verdicts => Entry::Verdicts(model()?),
+            Track::Transfer => Entry::Transfer(model()?),
+            Track::Reaching => Entry::Reaching(EnteredController {
+                kind: self.controller,
+                own: None,
+                verdicts: self.verdicts.as_deref().map(VerdictControl::load).transpose()?,
+            }),
+        })
+    }
+}
+
+/// Measures, writes the row and prints it.
+pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    let entry = options.entry()?;
+    interrupt::hint(format!(
+        "finished reaches are kept in {}; run the same command to go on (it needs no --resume)",
+        options.out.display()
+    ));
+    let row = entry.run(&options.out, options.quick, &Shown)?;
+    output::result(json, &row, || benchmark_text::of(&row))
+}
