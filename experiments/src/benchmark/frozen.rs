@@ -10,14 +10,7 @@ use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::scene::Scene;
 
 /// Name of the benchmark.
-pub const NAME: &str = "incidental-contact-1";
-
-/// Seed of the reaches that models are trained on.
-pub const TRAINING_SEED: u64 = 900_000;
-/// Scenes of these reaches.
-pub const TRAINING_SCENES: &[&str] = &["leaf", "trunk", "mixed"];
-/// Reaches of each of them.
-pub const TRAINING_REACHES: u64 = 25;
+pub(super) const NAME: &str = "incidental-contact-1";
 
 /// Seeds of the three tracks.
 pub(super) const VERDICTS_SEED: u64 = 910_000;
@@ -56,7 +49,7 @@ pub(super) const PATCH: &str = "forearm";
 /// A taxel is in contact while it senses more than this, N.
 pub(super) const THRESHOLD_N: f64 = 0.03;
 /// Numbers of samples since contact after which a contact is judged. It is judged at its end, too.
-pub const MOMENTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
+pub(super) const MOMENTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
 
 macro_rules! texts {
     ($folder:literal: $($file:literal),* $(,)?) => {

@@ -6,6 +6,7 @@
 mod contacts;
 mod counts;
 mod frozen;
+mod judged_model;
 mod reaching;
 mod resampled;
 mod row;
@@ -27,8 +28,7 @@ use crate::files;
 use crate::progress::Progress;
 use crate::verdict_controller::VerdictControl;
 
-pub use contacts::JudgedModel;
-pub use frozen::{MOMENTS, NAME, TRAINING_REACHES, TRAINING_SCENES, TRAINING_SEED};
+pub use judged_model::JudgedModel;
 pub use reaching::Reaching;
 pub use resampled::Estimate;
 pub use row::{EntryRecord, Figures, Row, SceneRecord, SetRecord};
@@ -149,7 +149,7 @@ impl Entry {
         progress.stage("Figures");
         let record = |(name, dataset): &(String, Dataset)| SetRecord::of(name, dataset);
         let row = Row {
-            benchmark: NAME.into(),
+            benchmark: frozen::NAME.into(),
             track: self.track().into(),
             complete: !quick,
             entry: self.record(&sets),

@@ -4,7 +4,7 @@ use underbrush_recording::{Category, Contact as Touching, GoalRecord, ObjectReco
 use underbrush_sim::clutter::PlacedObject;
 use underbrush_sim::reach::ReachPlan;
 
-use super::contacts::{Answer, Class, Moment, Open, Pressing};
+use super::contacts::{Answer, Class, Moment, OpenContact, Pressing};
 use super::*;
 
 /// Pins that the frozen scenes draw what they drew when the benchmark was published: objects with their properties, goals, and the
@@ -64,7 +64,7 @@ fn answer(likeliest: Class) -> Answer {
 /// contact is what pressed most often.
 #[test]
 fn moments_are_those_samples_of_the_contact() {
-    let mut open = Open::default();
+    let mut open = OpenContact::default();
     for sample in 1..=60 {
         let likeliest = if sample < 25 { Class::Leaf } else { Class::Trunk };
         // The touch ends before the reading does.
@@ -88,7 +88,7 @@ fn moments_are_those_samples_of_the_contact() {
 #[test]
 fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
     let closed = |pressing: &[Option<Category>]| {
-        let mut open = Open::default();
+        let mut open = OpenContact::default();
         for category in pressing {
             open.push(answer(Class::Leaf), *category);
         }

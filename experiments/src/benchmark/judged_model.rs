@@ -1,0 +1,207 @@
+//! A model of any kind that follows a reach and answers, frame by frame, what touches each taxel.
+//!
+//! The contacts are the benchmark's: every taxel of the patch from the first frame above its threshold to the last.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use underbrush_classifier::Model;
+use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::decision::{Decision, Judge};
+use underbrush_classifier::evaluate::NOTHING;
+use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::touch::{TouchClassifier, TouchModel};
+use underbrush_classifier::trial::PatchImage;
+use underbrush_recording::{Category, Frame, InputError, Recording, SkinLayout};
+
+use super::contacts::{Answer, Class, Contact, OpenContact, SILENCE};
+use super::frozen::{PATCH, THRESHOLD_N};
+use crate::error::ExperimentError;
+
+/// A model that is judged.
+pub struct JudgedModel {
+    /// Name of its file without the ending.
+    pub name: String,
+    /// BLAKE3 hash of its file, hexadecimal.
+    pub blake3: String,
+    /// Name of its classifier.
+    pub classifier: String,
+    model: Followed,
+}
+
+/// A model in the form in which it follows reaches.
+enum Followed {
+    Touch(Arc<TouchModel>),
+    OfTrials(Model),
+}
+
+impl JudgedModel {
+    /// Reads a model file of any kind.
+    ///
+    /// # Errors
+    /// If it cannot be read, does not know both leaf and trunk, or judges another patch.
+    pub fn load(path: &Path) -> Result<Self, ExperimentError> {
+        let model = any_model::load(path)?;
+        let unreadable = |error: std::io::Error| {
+            let allowed = "a readable model file";
+            InputError::new(path, "file", error.to_string(), allowed, "check the path")
+        };
+        let blake3 = blake3::hash(&std::fs::read(path).map_err(unreadable)?)
+            .to_hex()
+            .to_string();
+        let (classifier, categories, model) = match model {
+            AnyModel::Touch(model) => {
+                if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != PATCH) {
+                    let remedy = "fit it to that patch";
+                    return Err(InputError::new(path, "options.patch", patch, PATCH, remedy).into());
+                }
+                let categories = model.categories().to_vec();
+                ("touch".to_owned(), categories, Followed::Touch(Arc::from(model)))
+            }
+            AnyModel::OfTrials(model) => {
+                let own = &model.classifier;
+                (own.name().to_owned(), own.categories(), Followed::OfTrials(model))
+            }
+        };
+        let needed = [Category::LEAF, Category::TRUNK].map(Category::name);
+        if let Some(missing) = needed.iter().find(|name| !categories.iter().any(|own| own == *name)) {
+            let found = format!("no {missing}, only {}", categories.join(", "));
+            let remedy = "train it on leaves and trunks, as with the benchmark's training set";
+            return Err(InputError::new(path, "categories", found, "leaf and trunk", remedy).into());
+        }
+        Ok(JudgedModel {
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            blake3,
+            classifier,
+            model,
+        })
+    }
+
+    /// All contacts of a reach.
+    ///
+    /// # Errors
+    /// If the model cannot judge this skin.
+    pub(super) fn contacts(&self, recording: &Recording) -> Result<Vec<Contact>, ExperimentError> {
+        let mut answering = Answering::new(&self.model, &recording.layout)?;
+        let mut image = PatchImage::new(&recording.layout, Some(PATCH), THRESHOLD_N)?;
+        let taxels = image.patch().taxels.len();
+        let mut answers = vec![SILENCE; taxels];
+        let mut open: Vec<Option<OpenContact>> = vec![None; taxels];
+        let mut contacts = Vec::new();
+        for (index, frame) in recording.frames.iter().enumerate() {
+            image.read(index, frame)?;
+            answers.fill(SILENCE);
+            answering.answer(frame, &mut answers)?;
+            for (taxel, open) in open.iter_mut().enumerate() {
+                if image.is_in_contact(taxel) {
+                    let object = image.object(taxel).filter(|_| image.is_touched(taxel));
+                    let object = object.and_then(|object| recording.objects.get(usize::from(object)));
+                    let own = open.get_or_insert_default();
+                    own.push(answers[taxel], object.map(|object| object.category));
+                } else if let Some(ended) = open.take() {
+                    contacts.extend(ended.close());
+                }
+            }
+        }
+        contacts.extend(open.into_iter().flatten().filter_map(OpenContact::close));
+        Ok(contacts)
+    }
+}
+
+/// A model that follows a reach.
+enum Answering {
+    Touch(Box<TouchClassifier>),
+    OfTrials {
+        online: Box<OnlineClassifier>,
+        judge: Judge,
+        classes: Vec<Class>,
+    },
+}
+
+impl Answering {
+    fn new(model: &Followed, layout: &SkinLayout) -> Result<Self, ExperimentError> {
+        Ok(match model {
+            Followed::Touch(model) => Answering::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?)),
+            Followed::OfTrials(model) => {
+                let (classifier, decision) = (model.classifier.as_ref(), Decision::argmax());
+                let options = OnlineOptions {
+                    patch: Some(PATCH.to_owned()),
+                    threshold_n: THRESHOLD_N,
+                    decision: decision.clone(),
+                };
+                let categories = classifier.categories();
+                Answering::OfTrials {
+                    online: Box::new(OnlineClassifier::new(classifier, layout, &options)?),
+                    judge: decision.prepare(&categories)?,
+                    classes: categories.iter().map(|name| class_of(name)).collect(),
+                }
+            }
+        })
+    }
+
+    /// Takes in the next frame and writes the answer for each taxel that the model judges.
+    fn answer(&mut self, frame: &Frame, answers: &mut [Answer]) -> Result<(), ExperimentError> {
+        match self {
+            Answering::Touch(classifier) => {
+                classifier.update(frame)?;
+                let (model, tracker) = (classifier.model(), classifier.tracker());
+                let classes: Vec<Class> = model.categories().iter().map(|name| class_of(name)).collect();
+                for taxel in classifier.taxels() {
+                    let probabilities = classifier.probabilities(taxel.region);
+                    let likeliest = likeliest(&classes, probabilities);
+                    let is_touch = (1.0 - taxel.nothing) * largest(probabilities) >= taxel.nothing;
+                    answers[taxel.taxel] = Answer {
+                        likeliest: if is_touch { likeliest } else { Class::Nothing },
+                        trunk: is_trunk(&classes, probabilities),
+                        unlike: model.distance(&tracker.regions()[taxel.region].course),
+                    };
+                }
+            }
+            Answering::OfTrials { online, judge, classes } => {
+                for taxel in online.update(frame)? {
+                    answers[taxel.taxel] = Answer {
+                        likeliest: likeliest(classes, &taxel.scores),
+                        trunk: is_trunk(classes, &taxel.scores),
+                        // The paper calls a contact an outlier if the margin between the best two categories is small.
+                        unlike: -judge.margin(&taxel.scores).map_or(0.0, |(_, margin)| margin),
+                    };
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn class_of(category: &str) -> Class {
+    match category {
+        _ if category == Category::LEAF.name() => Class::Leaf,
+        _ if category == Category::TRUNK.name() => Class::Trunk,
+        NOTHING => Class::Nothing,
+        _ => Class::Other,
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The class with the largest value; the first of them if several have it.
+fn likeliest(classes: &[Class], values: &[f64]) -> Class {
+    let best = classes
+        .iter()
+        .zip(values)
+        .reduce(|best, other| if other.1 > best.1 { other } else { best });
+    best.map_or(Class::Nothing, |(class, _)| *class)
+}
+
+fn is_trunk(classes: &[Class], values: &[f64]) -> Option<bool> {
+    let of = |wanted: Class| {
+        classes
+            .iter()
+            .zip(values)
+            .find(|(class, _)| **class == wanted)
+            .map(|(_, value)| *value)
+    };
+    let (leaf, trunk) = (of(Class::Leaf)?, of(Class::Trunk)?);
+    (leaf != trunk).then_some(trunk > leaf)
+}
