@@ -87,12 +87,12 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     assert_eq!(printed["complete"], false);
 }
 
-/// Pins that the accuracy at the end of contacts is that of `evaluate` on the same set, for a model of trials and an arm with
-/// another skin, and that the numbers of contacts are those of its trials.
+/// Pins that the accuracy after one sample is that of `evaluate` on trials that were cut to one sample, and that the numbers of
+/// contacts are those of these trials.
 #[test]
-fn accuracies_at_the_end_are_those_of_whole_trials() {
+fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     let folder = tempfile::tempdir().unwrap();
-    let [model, out] = ["bayes.json", "out"].map(|name| folder.path().join(name));
+    let [model, out, table, cut] = ["bayes.json", "out", "trials.csv", "cut.csv"].map(|name| folder.path().join(name));
     underbrush![
         "train",
         fixture().dataset(),
@@ -104,7 +104,7 @@ fn accuracies_at_the_end_are_those_of_whole_trials() {
     .success();
     let row = underbrush![
         "benchmark",
-        "transfer",
+        "verdicts",
         "--model",
         model,
         "--quick",
@@ -113,19 +113,43 @@ fn accuracies_at_the_end_are_those_of_whole_trials() {
         out
     ]
     .json();
-    let set = out.join("quick-sets/transfer-other-arm");
-    let evaluated = underbrush!["evaluate", set, "--model", model, "--json"].json();
-    let settings = row["figures"]["transfer"]["settings"].as_array().unwrap();
-    let other_arm = settings.iter().find(|setting| setting["scene"] == "other-arm").unwrap();
-    for (place, category) in evaluated["categories"].as_array().unwrap().iter().enumerate() {
-        assert_eq!(other_arm["contacts"][place], category["trials"], "{category}");
+    underbrush!["trials", out.join("quick-sets/verdicts"), "--out", table].success();
+    let text = fs::read_to_string(table).unwrap();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let column = header.split(',').position(|name| name == "trial").unwrap();
+    let mut first_lines = vec![header];
+    let mut last = None;
+    for line in lines {
+        let trial = line.split(',').nth(column);
+        if trial != last {
+            first_lines.push(line);
+        }
+        last = trial;
     }
-    let [ours, theirs] = [&other_arm["leaf_or_trunk"]["value"], &evaluated["balanced_accuracy"]];
-    assert!(
-        (ours.as_f64().unwrap() - theirs.as_f64().unwrap()).abs() < 1e-12,
-        "{ours} {theirs}"
+    fs::write(&cut, first_lines.join("\n")).unwrap();
+    let evaluated = underbrush!["evaluate", cut, "--model", model, "--json"].json();
+    let verdicts = &row["figures"]["verdicts"];
+    let mut recalls = Vec::new();
+    for category in evaluated["categories"].as_array().unwrap() {
+        let Some(name) = category["category"]
+            .as_str()
+            .filter(|name| ["leaf", "trunk"].contains(name))
+        else {
+            continue;
+        };
+        assert_eq!(verdicts["contacts"][name], category["trials"], "{category}");
+        recalls.push(category["recall"].as_f64().unwrap());
+    }
+    let ours = verdicts["moments"][0]["leaf_or_trunk"]["value"].as_f64().unwrap();
+    assert_eq!(
+        (verdicts["moments"][0]["samples"].as_u64(), recalls.len()),
+        (Some(1), 2)
     );
-    assert!(ours.as_f64().unwrap() > 0.5);
+    let theirs = (recalls[0] + recalls[1]) / 2.0;
+    assert!((ours - theirs).abs() < 1e-12, "{ours} {theirs}");
+    // The last moment is the end of the contacts.
+    assert!(verdicts["moments"][9]["samples"].is_null());
 }
 
 /// Pins that what does not go with a track is refused, and that the message says what to give.

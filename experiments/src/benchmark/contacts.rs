@@ -43,6 +43,8 @@ pub(super) const SILENCE: Answer = Answer {
 pub(super) struct Contact {
     /// What truly pressed in most of the frames in which anything did.
     pub(super) truth: Class,
+    /// Samples from its beginning to its end.
+    pub(super) samples: usize,
     /// After each of [`MOMENTS`], or at the end if the contact is shorter, and at its end.
     pub(super) moments: [Moment; JUDGED_MOMENTS],
 }
@@ -50,10 +52,12 @@ pub(super) struct Contact {
 /// A frame of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Moment {
-    /// What the model says.
+    /// What the model says in this frame.
     pub(super) answer: Answer,
-    /// What truly presses in this frame. A taxel goes on reading for a while after a touch, so this may be nothing in a contact
-    /// with a leaf.
+    /// What it said in the last frame so far in which anything pressed, or else in this frame. A taxel goes on reading for a while
+    /// after a touch, and what a model says of these frames is no answer about the object.
+    pub(super) while_pressed: Answer,
+    /// What truly presses in this frame.
     pub(super) pressing: Pressing,
 }
 
@@ -71,6 +75,7 @@ pub(super) enum Pressing {
 pub(super) struct OpenContact {
     samples: usize,
     moments: [Moment; JUDGED_MOMENTS],
+    while_pressed: Option<Answer>,
     /// Frames in which a leaf, a trunk, a foam block, and anything else presses.
     pressed: [usize; 4],
 }
@@ -79,11 +84,13 @@ impl Default for OpenContact {
     fn default() -> Self {
         let moment = Moment {
             answer: SILENCE,
+            while_pressed: SILENCE,
             pressing: Pressing::Known(Class::Nothing),
         };
         OpenContact {
             samples: 0,
             moments: [moment; JUDGED_MOMENTS],
+            while_pressed: None,
             pressed: [0; 4],
         }
     }
@@ -98,11 +105,15 @@ impl OpenContact {
             Some(Category::BLOCK) => (Pressing::Block, Some(2)),
             Some(_) => (Pressing::Known(Class::Other), Some(3)),
         };
+        if place.is_some() {
+            self.while_pressed = Some(answer);
+        }
         self.samples += 1;
         for (own, last) in self.moments.iter_mut().zip(MOMENTS.into_iter().chain([usize::MAX])) {
             if self.samples <= last {
                 *own = Moment {
                     answer,
+                    while_pressed: self.while_pressed.unwrap_or(answer),
                     pressing: class,
                 };
             }
@@ -124,6 +135,7 @@ impl OpenContact {
         };
         Some(Contact {
             truth,
+            samples: self.samples,
             moments: self.moments,
         })
     }

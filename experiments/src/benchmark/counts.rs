@@ -1,6 +1,7 @@
 //! How often answers are right, reach by reach.
 
 use super::contacts::{Class, Contact, Pressing};
+use super::frozen::MOMENTS;
 
 /// The classes over which accuracies are balanced; the last two are those of [`Balanced::LeafOrTrunk`].
 const CLASSES: [Class; 3] = [Class::Nothing, Class::Leaf, Class::Trunk];
@@ -10,7 +11,7 @@ const CLASSES: [Class; 3] = [Class::Nothing, Class::Leaf, Class::Trunk];
 pub(super) enum Balanced {
     /// Contacts with leaves and trunks, by which of the two is likelier.
     LeafOrTrunk,
-    /// What presses at that moment, or nothing, by the likeliest class of all.
+    /// What presses at that moment on taxels that are still in contact, or nothing, by the likeliest class of all.
     WithNothing,
 }
 
@@ -24,8 +25,12 @@ impl Counts {
         for contact in contacts {
             let own = contact.moments[moment];
             let (truth, right) = match balanced {
-                Balanced::LeafOrTrunk => (contact.truth, own.answer.trunk == Some(contact.truth == Class::Trunk)),
+                Balanced::LeafOrTrunk => (
+                    contact.truth,
+                    own.while_pressed.trunk == Some(contact.truth == Class::Trunk),
+                ),
                 Balanced::WithNothing => match own.pressing {
+                    _ if MOMENTS.get(moment).is_none_or(|samples| contact.samples < *samples) => continue,
                     Pressing::Known(truth) => (truth, own.answer.likeliest == truth),
                     Pressing::Block => continue,
                 },
@@ -83,10 +88,12 @@ mod tests {
         };
         let moment = Moment {
             answer,
+            while_pressed: answer,
             pressing: Pressing::Known(pressing),
         };
         Contact {
             truth,
+            samples: 1,
             moments: [moment; JUDGED_MOMENTS],
         }
     }
@@ -115,6 +122,9 @@ mod tests {
             let found = Counts::balanced_accuracy(&[&counts], balanced).unwrap();
             assert!((found - accuracy).abs() < 1e-15, "{balanced:?}: {found}");
         }
+        // None of them lasts for the two samples of the next moment.
+        let later = Counts::of(&contacts, 1, Balanced::WithNothing);
+        assert_eq!(Counts::balanced_accuracy(&[&later], Balanced::WithNothing), None);
         let without_trunks = Counts::of(&contacts[..5], 0, Balanced::LeafOrTrunk);
         assert_eq!(
             Counts::balanced_accuracy(&[&without_trunks], Balanced::LeafOrTrunk),

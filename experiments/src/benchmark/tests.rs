@@ -4,7 +4,7 @@ use underbrush_recording::{Category, Contact as Touching, GoalRecord, ObjectReco
 use underbrush_sim::clutter::PlacedObject;
 use underbrush_sim::reach::ReachPlan;
 
-use super::contacts::{Answer, Class, Moment, OpenContact, Pressing};
+use super::contacts::{Answer, Class, OpenContact, Pressing};
 use super::*;
 
 /// Pins that the frozen scenes draw what they drew when the benchmark was published: objects with their properties, goals, and the
@@ -60,28 +60,31 @@ fn answer(likeliest: Class) -> Answer {
     }
 }
 
-/// Pins which frame of a contact stands for each moment, that shorter contacts keep their last answer, and that the truth of a
-/// contact is what pressed most often.
+/// Pins which frame of a contact stands for each moment, that shorter contacts keep their last answer, that answers after the end of
+/// the touch are kept apart, and that the truth of a contact is what pressed most often.
 #[test]
 fn moments_are_those_samples_of_the_contact() {
     let mut open = OpenContact::default();
     for sample in 1..=60 {
-        let likeliest = if sample < 25 { Class::Leaf } else { Class::Trunk };
+        let likeliest = if (25..=40).contains(&sample) {
+            Class::Trunk
+        } else {
+            Class::Leaf
+        };
         // The touch ends before the reading does.
         let pressing = if sample <= 30 { Some(Category::TRUNK) } else { None };
         open.push(answer(likeliest), pressing);
     }
     let contact = open.close().unwrap();
-    assert_eq!(contact.truth, Class::Trunk);
+    assert_eq!((contact.truth, contact.samples), (Class::Trunk, 60));
     let found = contact
         .moments
-        .map(|Moment { answer, pressing }| (answer.likeliest, pressing));
-    let touched = Pressing::Known(Class::Trunk);
-    let over = Pressing::Known(Class::Nothing);
+        .map(|moment| (moment.answer.likeliest, moment.while_pressed.likeliest, moment.pressing));
+    let (touched, over) = (Pressing::Known(Class::Trunk), Pressing::Known(Class::Nothing));
     // After 1, 2, 3, 6 and 12 samples; after 25; and after 50, and at the end at 60.
-    assert_eq!(found[..5], [(Class::Leaf, touched); 5]);
-    assert_eq!(found[5], (Class::Trunk, touched));
-    assert_eq!(found[6..], [(Class::Trunk, over); 4]);
+    assert_eq!(found[..5], [(Class::Leaf, Class::Leaf, touched); 5]);
+    assert_eq!(found[5], (Class::Trunk, Class::Trunk, touched));
+    assert_eq!(found[6..], [(Class::Leaf, Class::Trunk, over); 4]);
 }
 
 /// Pins what is no contact of the benchmark: one with a foam block. A reading that nothing ever pressed is one.

@@ -20,7 +20,7 @@ pub struct Verdicts {
 /// How many contacts are judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ContactCounts {
-    /// Readings without a touch.
+    /// In which nothing ever pressed.
     pub nothing: usize,
     /// With leaves.
     pub leaf: usize,
@@ -39,9 +39,10 @@ pub struct VerdictsAt {
     pub samples: Option<usize>,
     /// Balanced accuracy over contacts with leaves and trunks, by which of the two is likelier.
     pub leaf_or_trunk: Estimate,
-    /// The same with readings without a touch, by the likeliest of nothing, leaf and trunk.
+    /// Balanced accuracy over the taxels that are still in contact, by the likeliest of nothing, leaf and trunk, against what presses
+    /// at that moment. Without value at the end of contacts, when nothing presses as a rule.
     pub nothing_leaf_or_trunk: Estimate,
-    /// Area under the ROC curve of contacts with the foam roll against those with leaves and trunks in the same scene.
+    /// Area under the ROC curve of contacts with the foam roll against those with leaves and trunks in all scenes.
     pub foam_roll_area: Estimate,
     /// The same for the water bottle.
     pub water_bottle_area: Estimate,
@@ -57,30 +58,25 @@ pub(super) fn figures(reaches: &[(String, Vec<Contact>)]) -> Verdicts {
             .collect()
     };
     let (rolls, bottles) = (in_scene(FOAM_ROLL), in_scene(WATER_BOTTLE));
-    let others = |own: &[&Vec<Contact>]| {
-        own.iter()
-            .flat_map(|contacts| contacts.iter())
-            .filter(|contact| contact.truth == Class::Other)
-            .count()
+    let all: Vec<&Vec<Contact>> = reaches.iter().map(|(_, contacts)| contacts).collect();
+    let count = |own: &[&Vec<Contact>], class: Class| {
+        let contacts = own.iter().flat_map(|contacts| contacts.iter());
+        contacts.filter(|contact| contact.truth == class).count()
     };
-    let counts: Vec<Counts> = (reaches.iter())
-        .map(|(_, contacts)| Counts::of(contacts, 0, Balanced::WithNothing))
-        .collect();
-    let [nothing, leaf, trunk] = Counts::contacts(&counts.iter().collect::<Vec<_>>());
     let at = |moment: usize| VerdictsAt {
         samples: MOMENTS.get(moment).copied(),
         leaf_or_trunk: accuracy(reaches, moment, Balanced::LeafOrTrunk),
         nothing_leaf_or_trunk: accuracy(reaches, moment, Balanced::WithNothing),
-        foam_roll_area: area(&rolls, moment),
-        water_bottle_area: area(&bottles, moment),
+        foam_roll_area: area(reaches, FOAM_ROLL, moment),
+        water_bottle_area: area(reaches, WATER_BOTTLE, moment),
     };
     Verdicts {
         contacts: ContactCounts {
-            nothing,
-            leaf,
-            trunk,
-            foam_roll: others(&rolls),
-            water_bottle: others(&bottles),
+            nothing: count(&all, Class::Nothing),
+            leaf: count(&all, Class::Leaf),
+            trunk: count(&all, Class::Trunk),
+            foam_roll: count(&rolls, Class::Other),
+            water_bottle: count(&bottles, Class::Other),
         },
         moments: (0..JUDGED_MOMENTS).map(at).collect(),
     }
@@ -94,16 +90,18 @@ fn accuracy(reaches: &[(String, Vec<Contact>)], moment: usize, balanced: Balance
     Estimate::of(&counts, |own| Counts::balanced_accuracy(own, balanced))
 }
 
-/// How unlike the training data foreign objects are found, against leaves and trunks.
-fn area(reaches: &[&Vec<Contact>], moment: usize) -> Estimate {
-    let unlike = |contacts: &&Vec<Contact>| -> [Vec<f64>; 2] {
-        let of = |wanted: fn(Class) -> bool| {
-            let own = contacts.iter().filter(|contact| wanted(contact.truth));
-            own.map(|contact| contact.moments[moment].answer.unlike).collect()
+/// How unlike the training data the foreign objects of a scene are found, against leaves and trunks in all scenes.
+fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estimate {
+    let unlike = |(own, contacts): &(String, Vec<Contact>)| -> [Vec<f64>; 2] {
+        let of = |is_wanted: &dyn Fn(Class) -> bool| {
+            let wanted = contacts.iter().filter(|contact| is_wanted(contact.truth));
+            wanted
+                .map(|contact| contact.moments[moment].while_pressed.unlike)
+                .collect()
         };
         [
-            of(|class| class == Class::Other),
-            of(|class| matches!(class, Class::Leaf | Class::Trunk)),
+            of(&|class| own == scene && class == Class::Other),
+            of(&|class| matches!(class, Class::Leaf | Class::Trunk)),
         ]
     };
     let reaches: Vec<[Vec<f64>; 2]> = reaches.iter().map(unlike).collect();
