@@ -107,10 +107,11 @@ impl<'a> Columns<'a> {
 
     /// A concave function that is positive at the places where the overlap is more than `over_m`.
     fn excess(&self, place: DVec2, over_m: f64) -> Slope {
-        let [first, second] = [0, 1].map(|side| self.chords[side].at(place));
+        let first = self.chords[0].at(place);
         if first.inside.value <= 0.0 {
             return first.inside;
         }
+        let second = self.chords[1].at(place);
         if second.inside.value <= 0.0 {
             return second.inside;
         }

@@ -23,6 +23,6 @@ impl Staging {
     /// Where the reach at a position of the plan is staged.
     pub(super) fn path(&self, position: usize) -> PathBuf {
         self.dir
-            .join(format!("{}/reach-{position:06}.parquet", names::INCOMPLETE))
+            .join(format!("{}/reach-{position:06}.bin", names::INCOMPLETE))
     }
 }

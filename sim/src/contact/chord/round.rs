@@ -16,16 +16,19 @@ pub struct Capsule {
     axis: DVec3,
     length_m: f64,
     radius_m: f64,
+    endless: Endless,
 }
 
 impl Capsule {
     pub(super) fn new(ends: [DVec3; 2], radius_m: f64, view: &View) -> Self {
         let [start, end] = ends.map(|end| view.point(end));
+        let axis = (end - start).normalize_or_zero();
         Capsule {
             start,
-            axis: (end - start).normalize_or_zero(),
+            axis,
             length_m: start.distance(end),
             radius_m,
+            endless: Endless::new(axis, radius_m),
         }
     }
 
@@ -52,9 +55,8 @@ impl Capsule {
                 join([-from_center.z - half, -from_center.z + half]);
             }
         }
-        let round = Round::new(offset, self.axis, self.radius_m);
         if self.length_m > 0.0
-            && let Some(round) = round.ends()
+            && let Some(round) = self.endless.line(offset).ends()
         {
             let along = offset.dot(self.axis);
             let caps = if self.axis.z.abs() > PARALLEL {
@@ -85,24 +87,25 @@ pub struct Cylinder {
     center: DVec3,
     axis: DVec3,
     half_height_m: f64,
-    radius_m: f64,
+    endless: Endless,
 }
 
 impl Cylinder {
     pub(super) fn new(cylinder: &shape::Cylinder, view: &View) -> Self {
+        // Parry's cylinders lie along y.
+        let axis = view.components(DVec3::Y);
         Cylinder {
             center: view.point(DVec3::ZERO),
-            // Parry's cylinders lie along y.
-            axis: view.components(DVec3::Y),
+            axis,
             half_height_m: cylinder.half_height,
-            radius_m: cylinder.radius,
+            endless: Endless::new(axis, cylinder.radius),
         }
     }
 
     pub(super) fn at(&self, place: DVec2) -> Chord {
         let offset = place.extend(0.0) - self.center;
         let axis = self.axis;
-        let round = Round::new(offset, axis, self.radius_m);
+        let round = self.endless.line(offset);
         if round.inside.value <= 0.0 {
             return Chord::outside(round.inside);
         }
@@ -143,6 +146,19 @@ impl Cylinder {
     }
 }
 
+/// A cylinder without ends, in the components of a view, with what all lines through it share.
+#[derive(Clone, Copy, Debug)]
+struct Endless {
+    /// Unit vector, or zero for a ball.
+    axis: DVec3,
+    /// Square of the radius, m².
+    limit: f64,
+    /// Square of the sine of the angle between lines and axis.
+    square: f64,
+    /// Unit vector in the plane, at right angles to the axis. Not used for lines along the axis.
+    across: DVec2,
+}
+
 /// A line along the view's direction and a cylinder without ends.
 struct Round {
     /// As [`Chord::inside`]: the squares of the radius less that of the distance between line and axis.
@@ -153,12 +169,26 @@ struct Round {
     middle: f64,
 }
 
-impl Round {
-    /// `offset` is from a point of the axis.
-    fn new(offset: DVec3, axis: DVec3, radius_m: f64) -> Self {
+impl Endless {
+    fn new(axis: DVec3, radius_m: f64) -> Self {
         let flat = axis.truncate();
         let square = flat.length_squared();
-        let limit = radius_m * radius_m;
+        Endless {
+            axis,
+            limit: radius_m * radius_m,
+            square,
+            across: flat.perp() / square.sqrt(),
+        }
+    }
+
+    /// The line at `offset` from a point of the axis.
+    fn line(&self, offset: DVec3) -> Round {
+        let Endless {
+            axis,
+            limit,
+            square,
+            across,
+        } = *self;
         if square <= PARALLEL * PARALLEL {
             let away = offset.truncate();
             return Round {
@@ -170,7 +200,6 @@ impl Round {
                 middle: 0.0,
             };
         }
-        let across = flat.perp() / square.sqrt();
         let distance = offset.truncate().dot(across);
         Round {
             inside: Slope {
@@ -181,7 +210,9 @@ impl Round {
             middle: (axis.z * offset.dot(axis) - offset.z) / square,
         }
     }
+}
 
+impl Round {
     /// Where the line enters and leaves; `None` if it misses the cylinder or runs along its axis.
     fn ends(&self) -> Option<[f64; 2]> {
         (self.inside.value > 0.0 && self.square > 0.0).then(|| {
