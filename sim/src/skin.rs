@@ -21,7 +21,7 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
-use crate::contact::chord::{Chords, Faces, View};
+use crate::contact::chord::{Chords, End, Faces, View};
 use crate::contact::surface::Surface;
 use crate::geometry::signed_distance_m;
 use crate::newton::minimize;
@@ -169,7 +169,9 @@ impl SkinPatch {
             origin: shape_pose.inverse_transform_point(center),
             axes: [across, along, inward].map(|axis| shape_pose.inverse_transform_vector(axis)),
         };
-        let SpreadBuffers { faces, cells, taxels, .. } = &mut *buffers;
+        let SpreadBuffers {
+            faces, cells, taxels, ..
+        } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
         let under = self
             .nearby(contacts)
@@ -179,9 +181,10 @@ impl SkinPatch {
             let offset = point.position_link - center;
             let place = DVec2::new(offset.dot(across), offset.dot(along));
             // Beside an edge, the layer is dragged along as far as it is away from it.
-            let gap = chords.and_then(|chords| chords.at(place).range_m()).map_or_else(
+            let surface_m = chords.and_then(|chords| chords.at(place, End::Leaves).end_m());
+            let gap = surface_m.map_or_else(
                 || signed_distance_m(shape, shape_pose, point.position_link),
-                |[_, surface]| offset.dot(inward) - surface,
+                |surface_m| offset.dot(inward) - surface_m,
             );
             Cell {
                 taxel: point.taxel,

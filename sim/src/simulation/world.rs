@@ -164,3 +164,6 @@ fn object_and_body(collider: &Collider) -> Option<(usize, usize)> {
     let object = (collider.user_data as u64).checked_sub(1)?;
     Some((object as usize, (collider.user_data >> 64) as usize))
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,9 +12,9 @@ use super::info::read_json;
 use super::plan::first_difference;
 use super::staging::{BYTES_PER_FILE, Staging};
 use super::{Dataset, DatasetPlan, names, staged_reach};
+use crate::disk::DiskError;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
-use crate::disk::DiskError;
 use crate::{InputError, Recording};
 
 /// A data set that is being written.

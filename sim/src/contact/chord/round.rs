@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use parry3d::shape;
 
-use super::{Chord, Slope, View};
+use super::{Chord, End, Slope, View};
 
 /// Below this, the sine of an angle counts as zero.
 const PARALLEL: f64 = 1e-9;
@@ -32,7 +32,7 @@ impl Capsule {
         }
     }
 
-    pub(super) fn at(&self, place: DVec2) -> Chord {
+    pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let offset = place.extend(0.0) - self.start;
         let flat = self.axis.truncate() * self.length_m;
         let share = offset.truncate().dot(flat) / flat.length_squared().max(PARALLEL * PARALLEL);
@@ -72,12 +72,13 @@ impl Capsule {
                 join(both);
             }
         }
-        let ends_m = ends.map(|end| {
-            let point = offset + DVec3::Z * end;
-            let along = point.dot(self.axis).clamp(0.0, self.length_m);
-            surface(end, point - self.axis * along)
-        });
-        Chord { inside, ends_m }
+        let end_m = ends[end as usize];
+        let point = offset + DVec3::Z * end_m;
+        let along = point.dot(self.axis).clamp(0.0, self.length_m);
+        Chord {
+            inside,
+            end_m: surface(end_m, point - self.axis * along),
+        }
     }
 }
 
@@ -88,6 +89,8 @@ pub struct Cylinder {
     axis: DVec3,
     half_height_m: f64,
     endless: Endless,
+    /// The gradient of where a line meets a cap. Not used for lines at right angles to the axis.
+    cap_gradient: DVec2,
 }
 
 impl Cylinder {
@@ -99,10 +102,11 @@ impl Cylinder {
             axis,
             half_height_m: cylinder.half_height,
             endless: Endless::new(axis, cylinder.radius),
+            cap_gradient: axis.truncate() / -axis.z,
         }
     }
 
-    pub(super) fn at(&self, place: DVec2) -> Chord {
+    pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let offset = place.extend(0.0) - self.center;
         let axis = self.axis;
         let round = self.endless.line(offset);
@@ -110,39 +114,38 @@ impl Cylinder {
             return Chord::outside(round.inside);
         }
         let along = offset.dot(axis);
-        let flat = axis.truncate();
-        let mut ends_m = round.ends().map(|ends| {
-            ends.map(|end| {
-                let point = offset + DVec3::Z * end;
-                surface(end, point - axis * point.dot(axis))
-            })
-        });
-        if axis.z.abs() > PARALLEL {
-            let cap = |height: f64| Slope {
-                value: (height - along) / axis.z,
-                gradient: flat / -axis.z,
-            };
+        let caps = if axis.z.abs() > PARALLEL {
             let half = self.half_height_m.copysign(axis.z);
-            let caps = [cap(-half), cap(half)];
-            ends_m = Some(ends_m.map_or(caps, |[enters, leaves]| {
-                [
-                    if caps[0].value > enters.value { caps[0] } else { enters },
-                    if caps[1].value < leaves.value { caps[1] } else { leaves },
-                ]
-            }));
+            Some([(-half - along) / axis.z, (half - along) / axis.z])
         } else if along.abs() >= self.half_height_m {
             return Chord::outside(Slope {
                 value: self.half_height_m - along.abs(),
-                gradient: flat * -along.signum(),
+                gradient: axis.truncate() * -along.signum(),
             });
-        }
-        match ends_m {
-            Some(ends_m) => Chord {
-                inside: ends_m[1] - ends_m[0],
-                ends_m,
-            },
-            None => Chord::outside(round.inside),
-        }
+        } else {
+            None
+        };
+        // Which of the ends are at a cap, and where both are.
+        let (at_cap, ends_m) = match (round.ends(), caps) {
+            (Some(sides), Some(caps)) => {
+                let at_cap = [caps[0] > sides[0], caps[1] < sides[1]];
+                let end_m = |end: usize| if at_cap[end] { caps[end] } else { sides[end] };
+                (at_cap, [end_m(0), end_m(1)])
+            }
+            (Some(sides), None) => ([false; 2], sides),
+            (None, Some(caps)) => ([true; 2], caps),
+            (None, None) => return Chord::outside(round.inside),
+        };
+        Chord::between(ends_m, end, |end| {
+            if at_cap[end] {
+                return Slope {
+                    value: ends_m[end],
+                    gradient: self.cap_gradient,
+                };
+            }
+            let point = offset + DVec3::Z * ends_m[end];
+            surface(ends_m[end], point - axis * point.dot(axis))
+        })
     }
 }
 
