@@ -11,7 +11,7 @@ use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::FRICTION;
-use underbrush_sim::skin::{ContactPoint, SkinPatch};
+use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
 
 /// A taxel in the middle of the forearm: row 8 of 16, column 12 of 24.
 const TAXEL: usize = 8 * 24 + 12;
@@ -63,8 +63,10 @@ fn spread(criterion: &mut Criterion) {
         } else {
             leaf(&contact)
         };
-        let forces = patch.spread(&[contact], shape.as_ref(), &pose, &object);
-        assert!(forces.len() > 1, "the {name} touches {} taxels", forces.len());
+        let mut buffers = SpreadBuffers::default();
+        let forces = patch.spread(&[contact], shape.as_ref(), &pose, &object, &mut buffers);
+        let taxels = forces.len();
+        assert!(taxels > 1, "the {name} touches {taxels} taxels");
         let sum: DVec3 = forces
             .iter()
             .map(|force| force.shear_link - patch.normals_link[force.taxel] * force.normal_force_n)
@@ -74,9 +76,18 @@ fn spread(criterion: &mut Criterion) {
             "{sum} N of {force_n} N"
         );
         group.bench_function(
-            BenchmarkId::new(name, format!("{force_n} N on {} taxels", forces.len())),
+            BenchmarkId::new(name, format!("{force_n} N on {taxels} taxels")),
             |bencher| {
-                bencher.iter(|| patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose), &object));
+                bencher.iter(|| {
+                    let forces = patch.spread(
+                        black_box(&[contact]),
+                        shape.as_ref(),
+                        black_box(&pose),
+                        &object,
+                        &mut buffers,
+                    );
+                    black_box(forces.len())
+                });
             },
         );
     }

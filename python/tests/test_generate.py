@@ -63,7 +63,7 @@ def test_an_interrupted_set_is_resumed(tmp_path: Path) -> None:
         ub.Dataset(out)
     with pytest.raises(ub.InputError, match="unfinished"):
         ub.generate(scene, 6, out, seed=4, progress=False)
-    staged = {path: path.stat().st_mtime_ns for path in (out / "incomplete").rglob("*.parquet")}
+    staged = {path: path.stat().st_mtime_ns for path in (out / "incomplete").glob("reach-*.bin")}
     assert len(staged) >= 2
     resumed = ub.generate(scene, 6, out, seed=4, progress=False, resume=True)
     whole = ub.generate(scene, 6, tmp_path / "whole", seed=4, progress=False)
@@ -127,7 +127,7 @@ def test_an_interpreter_that_is_killed_leaves_a_set_to_resume(tmp_path: Path) ->
     words = [sys.executable, "-c", program, str(out), str(Path(__file__).parent)]
     process = subprocess.Popen(words)
     waited = time.monotonic() + 120
-    while not list((out / "incomplete").rglob("*.parquet")) and time.monotonic() < waited and process.poll() is None:
+    while not list((out / "incomplete").glob("reach-*.bin")) and time.monotonic() < waited and process.poll() is None:
         time.sleep(0.02)
     process.kill()
     process.wait()

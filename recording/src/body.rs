@@ -89,7 +89,7 @@ pub struct BodyPart {
 }
 
 /// The pose of a body from one frame on, rounded to [`POSITION_STEP_M`] and [`ORIENTATION_STEP`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrackPoint {
     /// The first frame with this pose.
     pub frame: u32,

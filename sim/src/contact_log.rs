@@ -25,7 +25,7 @@ struct Course {
 
 impl ContactLog {
     /// Adds the forces between the pairs that touch in one frame, N.
-    pub fn observe(&mut self, frame: u32, pairs: &BTreeMap<ContactPair, DVec3>) {
+    pub fn observe(&mut self, frame: u32, pairs: &[(ContactPair, DVec3)]) {
         for (pair, force) in pairs {
             let force_n = force.length();
             let course = self.open.entry(*pair).or_insert(Course {
@@ -77,10 +77,10 @@ mod tests {
     #[test]
     fn a_broken_contact_is_two() {
         let mut log = ContactLog::default();
-        let pressed = |force: f64| BTreeMap::from([(PAIR, DVec3::X * force)]);
+        let pressed = |force: f64| [(PAIR, DVec3::X * force)];
         log.observe(5, &pressed(1.0));
         log.observe(6, &pressed(3.0));
-        log.observe(7, &BTreeMap::new());
+        log.observe(7, &[]);
         log.observe(8, &pressed(2.0));
         let contacts = log.finish(link_name);
         let summary: Vec<_> = contacts
@@ -101,7 +101,7 @@ mod tests {
         };
         let pairs = [PAIR, bare(4, 1), bare(1, 3), bare(4, 0)];
         let mut log = ContactLog::default();
-        log.observe(0, &BTreeMap::from(pairs.map(|pair| (pair, DVec3::X))));
+        log.observe(0, &pairs.map(|pair| (pair, DVec3::X)));
         let contacts = log.finish(link_name);
         let places: Vec<_> = contacts
             .iter()

@@ -21,7 +21,7 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
-use crate::contact::chord::{Chords, Faces, View};
+use crate::contact::chord::{Chords, End, Faces, View};
 use crate::contact::surface::Surface;
 use crate::geometry::signed_distance_m;
 use crate::newton::minimize;
@@ -80,6 +80,17 @@ pub struct TaxelForce {
     pub shear_link: DVec3,
 }
 
+/// What [`SkinPatch::spread`] works on. It is kept from contact to contact, so that a frame allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct SpreadBuffers {
+    faces: Faces,
+    cells: Vec<Cell>,
+    /// The pressed taxels, each with the sum of its pressures, N.
+    taxels: Vec<(usize, f64)>,
+    carriers: Vec<Carrier>,
+    forces: Vec<TaxelForce>,
+}
+
 /// The layer looks for indented taxels this much farther from a contact than its radius, m: by more than a taxel's diagonal.
 const SEARCH_MARGIN_M: f64 = 0.015;
 
@@ -123,19 +134,22 @@ impl SkinPatch {
         let reach = self.reach_m * self.reach_m;
         let mut taxels = self.centers_link.iter().zip(&self.normals_link);
         taxels.any(|(center, normal)| {
-            center.distance_squared(contact.position_link) <= reach && faces(*normal, contact.inward_link)
+            center.distance_squared(contact.position_link) <= reach && is_facing(*normal, contact.inward_link)
         })
     }
 
     /// Spreads the contacts between this patch and one collision shape with the surface `object` over the taxels.
-    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts.
-    pub fn spread(
+    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts. What `buffers`
+    /// holds does not matter.
+    pub fn spread<'a>(
         &self,
         contacts: &[ContactPoint],
         shape: &dyn Shape,
         shape_pose: &Pose,
         object: &Surface,
-    ) -> Vec<TaxelForce> {
+        buffers: &'a mut SpreadBuffers,
+    ) -> &'a [TaxelForce] {
+        buffers.forces.clear();
         let interface = self.surface.with(object);
         let total: DVec3 = contacts.iter().map(|contact| contact.force_link).sum();
         let load = |contact: &ContactPoint| contact.force_link.dot(contact.inward_link).max(0.0);
@@ -143,7 +157,7 @@ impl SkinPatch {
         let inward = normal_sum.normalize_or_zero();
         let weight: f64 = contacts.iter().map(load).sum();
         if weight <= 0.0 || inward == DVec3::ZERO {
-            return Vec::new();
+            return &buffers.forces;
         }
         let center = contacts
             .iter()
@@ -155,34 +169,39 @@ impl SkinPatch {
             origin: shape_pose.inverse_transform_point(center),
             axes: [across, along, inward].map(|axis| shape_pose.inverse_transform_vector(axis)),
         };
-        let mut buffer = Faces::default();
-        let chords = Chords::new(shape, &view, &mut buffer);
-        let cells: Vec<Cell> = self
+        let SpreadBuffers {
+            faces, cells, taxels, ..
+        } = &mut *buffers;
+        let chords = Chords::new(shape, &view, faces);
+        let under = self
             .nearby(contacts)
-            .filter(|point| faces(point.normal_link, inward))
-            .map(|point| {
-                let offset = point.position_link - center;
-                let place = DVec2::new(offset.dot(across), offset.dot(along));
-                // Beside an edge, the layer is dragged along as far as it is away from it.
-                let gap = chords.and_then(|chords| chords.at(place).range_m()).map_or_else(
-                    || signed_distance_m(shape, shape_pose, point.position_link),
-                    |[_, surface]| offset.dot(inward) - surface,
-                );
-                Cell {
-                    taxel: point.taxel,
-                    gap,
-                    place: Vector3::new(1.0, place.x, place.y),
-                    stiffness: interface.stiffness_n_per_m3 * point.area_m2,
-                    share: -point.normal_link.dot(inward),
+            .filter(|point| is_facing(point.normal_link, inward));
+        cells.clear();
+        cells.extend(under.map(|point| {
+            let offset = point.position_link - center;
+            let place = DVec2::new(offset.dot(across), offset.dot(along));
+            // Beside an edge, the layer is dragged along as far as it is away from it.
+            let surface_m = chords.and_then(|chords| chords.at(place, End::Leaves).end_m());
+            let gap = surface_m.map_or_else(
+                || signed_distance_m(shape, shape_pose, point.position_link),
+                |surface_m| offset.dot(inward) - surface_m,
+            );
+            Cell {
+                taxel: point.taxel,
+                gap,
+                place: Vector3::new(1.0, place.x, place.y),
+                stiffness: interface.stiffness_n_per_m3 * point.area_m2,
+                share: -point.normal_link.dot(inward),
+            }
+        }));
+        taxels.clear();
+        if let Some(pose) = indent(cells, normal_sum.length()) {
+            for cell in cells.iter() {
+                let pressure = cell.stiffness * cell.depth(&pose);
+                match taxels.last_mut() {
+                    Some((taxel, sum)) if *taxel == cell.taxel => *sum += pressure,
+                    _ => taxels.push((cell.taxel, pressure)),
                 }
-            })
-            .collect();
-        let pressures = indent(&cells, normal_sum.length());
-        let mut taxels: Vec<(usize, f64)> = Vec::new();
-        for (cell, pressure) in cells.iter().zip(pressures) {
-            match taxels.last_mut() {
-                Some((taxel, sum)) if *taxel == cell.taxel => *sum += pressure,
-                _ => taxels.push((cell.taxel, pressure)),
             }
         }
         taxels.retain(|(_, force)| *force > 0.0);
@@ -191,11 +210,18 @@ impl SkinPatch {
             // taxel that faces the force most takes all of it.
             taxels.extend(self.facing_taxel(contacts, total).map(|taxel| (taxel, 1.0)));
         }
-        self.balance(&taxels, total, interface.friction)
+        self.balance(total, interface.friction, buffers);
+        &buffers.forces
     }
 
-    /// Scales normal forces and adds shear so that the vector sum is `total`.
-    fn balance(&self, taxels: &[(usize, f64)], total: DVec3, friction: f64) -> Vec<TaxelForce> {
+    /// Scales the normal forces of the taxels and adds shear so that the vector sum is `total`.
+    fn balance(&self, total: DVec3, friction: f64, buffers: &mut SpreadBuffers) {
+        let SpreadBuffers {
+            taxels,
+            carriers,
+            forces,
+            ..
+        } = buffers;
         let normal = |taxel: usize| self.normals_link[taxel];
         let pressed: DVec3 = taxels.iter().map(|(taxel, force)| -normal(*taxel) * *force).sum();
         let direction = pressed.normalize_or_zero();
@@ -203,34 +229,32 @@ impl SkinPatch {
         let rest = total - pressed * scale;
         let tangent_plane = |taxel: usize, vector: DVec3| vector - normal(taxel) * normal(taxel).dot(vector);
         let mut carried = DMat3::ZERO;
-        for (taxel, force) in taxels {
+        for (taxel, force) in taxels.iter() {
             for (column, axis) in DVec3::AXES.into_iter().enumerate() {
                 *carried.col_mut(column) += tangent_plane(*taxel, axis) * *force;
             }
         }
         let shear = solve_symmetric(carried, rest);
-        let mut carriers: Vec<Carrier> = taxels
-            .iter()
-            .map(|(taxel, force)| Carrier {
-                inward: -normal(*taxel),
-                weight_n: *force,
-                force: tangent_plane(*taxel, shear) * *force - normal(*taxel) * (force * scale),
-            })
-            .collect();
+        carriers.clear();
+        carriers.extend(taxels.iter().map(|(taxel, force)| Carrier {
+            inward: -normal(*taxel),
+            weight_n: *force,
+            force: tangent_plane(*taxel, shear) * *force - normal(*taxel) * (force * scale),
+        }));
         // If that is impossible, the taxels keep what the solver gave them.
-        within_cones(&mut carriers, friction, total);
-        let carried = taxels.iter().zip(&carriers);
-        carried
-            .filter(|(_, carrier)| carrier.force != DVec3::ZERO)
-            .map(|((taxel, _), carrier)| {
-                let normal_force_n = carrier.force.dot(carrier.inward);
-                TaxelForce {
-                    taxel: *taxel,
-                    normal_force_n,
-                    shear_link: carrier.force - carrier.inward * normal_force_n,
-                }
-            })
-            .collect()
+        within_cones(carriers, friction, total);
+        let carried = taxels
+            .iter()
+            .zip(carriers)
+            .filter(|(_, carrier)| carrier.force != DVec3::ZERO);
+        forces.extend(carried.map(|((taxel, _), carrier)| {
+            let normal_force_n = carrier.force.dot(carrier.inward);
+            TaxelForce {
+                taxel: *taxel,
+                normal_force_n,
+                shear_link: carrier.force - carrier.inward * normal_force_n,
+            }
+        }));
     }
 
     fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SubPoint> {
@@ -258,11 +282,12 @@ impl SkinPatch {
 }
 
 /// Whether a place with this outward normal can be pressed by a force in the direction `inward`.
-fn faces(normal_link: DVec3, inward: DVec3) -> bool {
+fn is_facing(normal_link: DVec3, inward: DVec3) -> bool {
     -normal_link.dot(inward) > FACING_COSINE
 }
 
 /// One sub-point under a contact.
+#[derive(Clone, Debug)]
 struct Cell {
     taxel: usize,
     gap: f64,
@@ -273,23 +298,27 @@ struct Cell {
     share: f64,
 }
 
+impl Cell {
+    /// Its indentation at a depth and two tilts, m.
+    fn depth(&self, pose: &Vector3<f64>) -> f64 {
+        (self.place.dot(pose) - self.gap).max(0.0)
+    }
+}
+
 /// Relative regularization of the tilts, so that a point contact, whose tilt no taxel resists, has a unique solution. The
 /// scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
 
-/// The pressures of the cells, N, under a rigid shape that is pressed on them with `force` (N) through the origin.
-fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
-    let Some(nearest) = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp) else {
-        return Vec::new();
-    };
+/// Depth and tilts of a rigid shape that is pressed on the cells with `force` (N) through the origin; `None` without cells.
+fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
+    let nearest = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp)?;
     let stiffness: f64 = cells.iter().map(|cell| cell.stiffness * cell.share).fold(0.0, f64::max);
     let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (TILT_COST * stiffness * 1e-4);
     let load = Vector3::new(force, 0.0, 0.0);
-    let depth = |cell: &Cell, pose: &Vector3<f64>| (cell.place.dot(pose) - cell.gap).max(0.0);
     let energy = |pose: &Vector3<f64>| {
         let elastic: f64 = cells
             .iter()
-            .map(|cell| cell.stiffness * cell.share * depth(cell, pose).powi(2))
+            .map(|cell| cell.stiffness * cell.share * cell.depth(pose).powi(2))
             .sum();
         0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
     };
@@ -299,7 +328,7 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
         let mut slope = cost * pose - load;
         let mut curvature = cost;
         for cell in cells {
-            let pressed = depth(cell, pose);
+            let pressed = cell.depth(pose);
             if pressed > 0.0 {
                 slope += cell.place * (cell.stiffness * cell.share * pressed);
                 curvature += cell.place * cell.place.transpose() * (cell.stiffness * cell.share);
@@ -320,7 +349,7 @@ fn indent(cells: &[Cell], force: f64) -> Vec<f64> {
         },
         |(_, trial), (_, value)| trial < value,
     );
-    cells.iter().map(|cell| cell.stiffness * depth(cell, &pose)).collect()
+    Some(pose)
 }
 
 fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {

@@ -73,7 +73,7 @@ fn a_killed_run_resumes_to_the_same_bytes() {
 
     let first = staged(&broken)
         .into_iter()
-        .find(|path| path.extension().unwrap() == "parquet")
+        .find(|path| path.extension().unwrap() == "bin")
         .unwrap();
     let bytes = std::fs::read(&first).unwrap();
     std::fs::write(&first, &bytes[..bytes.len() / 2]).unwrap();

@@ -59,7 +59,7 @@ fn generate_can_be_interrupted_and_resumed() {
             stderr.contains("--resume") && stderr.contains(&set.display().to_string()),
             "{stderr}"
         );
-        assert!(first.exists() && set.join("incomplete/reach-000000.parquet").exists());
+        assert!(first.exists() && set.join("incomplete/reach-000000.bin").exists());
         assert_eq!(unfinished(&set), Vec::<PathBuf>::new());
     }
     // The same with few reaches, until the end.

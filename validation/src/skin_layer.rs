@@ -8,7 +8,7 @@ use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::FRICTION;
-use underbrush_sim::skin::{ContactPoint, SkinPatch, SubPoint};
+use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers, SubPoint};
 
 use crate::pressed_arm::FOREARM_RADIUS_M;
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
@@ -170,7 +170,8 @@ impl Pressed {
         let stiffness = STIFFNESS_N_PER_M3 * self.simulated.with(STIFF_LAYER, 1.0, 1.2);
         let points = self.simulated.with(ONE_POINT, 3, 1);
         let patch = patch(stiffness, pitch_m, self.skin_radius_m, points);
-        let forces = patch.spread(&[contact], self.shape.as_ref(), &pose, &Surface::hard(FRICTION));
+        let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
+        let forces = patch.spread(&[contact], self.shape.as_ref(), &pose, &hard, &mut buffers);
         let largest = forces.iter().map(|force| force.normal_force_n).fold(0.0, f64::max);
         largest / (pitch_m * pitch_m) / STIFFNESS_N_PER_M3
     }
@@ -243,7 +244,8 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let trunk = SharedShape::capsule_y(0.3, TRUNK_RADIUS_M);
         let rotation = glam::DQuat::from_rotation_arc(DVec3::Y, simulated.with(TURNED_TRUNK, around, along));
         let pose = Pose::new(touched + outward * TRUNK_RADIUS_M, rotation);
-        let found = patch.spread(&[contact], trunk.as_ref(), &pose, &Surface::hard(FRICTION));
+        let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
+        let found = patch.spread(&[contact], trunk.as_ref(), &pose, &hard, &mut buffers);
         let place = |position: DVec3, normal: DVec3| {
             let angle_rad = normal.dot(around).atan2(normal.dot(outward));
             [(position - touched).dot(along), angle_rad * FOREARM_RADIUS_M]

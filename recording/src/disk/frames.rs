@@ -48,13 +48,14 @@ pub(super) fn frame_columns(
     builder.push(index(numbering.first_index + first))?;
     builder.push(Int64Array::from_value(numbering.task, count))?;
     builder.push_f64(frames.iter().map(|frame| frame.time_s))?;
-    for joints in [
-        |frame: &Frame| frame.joint_angle_rad.clone(),
-        |frame: &Frame| frame.joint_velocity_rad_per_s.clone(),
-        |frame: &Frame| frame.joint_torque_nm.clone(),
-        |frame: &Frame| frame.equilibrium_angle_rad.clone(),
-    ] {
-        builder.push_f64(frames.iter().flat_map(joints))?;
+    let of_joints: [fn(&Frame) -> &Vec<f64>; 4] = [
+        |frame| &frame.joint_angle_rad,
+        |frame| &frame.joint_velocity_rad_per_s,
+        |frame| &frame.joint_torque_nm,
+        |frame| &frame.equilibrium_angle_rad,
+    ];
+    for joints in of_joints {
+        builder.push_f64(frames.iter().flat_map(joints).copied())?;
     }
     builder.push_f64(
         frames

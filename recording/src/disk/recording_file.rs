@@ -26,7 +26,7 @@ const FORMAT: &str = "underbrush-recording/4";
 const RECORDING_KEY: &str = "underbrush.recording";
 
 /// A recording without its frames.
-fn without_frames(recording: &Recording) -> Recording {
+pub(super) fn without_frames(recording: &Recording) -> Recording {
     Recording {
         scene: recording.scene.clone(),
         controller: recording.controller.clone(),

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use parry3d::shape::{Shape, TypedShape};
 use underbrush_recording::Pose;
 
-use super::chord::{Chords, Faces, Slope, View};
+use super::chord::{Chords, End, Faces, Slope, View};
 
 /// The tangent plane of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -101,20 +101,22 @@ impl<'a> Columns<'a> {
 
     /// The overlap in the column at `place`, m; negative for a gap. `None` if the column misses a shape.
     pub fn overlap_m(&self, place: DVec2) -> Option<f64> {
-        let [[entry, _], [_, exit]] = [self.chords[0].at(place).range_m()?, self.chords[1].at(place).range_m()?];
-        Some(exit - entry)
+        let enters_m = self.chords[0].at(place, End::Enters).end_m()?;
+        let leaves_m = self.chords[1].at(place, End::Leaves).end_m()?;
+        Some(leaves_m - enters_m)
     }
 
     /// A concave function that is positive at the places where the overlap is more than `over_m`.
     fn excess(&self, place: DVec2, over_m: f64) -> Slope {
-        let [first, second] = [0, 1].map(|side| self.chords[side].at(place));
+        let first = self.chords[0].at(place, End::Enters);
         if first.inside.value <= 0.0 {
             return first.inside;
         }
+        let second = self.chords[1].at(place, End::Leaves);
         if second.inside.value <= 0.0 {
             return second.inside;
         }
-        let mut overlap = second.ends_m[1] - first.ends_m[0];
+        let mut overlap = second.end_m - first.end_m;
         overlap.value -= over_m;
         overlap
     }

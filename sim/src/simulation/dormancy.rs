@@ -15,23 +15,36 @@ const WAKE_M: f64 = 0.01;
 const SLEEP_MARGIN_M: f64 = 0.005;
 
 /// A collision shape that may touch a dormant object.
+#[derive(Clone)]
 struct Mover {
     collider: ColliderHandle,
     /// The box within which it wakes objects.
     bounds: Aabb,
 }
 
+/// What [`World::rest_and_wake`] works on. It is kept from frame to frame, so that a frame allocates nothing.
+#[derive(Clone, Default)]
+pub(super) struct DormancyBuffers {
+    movers: Vec<Mover>,
+    /// The objects to put in.
+    near: Vec<usize>,
+}
+
 impl World {
     /// Takes out every object that rests with nothing moving near it, and puts in every dormant one that something moving
     /// has come near to.
     pub(super) fn rest_and_wake(&mut self, model: &Model) {
-        let movers: Vec<Mover> = self.movers().collect();
-        self.retire(model, &movers);
-        self.wake(model, &movers);
+        let mut buffers = std::mem::take(&mut self.dormancy);
+        let DormancyBuffers { movers, near } = &mut buffers;
+        movers.clear();
+        movers.extend(self.movers());
+        self.retire(model, movers);
+        self.wake(model, movers, near);
+        self.dormancy = buffers;
     }
 
-    fn wake(&mut self, model: &Model, movers: &[Mover]) {
-        let mut near: Vec<usize> = Vec::new();
+    fn wake(&mut self, model: &Model, movers: &[Mover], near: &mut Vec<usize>) {
+        near.clear();
         for mover in movers {
             for index in model.outline_tree.intersect_aabb(&mover.bounds) {
                 let index = index as usize;
@@ -43,8 +56,8 @@ impl World {
         }
         // In the order of the clutter, whatever the order of the tree.
         near.sort_unstable();
-        for index in near {
-            self.insert(model, index);
+        for index in near.iter() {
+            self.insert(model, *index);
         }
     }
 

@@ -163,7 +163,16 @@ impl Engine {
 
     /// Advances the world by one step.
     pub fn step(&mut self) {
+        self.copy_before_step();
+        self.step_without_contacts();
+        self.add_contacts();
+    }
+
+    pub(super) fn copy_before_step(&mut self) {
         self.contact_step.before_step(&self.bodies, &self.joints);
+    }
+
+    pub(super) fn step_without_contacts(&mut self) {
         let gravity = Vector::new(0.0, 0.0, -self.options.gravity_m_per_s2);
         self.pipeline.step(
             gravity,
@@ -180,6 +189,9 @@ impl Engine {
             &NoContacts,
             &(),
         );
+    }
+
+    pub(super) fn add_contacts(&mut self) {
         self.contact_step.after_step(&mut Parts {
             bodies: &mut self.bodies,
             colliders: &self.colliders,

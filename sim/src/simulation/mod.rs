@@ -16,6 +16,7 @@ use crate::object::structure::Structure;
 use crate::physics::PhysicsOptions;
 use crate::sensor::Sensor;
 use model::Model;
+use sense::SenseBuffers;
 use world::World;
 
 mod arm;
@@ -65,6 +66,8 @@ struct State {
     world: World,
     sensor: Sensor,
     report: FrameReport,
+    #[serde(skip)]
+    buffers: SenseBuffers,
 }
 
 impl Simulation {
@@ -75,6 +78,7 @@ impl Simulation {
             world: World::new(&model, setup.physics),
             sensor: setup.sensor,
             report: FrameReport::default(),
+            buffers: SenseBuffers::default(),
         };
         state.write_report(&model);
         Simulation {
@@ -209,7 +213,12 @@ impl Simulation {
 impl State {
     /// Reads the world and the skin as they are now.
     fn write_report(&mut self, model: &Model) {
-        let State { world, sensor, report } = self;
+        let State {
+            world,
+            sensor,
+            report,
+            buffers,
+        } = self;
         world.arm.read_joints(&world.engine, &mut report.joints);
         world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);
         report.end_effector_pose_world = model.arm.end_effector_pose(&report.link_pose_world);
@@ -226,6 +235,6 @@ impl State {
         }
         report.contacts.clear();
         report.contacts.extend_from_slice(world.contacts());
-        report.tactile = sense::sense(world, model, sensor);
+        sense::sense(world, model, sensor, buffers, &mut report.tactile);
     }
 }

@@ -1,7 +1,5 @@
 //! What the skin feels in one frame.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::TaxelReading;
@@ -37,8 +35,8 @@ pub struct TactileFrame {
     pub taxels: Vec<TaxelReading>,
     /// Sum of the solver's contact forces on each patch, N, world frame.
     pub contact_force_world: Vec<DVec3>,
-    /// Force between each pair in contact, N, world frame.
-    pub pairs: BTreeMap<ContactPair, DVec3>,
+    /// Force between each pair in contact, N, world frame; sorted by pair.
+    pub pairs: Vec<(ContactPair, DVec3)>,
     /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's force.
     pub force_residual: f64,
     /// Largest difference, over the patches, between the moment of the taxel forces, each acting at its taxel's centre, and
@@ -50,23 +48,44 @@ impl TactileFrame {
     /// The largest force between one link and one object; `None` if nothing touches the arm.
     pub fn largest_force(&self) -> Option<LinkForce> {
         // Forces between the same two bodies add up, on the skin and beside it.
-        let mut bodies: BTreeMap<(u16, u16), (DVec3, Option<u16>, f64)> = BTreeMap::new();
-        for (pair, force) in &self.pairs {
-            let part_n = force.length();
-            let (sum, patch, largest_part_n) = bodies.entry((pair.link, pair.object)).or_default();
-            *sum += *force;
-            if part_n > *largest_part_n {
-                (*patch, *largest_part_n) = (pair.patch, part_n);
+        let between_the_same = |own: &ContactPair| {
+            let bodies = (own.link, own.object);
+            let pairs = self.pairs.iter();
+            pairs.filter(move |(pair, _)| (pair.link, pair.object) == bodies)
+        };
+        let forces = self.pairs.iter().map(|(own, _)| {
+            let (mut sum, mut patch, mut largest_part_n) = (DVec3::ZERO, None, 0.0);
+            for (pair, force) in between_the_same(own) {
+                let part_n = force.length();
+                sum += *force;
+                if part_n > largest_part_n {
+                    (patch, largest_part_n) = (pair.patch, part_n);
+                }
             }
-        }
-        let forces = bodies.into_iter().map(|((link, object), (sum, patch, _))| LinkForce {
-            link,
-            object,
-            patch,
-            force_n: sum.length(),
+            LinkForce {
+                link: own.link,
+                object: own.object,
+                patch,
+                force_n: sum.length(),
+            }
         });
-        forces.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
+        // Of equal forces, that of the last link and object.
+        let order = |force: &LinkForce| (force.link, force.object);
+        forces.max_by(|a, b| a.force_n.total_cmp(&b.force_n).then_with(|| order(a).cmp(&order(b))))
     }
+}
+
+/// The value of a key in a list that is sorted by keys; a new one if there is none. Unlike a map, a list that is cleared keeps
+/// its memory for the next frame.
+pub(super) fn entry<K: Ord, V: Default>(list: &mut Vec<(K, V)>, key: K) -> &mut V {
+    let place = match list.binary_search_by(|(own, _)| own.cmp(&key)) {
+        Ok(place) => place,
+        Err(place) => {
+            list.insert(place, (key, V::default()));
+            place
+        }
+    };
+    &mut list[place].1
 }
 
 #[cfg(test)]

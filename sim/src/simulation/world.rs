@@ -6,10 +6,11 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use super::arm::ArmBodies;
 use super::contact::Contact;
+use super::dormancy::DormancyBuffers;
 use super::engine::Engine;
 use super::mechanism::Mechanism;
 use super::model::Model;
-use super::report::{StepObserver, StepReport};
+use super::report::{JointState, StepObserver, StepReport};
 use crate::geometry::from_parry;
 use crate::physics::PhysicsOptions;
 
@@ -23,6 +24,13 @@ pub(super) struct World {
     contact_colliders: Vec<ColliderHandle>,
     /// The objects; `None` for a dormant one.
     pub(super) mechanisms: Vec<Option<Mechanism>>,
+    /// What observers of the steps see of the arm.
+    #[serde(skip)]
+    joints: Vec<JointState>,
+    #[serde(skip)]
+    link_pose_world: Vec<Pose>,
+    #[serde(skip)]
+    pub(super) dormancy: DormancyBuffers,
 }
 
 impl World {
@@ -36,6 +44,9 @@ impl World {
             contacts: Vec::new(),
             contact_colliders: Vec::new(),
             mechanisms: model.structures.iter().map(|_| None).collect(),
+            joints: Vec::new(),
+            link_pose_world: Vec::new(),
+            dormancy: DormancyBuffers::default(),
         };
         for index in 0..model.structures.len() {
             world.insert(model, index);
@@ -55,7 +66,6 @@ impl World {
     ) {
         self.contacts.clear();
         self.contact_colliders.clear();
-        let (mut joints, mut link_pose_world) = (Vec::new(), Vec::new());
         let steps = (FRAME_PERIOD_S / self.engine.options().step_s).round() as usize;
         for _ in 0..steps {
             self.arm
@@ -67,13 +77,13 @@ impl World {
             let earlier = self.contacts.len();
             self.gather_contacts();
             if let Some(observer) = observer.as_deref_mut() {
-                self.arm.read_joints(&self.engine, &mut joints);
-                self.arm.read_link_poses(&self.engine, &mut link_pose_world);
+                self.arm.read_joints(&self.engine, &mut self.joints);
+                self.arm.read_link_poses(&self.engine, &mut self.link_pose_world);
                 observer(&StepReport {
                     arm: &model.arm,
                     physics: self.engine.options(),
-                    joints: &joints,
-                    link_pose_world: &link_pose_world,
+                    joints: &self.joints,
+                    link_pose_world: &self.link_pose_world,
                     contacts: &self.contacts[earlier..],
                     contact_residual: self.engine.contact_step.convergence.residual,
                 });
@@ -154,3 +164,6 @@ fn object_and_body(collider: &Collider) -> Option<(usize, usize)> {
     let object = (collider.user_data as u64).checked_sub(1)?;
     Some((object as usize, (collider.user_data >> 64) as usize))
 }
+
+#[cfg(test)]
+mod tests;

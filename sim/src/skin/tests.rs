@@ -50,6 +50,12 @@ fn trunk(contact: &ContactPoint, radius_m: f64, angle_rad: f64) -> (Capsule, Pos
     (shape, over(contact, radius_m, angle_rad))
 }
 
+/// The contact spread over the taxels.
+fn spread(skin: &SkinPatch, contact: ContactPoint, shape: &dyn Shape, pose: &Pose) -> Vec<TaxelForce> {
+    let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
+    skin.spread(&[contact], shape, pose, &hard, &mut buffers).to_vec()
+}
+
 fn force(skin: &SkinPatch, taxel: &TaxelForce) -> DVec3 {
     taxel.shear_link - skin.normals_link[taxel.taxel] * taxel.normal_force_n
 }
@@ -77,7 +83,7 @@ proptest! {
         let skin = forearm();
         let contact = contact(&skin, along_m, around_rad, force_n, slip, slip_rad);
         let (shape, pose) = trunk(&contact, radius_m, angle_rad);
-        let forces = skin.spread(&[contact], &shape, &pose, &Surface::hard(FRICTION));
+        let forces = spread(&skin, contact, &shape, &pose);
         let sum: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
         prop_assert!(sum.distance(contact.force_link) < 1e-9 * force_n);
         let moment: DVec3 = forces.iter().map(|taxel| skin.centers_link[taxel.taxel].cross(force(&skin, taxel))).sum();
@@ -100,7 +106,7 @@ fn a_broad_contact_looks_like_the_real_one() {
     let skin = forearm();
     let contact = contact(&skin, 0.0054, 0.13, 8.99, 0.0, 0.0);
     let (shape, pose) = trunk(&contact, 0.02, std::f64::consts::FRAC_PI_2);
-    let forces = skin.spread(&[contact], &shape, &pose, &Surface::hard(FRICTION));
+    let forces = spread(&skin, contact, &shape, &pose);
     // Weaker ones are among the spurious readings of that frame (up to 0.10 N).
     let lit: Vec<f64> = forces
         .iter()
@@ -129,16 +135,11 @@ fn edge_and_round_differ() {
     let at = press(1.0);
     // A blade 1 mm thick and 4 cm broad, its edge across the sleeve.
     let blade = Cuboid::new(DVec3::new(0.1, 0.0005, 0.02));
-    let edge = skin.spread(
-        &[at],
-        &blade,
-        &over(&at, 0.02, std::f64::consts::FRAC_PI_2),
-        &Surface::hard(FRICTION),
-    );
+    let edge = spread(&skin, at, &blade, &over(&at, 0.02, std::f64::consts::FRAC_PI_2));
     let round = |force_n: f64| {
         let at = press(force_n);
         let (shape, pose) = trunk(&at, 0.02, std::f64::consts::FRAC_PI_2);
-        rows_and_columns(&skin.spread(&[at], &shape, &pose, &Surface::hard(FRICTION)))
+        rows_and_columns(&spread(&skin, at, &shape, &pose))
     };
     let [rows, columns] = rows_and_columns(&edge);
     assert!(rows == 1 && columns >= 3, "edge {rows} × {columns}");
@@ -163,7 +164,7 @@ fn a_lone_taxel_feels_the_whole_force() {
         let contact = contact(&whole, along_m, around_rad, 2.0, 0.3, 1.0);
         assert!(skin.covers(&contact), "{along_m} m, {around_rad} rad");
         let (shape, pose) = trunk(&contact, 0.015, 1.0);
-        let forces = skin.spread(&[contact], &shape, &pose, &Surface::hard(FRICTION));
+        let forces = spread(&skin, contact, &shape, &pose);
         assert_eq!(forces.len(), 1);
         let missed = TaxelForce {
             taxel: TAXEL,

@@ -18,23 +18,22 @@ use super::checksums::{FileSum, files_below};
 use super::episode::{Episode, Place};
 use super::episode_table::write_episodes;
 use super::info::{FORMAT, Info, ProvenanceFile};
-use super::names;
 use super::staging::Staging;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use super::tasks::{number_tasks, write_tasks};
 use super::taxel_table::write_taxels;
+use super::{names, staged_reach};
 use crate::disk::DiskError;
 use crate::disk::features::{features, schema};
 use crate::disk::frames::{Numbering, frame_columns};
 use crate::disk::parquet_file::ROWS_PER_BATCH;
-use crate::disk::recording_file::read_recording;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
 use crate::{Category, Recording};
 
 /// Writes the whole set from the staged reaches, with `meta/info.json` last.
 pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
-    assemble_from(staging, |position| read_recording(staging.path(position)))
+    assemble_from(staging, |position| staged_reach::read(&staging.path(position)))
 }
 
 /// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave

@@ -26,6 +26,7 @@ mod plan;
 mod reader;
 mod row_groups;
 mod some_columns;
+mod staged_reach;
 mod staging;
 mod statistics;
 mod stop_columns;

@@ -22,7 +22,6 @@ pub(in crate::disk) struct Staging {
 impl Staging {
     /// Where the reach at a position of the plan is staged.
     pub(super) fn path(&self, position: usize) -> PathBuf {
-        self.dir
-            .join(format!("{}/reach-{position:06}.parquet", names::INCOMPLETE))
+        self.dir.join(format!("{}/reach-{position:06}.bin", names::INCOMPLETE))
     }
 }

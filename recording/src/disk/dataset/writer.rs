@@ -11,10 +11,10 @@ use super::finish::{assemble, assemble_from};
 use super::info::read_json;
 use super::plan::first_difference;
 use super::staging::{BYTES_PER_FILE, Staging};
-use super::{Dataset, DatasetPlan, names};
+use super::{Dataset, DatasetPlan, names, staged_reach};
+use crate::disk::DiskError;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
-use crate::disk::{DiskError, write_recording};
 use crate::{InputError, Recording};
 
 /// A data set that is being written.
@@ -178,14 +178,14 @@ impl DatasetWriter {
     ///
     /// # Errors
     /// [`DiskError::NoSuchReach`] for a position outside the plan; [`DiskError::Unwritable`] for a recording that is
-    /// not the planned one, has no frames or breaks a rule of its types; [`DiskError::Io`] and [`DiskError::Encode`]
-    /// if a file cannot be written.
+    /// not the planned one, has no frames or breaks a rule of its types; [`DiskError::Io`] if a file cannot
+    /// be written.
     pub fn stage(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
         let path = self.staging.path(position);
         self.check_planned(position, recording)?;
-        write_recording(&path, recording)?;
+        let written = staged_reach::write(&path, recording)?;
         let sum = path.with_extension("json");
-        write_bytes(&sum, &json_bytes(&sum, &FileSum::of_file(&path)?)?)
+        write_bytes(&sum, &json_bytes(&sum, &written)?)
     }
 
     fn check_planned(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
@@ -271,7 +271,7 @@ impl DatasetWriter {
             assemble_from(&self.staging, |position| {
                 let recording = reach(position)?;
                 self.check_planned(position, &recording)?;
-                write_recording(self.staging.path(position), &recording)?;
+                staged_reach::write(&self.staging.path(position), &recording)?;
                 Ok(recording)
             })?;
         }

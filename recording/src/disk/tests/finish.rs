@@ -64,9 +64,9 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     drop(writer);
     let staged = |name: &str| broken.join("incomplete").join(name);
     // Reach 1 is truncated, reach 2 has no checksum yet, and a temporary file of reach 0 is left.
-    let bytes = fs::read(staged("reach-000001.parquet")).unwrap();
-    fs::write(staged("reach-000001.parquet"), &bytes[..bytes.len() - 8]).unwrap();
-    fs::write(staged("reach-000002.parquet"), &bytes).unwrap();
+    let bytes = fs::read(staged("reach-000001.bin")).unwrap();
+    fs::write(staged("reach-000001.bin"), &bytes[..bytes.len() - 8]).unwrap();
+    fs::write(staged("reach-000002.bin"), &bytes).unwrap();
     fs::write(staged(".underbrush-unfinished-x"), b"PAR1").unwrap();
     assert!(matches!(
         DatasetWriter::create(&broken, plan(), false),

@@ -46,7 +46,7 @@ fn plan_of(shard: Option<Shard>) -> DatasetPlan {
 /// Begins or resumes a set with data files so small that there are several.
 fn begin(dir: &Path, plan: &DatasetPlan, resume: bool) -> Result<DatasetWriter, DiskError> {
     let mut writer = DatasetWriter::create(dir, plan.clone(), resume)?;
-    writer.staging.bytes_per_file = 60_000;
+    writer.staging.bytes_per_file = 6_000;
     Ok(writer)
 }
 

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use parry3d::shape::{ConvexPolyhedron, Cuboid};
 
-use super::{Chord, Slope, View};
+use super::{Chord, End, Slope, View};
 
 /// Below this, the sine of the angle between a line and a face counts as zero.
 const PARALLEL: f64 = 1e-9;
@@ -70,16 +70,13 @@ impl Faces {
         }
     }
 
-    pub(super) fn at(&self, place: DVec2) -> Chord {
+    pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let beside = least(&self.beside, place, 1.0);
         if beside.value <= 0.0 {
             return Chord::outside(beside);
         }
-        let ends_m = [least(&self.entering, place, -1.0), least(&self.leaving, place, 1.0)];
-        Chord {
-            inside: ends_m[1] - ends_m[0],
-            ends_m,
-        }
+        let ends = [least(&self.entering, place, -1.0), least(&self.leaving, place, 1.0)];
+        Chord::between(ends.map(|end| end.value), end, |end| ends[end])
     }
 }
 

@@ -56,26 +56,52 @@ impl std::ops::Sub for Slope {
     }
 }
 
-/// A line's way through a shape.
+/// An end of a line's way through a shape.
+#[derive(Clone, Copy, Debug)]
+pub enum End {
+    /// Where it enters.
+    Enters,
+    /// Where it leaves.
+    Leaves,
+}
+
+/// A line's way through a shape, with one of its ends: nobody needs the slopes of both.
 #[derive(Clone, Copy, Debug)]
 pub struct Chord {
-    /// Positive if the line passes through the shape; else a concave function of the place, which rises towards the shape.
+    /// Positive if the line passes through the shape. Else a concave function of the place, which rises towards the shape; the
+    /// gradient is only known then.
     pub inside: Slope,
-    /// Where the line enters and leaves the shape, m from the plane along the direction, if it does.
-    pub ends_m: [Slope; 2],
+    /// The end, m from the plane along the direction, if the line passes through the shape.
+    pub end_m: Slope,
 }
 
 impl Chord {
     fn outside(inside: Slope) -> Self {
         Chord {
             inside,
-            ends_m: [Slope::default(); 2],
+            end_m: Slope::default(),
         }
     }
 
-    /// Where the line enters and leaves the shape, m; `None` if it misses it.
-    pub fn range_m(&self) -> Option<[f64; 2]> {
-        (self.inside.value > 0.0).then_some(self.ends_m.map(|end| end.value))
+    /// The chord between two ends that `slope` returns, the first and the second, if they are in this order.
+    fn between(ends_m: [f64; 2], end: End, slope: impl Fn(usize) -> Slope) -> Self {
+        let length_m = ends_m[1] - ends_m[0];
+        if length_m <= 0.0 {
+            return Chord::outside(slope(1) - slope(0));
+        }
+        let inside = Slope {
+            value: length_m,
+            gradient: DVec2::ZERO,
+        };
+        Chord {
+            inside,
+            end_m: slope(end as usize),
+        }
+    }
+
+    /// The end, m; `None` if the line misses the shape.
+    pub fn end_m(&self) -> Option<f64> {
+        (self.inside.value > 0.0).then_some(self.end_m.value)
     }
 }
 
@@ -113,12 +139,12 @@ impl<'a> Chords<'a> {
         })
     }
 
-    /// The line through a place of the plane, m.
-    pub fn at(&self, place: DVec2) -> Chord {
+    /// The line through a place of the plane, m, with one of its ends.
+    pub fn at(&self, place: DVec2, end: End) -> Chord {
         match self {
-            Chords::Capsule(capsule) => capsule.at(place),
-            Chords::Cylinder(cylinder) => cylinder.at(place),
-            Chords::Flat(faces) => faces.at(place),
+            Chords::Capsule(capsule) => capsule.at(place, end),
+            Chords::Cylinder(cylinder) => cylinder.at(place, end),
+            Chords::Flat(faces) => faces.at(place, end),
         }
     }
 }
@@ -132,6 +158,11 @@ mod tests {
 
     fn vector(size: f64) -> impl Strategy<Value = DVec3> {
         prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
+    }
+
+    /// The line through a place, with each of its ends.
+    fn both_ends(chords: &Chords, place: DVec2) -> [Chord; 2] {
+        [End::Enters, End::Leaves].map(|end| chords.at(place, end))
     }
 
     /// One of each kind.
@@ -178,8 +209,9 @@ mod tests {
                 let expected = hit(-far, 1.0).zip(hit(far, -1.0));
                 let mut faces = Faces::default();
                 let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
-                let chord = chords.at(place);
-                match (chord.range_m(), expected) {
+                let ends = both_ends(&chords, place);
+                let range_m = ends[0].end_m().zip(ends[1].end_m());
+                match (range_m.map(<[f64; 2]>::from), expected) {
                     (Some(found), Some(rays)) => {
                         let merged = match shape.as_convex_polyhedron() {
                             Some(_) => 1.8e-4 * 2.0 * shape.compute_local_bounding_sphere().radius,
@@ -187,7 +219,7 @@ mod tests {
                         };
                         for (end, ray) in [rays.0, rays.1].into_iter().enumerate() {
                             // Rays against hulls and cylinders are iterated.
-                            let slant = (1.0 + chord.ends_m[end].gradient.length_squared()).sqrt();
+                            let slant = (1.0 + ends[end].end_m.gradient.length_squared()).sqrt();
                             prop_assert!((found[end] - ray).abs() < 1e-5 + merged * slant, "{found:?} {rays:?}");
                         }
                     }
@@ -215,20 +247,18 @@ mod tests {
             for shape in shapes(hull) {
                 let mut faces = Faces::default();
                 let chords = Chords::new(shape.as_ref(), &view, &mut faces).unwrap();
-                let here = chords.at(place);
+                let here = both_ends(&chords, place);
+                let passes = |ends: &[Chord; 2]| ends[0].end_m().is_some();
                 for axis in [DVec2::X, DVec2::Y] {
-                    let beside = [-1.0, 1.0].map(|sign| chords.at(place + axis * sign * step));
-                    let pick = |chord: &Chord| match here.range_m() {
-                        Some(_) => [chord.ends_m[0], chord.ends_m[1]],
-                        None => [chord.inside; 2],
-                    };
+                    let beside = [-1.0, 1.0].map(|sign| both_ends(&chords, place + axis * sign * step));
+                    let pick = |ends: &[Chord; 2]| ends.map(|end| if passes(&here) { end.end_m } else { end.inside });
                     for end in 0..2 {
                         let own = pick(&here)[end].gradient.dot(axis);
                         let [before, after] = [0, 1].map(|side| pick(&beside[side])[end].value);
                         let value = pick(&here)[end].value;
                         let halves = [(value - before) / step, (after - value) / step];
                         // At an edge the two halves differ.
-                        if beside.iter().all(|chord| chord.range_m().is_some() == here.range_m().is_some())
+                        if beside.iter().all(|ends| passes(ends) == passes(&here))
                             && (halves[0] - halves[1]).abs() < 1e-4 * (1.0 + halves[0].abs())
                         {
                             prop_assert!((own - 0.5 * (halves[0] + halves[1])).abs() < 1e-3 * (1.0 + own.abs()), "{own} {halves:?}");

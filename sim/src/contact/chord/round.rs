@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use parry3d::shape;
 
-use super::{Chord, Slope, View};
+use super::{Chord, End, Slope, View};
 
 /// Below this, the sine of an angle counts as zero.
 const PARALLEL: f64 = 1e-9;
@@ -16,20 +16,23 @@ pub struct Capsule {
     axis: DVec3,
     length_m: f64,
     radius_m: f64,
+    endless: Endless,
 }
 
 impl Capsule {
     pub(super) fn new(ends: [DVec3; 2], radius_m: f64, view: &View) -> Self {
         let [start, end] = ends.map(|end| view.point(end));
+        let axis = (end - start).normalize_or_zero();
         Capsule {
             start,
-            axis: (end - start).normalize_or_zero(),
+            axis,
             length_m: start.distance(end),
             radius_m,
+            endless: Endless::new(axis, radius_m),
         }
     }
 
-    pub(super) fn at(&self, place: DVec2) -> Chord {
+    pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let offset = place.extend(0.0) - self.start;
         let flat = self.axis.truncate() * self.length_m;
         let share = offset.truncate().dot(flat) / flat.length_squared().max(PARALLEL * PARALLEL);
@@ -52,9 +55,8 @@ impl Capsule {
                 join([-from_center.z - half, -from_center.z + half]);
             }
         }
-        let round = Round::new(offset, self.axis, self.radius_m);
         if self.length_m > 0.0
-            && let Some(round) = round.ends()
+            && let Some(round) = self.endless.line(offset).ends()
         {
             let along = offset.dot(self.axis);
             let caps = if self.axis.z.abs() > PARALLEL {
@@ -70,12 +72,13 @@ impl Capsule {
                 join(both);
             }
         }
-        let ends_m = ends.map(|end| {
-            let point = offset + DVec3::Z * end;
-            let along = point.dot(self.axis).clamp(0.0, self.length_m);
-            surface(end, point - self.axis * along)
-        });
-        Chord { inside, ends_m }
+        let end_m = ends[end as usize];
+        let point = offset + DVec3::Z * end_m;
+        let along = point.dot(self.axis).clamp(0.0, self.length_m);
+        Chord {
+            inside,
+            end_m: surface(end_m, point - self.axis * along),
+        }
     }
 }
 
@@ -85,62 +88,78 @@ pub struct Cylinder {
     center: DVec3,
     axis: DVec3,
     half_height_m: f64,
-    radius_m: f64,
+    endless: Endless,
+    /// The gradient of where a line meets a cap. Not used for lines at right angles to the axis.
+    cap_gradient: DVec2,
 }
 
 impl Cylinder {
     pub(super) fn new(cylinder: &shape::Cylinder, view: &View) -> Self {
+        // Parry's cylinders lie along y.
+        let axis = view.components(DVec3::Y);
         Cylinder {
             center: view.point(DVec3::ZERO),
-            // Parry's cylinders lie along y.
-            axis: view.components(DVec3::Y),
+            axis,
             half_height_m: cylinder.half_height,
-            radius_m: cylinder.radius,
+            endless: Endless::new(axis, cylinder.radius),
+            cap_gradient: axis.truncate() / -axis.z,
         }
     }
 
-    pub(super) fn at(&self, place: DVec2) -> Chord {
+    pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
         let offset = place.extend(0.0) - self.center;
         let axis = self.axis;
-        let round = Round::new(offset, axis, self.radius_m);
+        let round = self.endless.line(offset);
         if round.inside.value <= 0.0 {
             return Chord::outside(round.inside);
         }
         let along = offset.dot(axis);
-        let flat = axis.truncate();
-        let mut ends_m = round.ends().map(|ends| {
-            ends.map(|end| {
-                let point = offset + DVec3::Z * end;
-                surface(end, point - axis * point.dot(axis))
-            })
-        });
-        if axis.z.abs() > PARALLEL {
-            let cap = |height: f64| Slope {
-                value: (height - along) / axis.z,
-                gradient: flat / -axis.z,
-            };
+        let caps = if axis.z.abs() > PARALLEL {
             let half = self.half_height_m.copysign(axis.z);
-            let caps = [cap(-half), cap(half)];
-            ends_m = Some(ends_m.map_or(caps, |[enters, leaves]| {
-                [
-                    if caps[0].value > enters.value { caps[0] } else { enters },
-                    if caps[1].value < leaves.value { caps[1] } else { leaves },
-                ]
-            }));
+            Some([(-half - along) / axis.z, (half - along) / axis.z])
         } else if along.abs() >= self.half_height_m {
             return Chord::outside(Slope {
                 value: self.half_height_m - along.abs(),
-                gradient: flat * -along.signum(),
+                gradient: axis.truncate() * -along.signum(),
             });
-        }
-        match ends_m {
-            Some(ends_m) => Chord {
-                inside: ends_m[1] - ends_m[0],
-                ends_m,
-            },
-            None => Chord::outside(round.inside),
-        }
+        } else {
+            None
+        };
+        // Which of the ends are at a cap, and where both are.
+        let (at_cap, ends_m) = match (round.ends(), caps) {
+            (Some(sides), Some(caps)) => {
+                let at_cap = [caps[0] > sides[0], caps[1] < sides[1]];
+                let end_m = |end: usize| if at_cap[end] { caps[end] } else { sides[end] };
+                (at_cap, [end_m(0), end_m(1)])
+            }
+            (Some(sides), None) => ([false; 2], sides),
+            (None, Some(caps)) => ([true; 2], caps),
+            (None, None) => return Chord::outside(round.inside),
+        };
+        Chord::between(ends_m, end, |end| {
+            if at_cap[end] {
+                return Slope {
+                    value: ends_m[end],
+                    gradient: self.cap_gradient,
+                };
+            }
+            let point = offset + DVec3::Z * ends_m[end];
+            surface(ends_m[end], point - axis * point.dot(axis))
+        })
     }
+}
+
+/// A cylinder without ends, in the components of a view, with what all lines through it share.
+#[derive(Clone, Copy, Debug)]
+struct Endless {
+    /// Unit vector, or zero for a ball.
+    axis: DVec3,
+    /// Square of the radius, m².
+    limit: f64,
+    /// Square of the sine of the angle between lines and axis.
+    square: f64,
+    /// Unit vector in the plane, at right angles to the axis. Not used for lines along the axis.
+    across: DVec2,
 }
 
 /// A line along the view's direction and a cylinder without ends.
@@ -153,12 +172,26 @@ struct Round {
     middle: f64,
 }
 
-impl Round {
-    /// `offset` is from a point of the axis.
-    fn new(offset: DVec3, axis: DVec3, radius_m: f64) -> Self {
+impl Endless {
+    fn new(axis: DVec3, radius_m: f64) -> Self {
         let flat = axis.truncate();
         let square = flat.length_squared();
-        let limit = radius_m * radius_m;
+        Endless {
+            axis,
+            limit: radius_m * radius_m,
+            square,
+            across: flat.perp() / square.sqrt(),
+        }
+    }
+
+    /// The line at `offset` from a point of the axis.
+    fn line(&self, offset: DVec3) -> Round {
+        let Endless {
+            axis,
+            limit,
+            square,
+            across,
+        } = *self;
         if square <= PARALLEL * PARALLEL {
             let away = offset.truncate();
             return Round {
@@ -170,7 +203,6 @@ impl Round {
                 middle: 0.0,
             };
         }
-        let across = flat.perp() / square.sqrt();
         let distance = offset.truncate().dot(across);
         Round {
             inside: Slope {
@@ -181,7 +213,9 @@ impl Round {
             middle: (axis.z * offset.dot(axis) - offset.z) / square,
         }
     }
+}
 
+impl Round {
     /// Where the line enters and leaves; `None` if it misses the cylinder or runs along its axis.
     fn ends(&self) -> Option<[f64; 2]> {
         (self.inside.value > 0.0 && self.square > 0.0).then(|| {

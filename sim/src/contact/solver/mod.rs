@@ -102,6 +102,8 @@ pub struct Solver {
     impulse: Vec<f64>,
     residual: Vec<f64>,
     step: Vec<f64>,
+    /// The first block that each block shares a patch with, itself if it is the first.
+    first_block: Vec<usize>,
     matrix: Envelope,
 }
 

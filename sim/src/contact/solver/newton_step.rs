@@ -10,7 +10,9 @@ const MAX_SEARCH: usize = 20;
 impl Solver {
     /// A row begins at the first block that its own touches.
     pub(super) fn shape_matrix(&mut self) {
-        let mut first: Vec<usize> = (0..self.blocks.len()).collect();
+        let first = &mut self.first_block;
+        first.clear();
+        first.extend(0..self.blocks.len());
         for patch in &self.patches {
             if let [Some(a), Some(b)] = &patch.sides {
                 let (low, high) = (a.block.min(b.block), a.block.max(b.block));
@@ -18,7 +20,7 @@ impl Solver {
             }
         }
         let blocks = &self.blocks;
-        let rows = blocks.iter().zip(&first);
+        let rows = blocks.iter().zip(first.iter());
         let columns = rows.flat_map(|(block, first)| std::iter::repeat_n(blocks[*first].offset, block.size));
         self.matrix.reset(columns);
     }

@@ -1,7 +1,7 @@
 //! What the engine's step overwrites, copied before it, and what follows from the copies.
 
 use glam::DVec3;
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrixViewMut, Vector3};
 use rapier3d::prelude::*;
 use underbrush_recording::Pose as WorldPose;
 
@@ -113,14 +113,14 @@ pub(super) fn relative_speeds(
     )
 }
 
-/// M = P⁻¹ L U, from the factors that the engine keeps.
-pub(super) fn mass_matrix(multibody: &Multibody, mass: &mut DMatrix<f64>) {
+/// M = P⁻¹ L U, from the factors that the engine keeps. It is written to `buffer`.
+pub(super) fn mass_matrix<'a>(multibody: &Multibody, buffer: &'a mut Vec<f64>) -> DMatrixViewMut<'a, f64> {
     let factors = multibody.inv_augmented_mass();
     let packed = factors.lu_internal();
     let size = multibody.ndofs();
-    if mass.nrows() != size {
-        *mass = DMatrix::zeros(size, size);
-    }
+    buffer.clear();
+    buffer.resize(size * size, 0.0);
+    let mut mass = DMatrixViewMut::from_slice(buffer, size, size);
     for column in 0..size {
         for row in 0..size {
             // L has ones on its diagonal.
@@ -131,5 +131,6 @@ pub(super) fn mass_matrix(multibody: &Multibody, mass: &mut DMatrix<f64>) {
             mass[(row, column)] = sum;
         }
     }
-    factors.p().inv_permute_rows(mass);
+    factors.p().inv_permute_rows(&mut mass);
+    mass
 }

@@ -5,7 +5,6 @@
 //! [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with positions to match.
 
 use glam::DVec3;
-use nalgebra::DMatrix;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -94,7 +93,7 @@ struct Scratch {
     patches_of_body: Vec<usize>,
     order: Vec<usize>,
     block_of_body: Vec<usize>,
-    mass: DMatrix<f64>,
+    mass: Vec<f64>,
     displacement: Vec<f64>,
     kept: Vec<(PairKey, Kept)>,
     solver: Solver,
@@ -230,8 +229,7 @@ impl ContactStep {
             let Some(multibody) = parts.joints.get_multibody(copied.index) else {
                 continue;
             };
-            mass_matrix(multibody, &mut scratch.mass);
-            let mass = &scratch.mass;
+            let mass = mass_matrix(multibody, &mut scratch.mass);
             scratch.block_of_body[*body] = scratch.solver.add_block(
                 copied.velocity.iter().copied(),
                 multibody.generalized_velocity().iter().copied(),

@@ -1,0 +1,99 @@
+//! The file of a staged reach (`incomplete/reach-000000.bin`).
+//!
+//! A recording in a file of its own has a column for every taxel and Parquet's two levels for every number, so that other
+//! programs can read it. A staged reach is read only by this program, and then removed. It therefore holds the recording as it
+//! is in memory, where a frame lists only the taxels with a force: the fields without frames as JSON, then the frames and the
+//! motion of the bodies, in postcard's format, compressed by zstd with its checksum. Writing and reading it takes a small part
+//! of the time that a recording file would take.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::checksums::FileSum;
+use crate::disk::DiskError;
+use crate::disk::check::check_recording;
+use crate::disk::recording_file::without_frames;
+use crate::disk::whole_file::write_bytes;
+use crate::{Frame, InputError, Recording, TrackPoint};
+
+/// zstd's fastest level but for the negative ones, as in the Parquet files.
+const LEVEL: i32 = 1;
+
+/// Writes a recording, and returns the file's size and hash.
+///
+/// # Errors
+/// [`DiskError::Unwritable`] for a recording that breaks a rule of its types; [`DiskError::Io`] if it cannot be written.
+pub(super) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskError> {
+    check_recording(recording).map_err(|violation| violation.unwritable(path))?;
+    let bytes = encode(recording).map_err(DiskError::io(path, "write"))?;
+    write_bytes(path, &bytes)?;
+    Ok(FileSum::of_bytes(&bytes))
+}
+
+/// Reads a recording, equal to the one given to [`write`].
+///
+/// # Errors
+/// [`DiskError::Input`] for a file that is missing or changed in any bit.
+pub(super) fn read(path: &Path) -> Result<Recording, DiskError> {
+    let damaged = |cause: io::Error| {
+        let remedy = "remove the file, and generate the set with --resume";
+        InputError::new(
+            path,
+            "staged reach",
+            cause.to_string(),
+            "a reach that this program has staged",
+            remedy,
+        )
+    };
+    let bytes = fs::read(path).map_err(damaged)?;
+    let recording = decode(&bytes).map_err(damaged)?;
+    check_recording(&recording).map_err(|violation| violation.misread(path))?;
+    Ok(recording)
+}
+
+fn encode(recording: &Recording) -> io::Result<Vec<u8>> {
+    let header = serde_json::to_vec(&without_frames(recording))?;
+    let tracks: Vec<&[TrackPoint]> = recording.bodies.iter().map(|body| body.track.as_slice()).collect();
+    let plain = postcard::to_allocvec(&(header, &recording.frames, tracks)).map_err(io::Error::other)?;
+    let mut compressor = zstd::Encoder::new(Vec::new(), LEVEL)?;
+    compressor.include_checksum(true)?;
+    compressor.write_all(&plain)?;
+    compressor.finish()
+}
+
+fn decode(bytes: &[u8]) -> io::Result<Recording> {
+    let plain = zstd::decode_all(bytes)?;
+    let (header, frames, tracks): (Vec<u8>, Vec<Frame>, Vec<Vec<TrackPoint>>) =
+        postcard::from_bytes(&plain).map_err(io::Error::other)?;
+    let mut recording: Recording = serde_json::from_slice(&header)?;
+    recording.frames = frames;
+    for (body, track) in recording.bodies.iter_mut().zip(tracks) {
+        body.track = track;
+    }
+    Ok(recording)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::disk::tests::dataset::recordings;
+
+    /// Pins that a reach comes back as it was, and that no changed or missing byte goes unnoticed.
+    #[test]
+    fn a_staged_reach_comes_back_unless_it_is_damaged() {
+        let recording = &recordings()[0];
+        let bytes = encode(recording).unwrap();
+        assert_eq!(decode(&bytes).unwrap(), *recording);
+        for place in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[place] ^= 1;
+            let found = decode(&damaged);
+            assert!(
+                found.is_err() || found.is_ok_and(|found| found == *recording),
+                "byte {place} is changed"
+            );
+            assert!(decode(&bytes[..place]).is_err(), "only {place} bytes");
+        }
+    }
+}

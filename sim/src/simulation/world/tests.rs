@@ -1,0 +1,107 @@
+//! What a frame allocates.
+
+use std::f64::consts::TAU;
+
+use allocation_counter::measure;
+
+use crate::reach::ReachPlan;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+
+/// Many leaves and a few trunks, which the arm meets with several links.
+const SCENE: &str = r#"
+summary = "Leaves and trunks"
+[goals]
+count = 1
+retries = 0
+[[objects.foam_block]]
+count = 4
+[[objects.trunk]]
+count = 2
+[[objects.leaf]]
+count = 24
+"#;
+
+/// Numbers of allocations in one frame.
+#[derive(Debug, Default)]
+struct Allocations {
+    /// Before each engine step: equilibrium angles, springs, copies of what the engine overwrites.
+    before_steps: u64,
+    /// Contacts: patches, solution, velocities and positions written into the engine.
+    contacts: u64,
+    /// Which objects rest and wake.
+    dormancy: u64,
+    /// The report of the frame, with skin and sensor.
+    report: u64,
+}
+
+fn count(into: &mut u64, part: impl FnOnce()) {
+    *into += measure(part).count_total;
+}
+
+/// Advances by one frame, as [`Simulation::step`] does.
+fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Allocations {
+    let (model, state) = (&*simulation.model, &mut simulation.state);
+    let mut found = Allocations::default();
+    state.world.contacts.clear();
+    state.world.contact_colliders.clear();
+    for _ in 0..2 {
+        let world = &mut state.world;
+        count(&mut found.before_steps, || {
+            world
+                .arm
+                .set_equilibrium(&model.arm, equilibrium_angle_rad, &mut world.engine);
+            for mechanism in world.mechanisms.iter_mut().flatten() {
+                mechanism.relax(&mut world.engine);
+            }
+            world.engine.copy_before_step();
+        });
+        world.engine.step_without_contacts();
+        count(&mut found.contacts, || {
+            world.engine.add_contacts();
+            world.gather_contacts();
+        });
+    }
+    count(&mut found.dormancy, || state.world.rest_and_wake(model));
+    state.report.frame += 1;
+    count(&mut found.report, || state.write_report(model));
+    found
+}
+
+/// Pins that nothing is allocated in a frame but by the engine, and by parry's search for how deep shapes overlap, for an arm that
+/// moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
+#[test]
+fn only_the_engine_allocates_in_a_frame() {
+    let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
+    // The reach of the first four with most contacts.
+    let reach = 2;
+    let frames = plan.run(reach, &mut |_, _| {}).unwrap().frames;
+    let touched = frames.iter().enumerate().max_by_key(|(_, frame)| frame.taxels.len());
+    let most = touched.map(|(index, _)| index).unwrap();
+    let (mut simulation, mut twin) = (plan.simulation(reach).unwrap(), plan.simulation(reach).unwrap());
+    for frame in &frames[..most] {
+        advance(&mut simulation, &frame.equilibrium_angle_rad);
+        twin.step(&frame.equilibrium_angle_rad);
+    }
+    let held = &frames[most].equilibrium_angle_rad;
+    // One period of a second in which buffers may still grow, and one that counts.
+    for frame in 0..200 {
+        let sway = 0.02 * (f64::from(frame) * TAU / 100.0).sin();
+        let angles: Vec<f64> = held.iter().map(|angle| angle + sway).collect();
+        let found = advance(&mut simulation, &angles);
+        assert_eq!(simulation.report(), twin.step(&angles));
+        if frame < 100 {
+            continue;
+        }
+        let touching = simulation.report().contacts.len() as u64;
+        assert!(touching >= 4, "{touching} contacts in frame {frame}");
+        let own = [found.before_steps, found.dormancy, found.report];
+        assert_eq!(own, [0; 3], "frame {frame}: {found:?}");
+        // Within it, parry's search makes its lists anew for each pair, and the engine the list of bodies that were moved: 102 to 147
+        // allocations in these frames. One for each patch, node or iteration of our own would be more.
+        assert!(
+            found.contacts <= 24 * touching,
+            "frame {frame}: {found:?} for {touching} contacts"
+        );
+    }
+}
