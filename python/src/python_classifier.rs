@@ -224,7 +224,9 @@ impl OnlineScorer for PythonScorer {
         }
     }
 
-    fn scores(&self, contact: usize, scores: &mut [f64]) {
+    fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
+        // Whoever asked looks first whether the object raised something.
         scores.copy_from_slice(&self.scores[contact]);
+        Ok(())
     }
 }
