@@ -147,7 +147,7 @@ impl Loaded {
         let count = answer.len();
         let outputs = self.network.run(input).map_err(|error| {
             let allowed = "a network that runs with any forces and motions".to_owned();
-            let remedy = "correct that node of the network, and export it again";
+            let remedy = "correct the network so that it runs with such numbers, and export it again";
             fail("network", format!("a failure: {error:#}"), allowed, remedy)
         })?;
         let output = &outputs[self.network.output];
@@ -155,7 +155,8 @@ impl Loaded {
         let values = values.ok().filter(|values| values.len() == count).ok_or_else(|| {
             let allowed = format!("{count} 32-bit floats, one per category, as when the file was read");
             let remedy = "export the network with an output whose shape does not depend on the input";
-            fail("output", format!("{output:?}"), allowed, remedy)
+            let found = format!("shape {:?}, type {:?}", output.shape(), output.datum_type());
+            fail("output", found, allowed, remedy)
         })?;
         answer
             .iter_mut()

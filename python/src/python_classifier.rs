@@ -225,7 +225,7 @@ impl OnlineScorer for PythonScorer {
     }
 
     fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
-        // Whoever asked looks first whether the object raised something.
+        // Those who ask look at what the object raised before they use the scores.
         scores.copy_from_slice(&self.scores[contact]);
         Ok(())
     }
