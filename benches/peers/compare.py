@@ -1,11 +1,11 @@
-"""The sweep of `benches/peers/sweep.rs` here and in MuJoCo: the same statics, the force error over the step, the speed.
+"""The sweep of `benches/peers/sweep.rs` here and in MuJoCo: the same statics, and the speeds at equal error.
 
     pip install -r benches/peers/requirements.txt
     python benches/peers/compare.py [--leaves 24 48] [--layouts 3]
 
-Run it from the workspace. Each engine's forces are compared with its own run at a fine step, so that speeds can be
-compared at equal error; a speed is simulated seconds per second of processor time of one core, physics alone, the
-quickest of several runs.
+Run it from the workspace. Each engine is compared with its own run at a fine step: every 0.3 s a copy of that run continues with a
+coarser step for 0.3 s. In so short a time leaves seldom take another way, so the difference is the error of the step. A speed is
+simulated seconds per second of processor time of one core over whole sweeps, physics alone, the quickest of several runs.
 """
 
 import argparse
@@ -22,138 +22,116 @@ try:
 except ImportError as missing:
     sys.exit(f"{missing}: install the peers first, `pip install -r benches/peers/requirements.txt`")
 
-from engines import Peer, our_run, ours
+from engines import Peer, our_run, ours, restarted
 from statics import compare_statics
 
-# Ours: step, s. References step 0.1 ms, without dormancy here and without sleeping there.
-OUR_STEPS = [0.01, 0.005, 0.0025, 0.001]
-OUR_REFERENCE = 0.0001
-
+# Step of both references, s. Without sleeping in MuJoCo's.
+REFERENCE = 0.0001
+OUR_STEPS = [0.01, 0.005, 0.0025, 0.00125, 0.001, 0.0005]
+PEER_STEPS = [0.01, 0.005, 0.0025, 0.00125, 0.001, 0.0005, 0.00025]
 # MuJoCo's options and flags. `discrete` has implicit springs and is the quickest that holds together over 2 ms;
-# `implicitfast` is the usual recommendation. Elliptic cones converge far better here than pyramidal ones. More than
-# these were tried: Euler, PGS, fewer iterations, a dense Jacobian and exact constraint inertia are no better.
+# `implicitfast` is the usual recommendation. More than these were tried before: Euler, PGS, fewer iterations, a dense Jacobian and
+# exact constraint inertia are no better.
 PEER_SETTINGS = {
-    "discrete, Newton, elliptic": ({"integrator": "discrete", "solver": "Newton", "cone": "elliptic"}, {}),
-    "discrete, CG to 1e-5, elliptic, one contact a pair": (
-        {"integrator": "discrete", "solver": "CG", "cone": "elliptic", "tolerance": "1e-5"}, {"multiccd": "disable"}),
-    "discrete, Newton, elliptic, no sleeping": (
-        {"integrator": "discrete", "solver": "Newton", "cone": "elliptic"}, {"sleep": "disable"}),
-    "implicitfast, Newton, elliptic": ({"integrator": "implicitfast", "solver": "Newton", "cone": "elliptic"}, {}),
-    "discrete, Newton, pyramidal": ({"integrator": "discrete", "solver": "Newton", "cone": "pyramidal"}, {}),
+    "discrete, elliptic": ({"integrator": "discrete", "cone": "elliptic"}, {}),
+    "discrete, elliptic, one contact a pair": (
+        {"integrator": "discrete", "cone": "elliptic"}, {"multiccd": "disable"}),
+    "implicitfast, elliptic": ({"integrator": "implicitfast", "cone": "elliptic"}, {}),
+    "discrete, pyramidal": ({"integrator": "discrete", "cone": "pyramidal"}, {}),
 }
-PEER_STEPS = [0.01, 0.005, 0.01 / 3, 0.0025, 0.002, 0.00125, 0.001]
-PEER_REFERENCE_STEP = 0.0001
-# Length of the windows, frames, of which the middle error is taken.
+# Length of a window, frames of 10 ms, and the least RMS force in it, N: as in `benches/time_step.rs`.
 WINDOW = 30
+LEAST_N = 0.05
+# Errors at which speeds are compared.
+ERRORS = [0.01, 0.02, 0.05, 0.1]
 
 
-def errors(runs, references):
-    """Of the forces on all links, runs against references layout by layout, relative to each reference's RMS (its peak
-    for the last): middle over all windows with contact of the RMS in each, RMS, peak.
+def window_errors(reference, other):
+    """RMS difference of the forces on all links over their RMS, of each window with contact."""
+    found = []
+    for first in range(0, len(reference), WINDOW):
+        own, difference = (forces[first:first + WINDOW] for forces in (reference, other - reference))
+        square = (own**2).sum() / len(own)
+        if math.sqrt(square) >= LEAST_N:
+            found.append(math.sqrt((difference**2).sum() / len(own) / square))
+    return found
 
-    The middle tells of the step. A leaf that slips off the arm another way is off for the rest of the sweep, in the
-    other two.
-    """
-    in_windows, whole, peaks = [], [], []
-    for forces, reference in zip(runs, references):
-        squares = ((forces - reference)**2).sum(axis=(1, 2))
-        own = (reference**2).sum(axis=(1, 2))
-        for first in range(0, len(own), WINDOW):
-            window = slice(first, first + WINDOW)
-            if own[window].any():
-                in_windows.append(squares[window].mean() / own.mean())
-        whole.append(squares.mean() / own.mean())
-        peaks.append(np.linalg.norm(forces - reference, axis=2).max() / np.linalg.norm(reference, axis=2).max())
-    return math.sqrt(np.median(in_windows)), math.sqrt(np.mean(whole)), np.mean(peaks)
+
+def here(leaves, layouts, repeats):
+    """Rows of step, windows' errors and processor time, s; and the references."""
+    rows, references = {step: ([], []) for step in OUR_STEPS}, []
+    for layout in range(layouts):
+        found = ours("windows", leaves, layout, WINDOW, REFERENCE, *OUR_STEPS)
+        references.append(np.array(found["reference"]))
+        for (step, (errors, costs)), forces in zip(rows.items(), found["restarted"]):
+            errors += window_errors(references[-1], np.array(forces))
+            costs.append(min(our_run(leaves, layout, step, True)["processor_time_s"] for _ in range(repeats)))
+    return rows, references
+
+
+def there(setups, repeats):
+    """The same in MuJoCo, by settings."""
+    found, references = {}, {}
+    for name, (options, flags) in PEER_SETTINGS.items():
+        rows = found[name] = {step: ([], []) for step in PEER_STEPS}
+        options = {"solver": "Newton", **options}
+        # Integrators converge to the same; cones and numbers of contacts are another physics each.
+        fine = ({**options, "integrator": "implicitfast"}, {**flags, "sleep": "disable"})
+        for setup in setups:
+            peers = [Peer(setup, step, options, flags) for step in PEER_STEPS]
+            reference, forces = restarted(Peer(setup, REFERENCE, *fine), peers, WINDOW)
+            references.setdefault(name, []).append(reference)
+            for (errors, costs), peer, own in zip(rows.values(), peers, forces):
+                errors += window_errors(reference, own)
+                costs.append(min(peer.processor_time_s() for _ in range(repeats)))
+    return found, references
+
+
+def points(rows, simulated_s):
+    """Step, median error and speed of each row; a step that does not hold together has no median."""
+    found = [(step, float(np.median(errors)), simulated_s / sum(costs)) for step, (errors, costs) in rows.items()]
+    return [point for point in found if math.isfinite(point[1])]
+
+
+def speed_at(found, error):
+    """The best speed with at most this error, between the steps measured as a power law; 0 where no step is as exact."""
+    best = 0.0
+    for (_, coarse, quick), (_, exact, slow) in zip(found, found[1:]):
+        if exact <= error < coarse:
+            best = max(best, slow * (quick / slow)**(math.log(error / exact) / math.log(coarse / exact)))
+    return max([best, *(speed for _, own, speed in found if own <= error)])
 
 
 def compare_sweep(leaves, layouts, repeats):
     setups = [ours("setup", leaves, layout) for layout in range(layouts)]
-    default = setups[0]["default_step_s"]
-    print(f"| {leaves} leaves | step | middle error | RMS error | peak error | simulated s/s |\n|---|---|---|---|---|---|")
-    references = [forces_of(our_run(leaves, layout, OUR_REFERENCE, False)) for layout in range(layouts)]
-    our_rows = []
-    for step in OUR_STEPS:
-        runs = [[our_run(leaves, layout, step, True) for _ in range(repeats)] for layout in range(layouts)]
-        found = errors([forces_of(of_layout[0]) for of_layout in runs], references)
-        cost_s = [min(run["processor_time_s"] for run in of_layout) for of_layout in runs]
-        name = f"{1e3 * step:g} ms{' (default)' if step == default else ''}"
-        our_rows.append(row(name, found, cost_s, setups))
-        show("underbrush", our_rows[-1])
-    peer_references, peer_rows = {}, []
-    for name, (options, flags) in PEER_SETTINGS.items():
-        # Integrators and solvers converge to the same; cones and numbers of contacts are another physics each.
-        physics = (options["cone"], flags.get("multiccd", "enable"))
-        if physics not in peer_references:
-            fine = ({"integrator": "implicitfast", "solver": "Newton", "cone": physics[0]},
-                    {"sleep": "disable", "multiccd": physics[1]})
-            peer_references[physics] = [Peer(setup, PEER_REFERENCE_STEP, *fine).forces() for setup in setups]
-        for step_s in PEER_STEPS:
-            peers = [Peer(setup, step_s, options, flags) for setup in setups]
-            found = errors([peer.forces() for peer in peers], peer_references[physics])
-            cost_s = [min(peer.processor_time_s() for _ in range(repeats)) for peer in peers]
-            peer_rows.append(row(f"{1e3 * step_s:.3g} ms, {name}", found, cost_s, setups))
-            show("MuJoCo", peer_rows[-1])
-    compare_references(setups[0]["arm"]["links"], references, peer_references["elliptic", "enable"])
-    summary(leaves, our_rows, peer_rows)
-
-
-def forces_of(run):
-    return np.array(run["force_on_links_n"])
-
-
-def row(name, found, cost_s, setups):
-    """Simulated seconds of all layouts over their costs."""
     simulated_s = sum(len(setup["equilibrium_rad"]) * setup["frame_period_s"] for setup in setups)
-    return (name, *found, simulated_s / sum(cost_s))
-
-
-def compare_references(links, here, there):
-    """How far the forces of the two engines agree, both at the fine step."""
-    middle, rms, _ = errors(there, here)
-    print(f"\nMuJoCo's reference against ours: {middle:.2f} in the middle window, {rms:.2f} RMS. Mean force:")
-    for link, name in enumerate(links):
-        forces = [np.mean([mean_force(run, link) for run in runs]) for runs in (here, there)]
-        if max(forces) > 0:
-            print(f"- {name}: {forces[0]:.3f} N here, {forces[1]:.3f} N there")
-    print()
-
-
-def mean_force(forces, link):
-    return np.linalg.norm(forces[:, link], axis=1).mean()
-
-
-def show(engine, measured):
-    name, middle, rms, peak, speed = measured
-    print(f"| {engine} | {name} | {middle:.3f} | {rms:.3f} | {peak:.3f} | {speed:.1f} |", flush=True)
-
-
-def summary(leaves, our_rows, peer_rows):
-    """At the middle error of each of our steps, MuJoCo's speed with the best settings for it."""
-    print(f"| {leaves} leaves: ours | middle error | simulated s/s | MuJoCo at equal error | with | ours / MuJoCo |\n"
-          "|---|---|---|---|---|---|")
-    for name, middle, _, _, speed in our_rows:
-        there, settings = max((at_error(peer_rows, settings, middle), settings) for settings in PEER_SETTINGS)
-        if there > 0:
-            print(f"| {name} | {middle:.3f} | {speed:.1f} | {there:.1f} | {settings} | {speed / there:.2f} |")
-        else:
-            print(f"| {name} | {middle:.3f} | {speed:.1f} | not reached | | |")
+    rows, references = here(leaves, layouts, repeats)
+    mine = points(rows, simulated_s)
+    windows = len(next(iter(rows.values()))[0])
+    print(f"| {leaves} leaves, {windows} windows | step / ms | median error | simulated s/s |\n|---|---|---|---|")
+    show("underbrush", mine)
+    found, peer_references = there(setups, repeats)
+    peers = {name: points(rows, simulated_s) for name, rows in found.items()}
+    for name, own in peers.items():
+        show(f"MuJoCo, {name}", own)
+    print("\nMean force on the arm at the fine step: "
+          + "; ".join(f"{name} {mean_force(own):.3f} N" for name, own in {"underbrush": references, **peer_references}.items()))
+    print(f"\n| {leaves} leaves, error | underbrush, simulated s/s | MuJoCo | with | ratio |\n|---|---|---|---|---|")
+    for error in ERRORS:
+        own = speed_at(mine, error)
+        best, name = max((speed_at(points, error), name) for name, points in peers.items())
+        ratio = f"{own / best:.2f}" if best > 0 else ""
+        print(f"| {100 * error:g} % | {own:.1f} | {best:.1f} | {name if best > 0 else 'not reached'} | {ratio} |")
     print(flush=True)
 
 
-def at_error(peer_rows, settings, error):
-    """Speed of one kind of settings at a given error, between the steps measured as a power law; 0 where none of them is
-    as exact, the quickest where all that hold together are."""
-    points = [(row[1], row[-1]) for row in peer_rows if row[0].endswith(f", {settings}") and math.isfinite(row[1])]
-    # From the finest step on, only those that are coarser and quicker.
-    points.sort(key=lambda point: point[1])
-    if not points or points[0][0] > error:
-        return 0.0
-    for (exact, slow), (coarse, quick) in zip(points, points[1:]):
-        if coarse > error:
-            share = math.log(error / exact) / math.log(coarse / exact)
-            return slow * (quick / slow) ** share
-    return points[-1][1]
+def mean_force(references):
+    return np.mean([np.linalg.norm(forces.sum(axis=1), axis=1).mean() for forces in references])
+
+
+def show(engine, found):
+    for step, error, speed in found:
+        print(f"| {engine} | {1e3 * step:g} | {100 * error:.2f} % | {speed:.1f} |", flush=True)
 
 
 def main():
@@ -162,7 +140,7 @@ def main():
     parser.add_argument("--layouts", type=int, default=3, help="layouts of the leaves, averaged over")
     parser.add_argument("--repeats", type=int, default=3, help="runs of which the quickest counts")
     given = parser.parse_args()
-    subprocess.run(["cargo", "build", "--release", "--example", "foliage_peer"], check=True)
+    subprocess.run(["cargo", "build", "--release", "--workspace", "--example", "foliage_peer"], check=True)
     if hasattr(os, "sched_setaffinity"):
         # One core for both; the last, as interrupts prefer the first.
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})

@@ -58,12 +58,14 @@ class Peer:
             mujoco.mj_step(self.model, data, self.steps)
         return time.process_time() - start
 
-    def forces(self):
-        """Mean force of each frame on each link, N, world frame, frames × links × 3."""
-        data = self.start()
-        forces = np.zeros((len(self.controls), len(self.setup["arm"]["links"]), 3))
+    def forces(self, data=None, frames=slice(None)):
+        """Mean force of each frame on each link, N, world frame, frames × links × 3. `data` is the state to continue from, the
+        start if left out."""
+        data = data or self.start()
+        controls = self.controls[frames]
+        forces = np.zeros((len(controls), len(self.setup["arm"]["links"]), 3))
         wrench = np.zeros(6)
-        for frame, control in enumerate(self.controls):
+        for frame, control in enumerate(controls):
             data.ctrl[:] = control
             for _ in range(self.steps):
                 mujoco.mj_step(self.model, data)
@@ -81,3 +83,22 @@ class Peer:
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(forces).all():
             forces[:] = np.nan
         return forces
+
+    def copy_of(self, data):
+        """The state of a run of the same model with other settings, to continue with these."""
+        copy = mujoco.MjData(self.model)
+        mujoco.mj_copyData(copy, self.model, data)
+        return copy
+
+
+def restarted(reference, others, window):
+    """The forces of a run with `reference`, and those of copies of it that continue with each of the others and begin anew in each
+    window of so many frames."""
+    data = reference.start()
+    own, found = [], [[] for _ in others]
+    for first in range(0, len(reference.controls), window):
+        frames = slice(first, first + window)
+        for peer, forces in zip(others, found):
+            forces.append(peer.forces(peer.copy_of(data), frames))
+        own.append(reference.forces(data, frames))
+    return np.concatenate(own), [np.concatenate(forces) for forces in found]

@@ -3,6 +3,7 @@
 //!
 //!     foliage_peer setup LEAVES LAYOUT
 //!     foliage_peer run LEAVES LAYOUT STEP_S DORMANCY(true|false)
+//!     foliage_peer windows LEAVES LAYOUT FRAMES REFERENCE_STEP_S STEP_S…
 //!     foliage_peer statics
 //!     foliage_peer slide SEGMENTS STEP_S ROTATION_DEG SLOPE_DEG SPEED_M_PER_S SKIN(true|false)
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
@@ -16,6 +17,7 @@ use underbrush_recording::{BodyShape, Pose};
 use underbrush_sim::object::structure::Axis;
 use underbrush_sim::physics::{ENGINE, PhysicsOptions};
 use underbrush_sim::scene::PhysicsSection;
+use underbrush_sim::simulation::Simulation;
 use underbrush_sim::simulation::rig::{BodyId, ColliderDescription, LinkDescription, Rig};
 
 use slide::{Case, slide};
@@ -35,6 +37,19 @@ fn main() {
                 ..PhysicsSection::default().options()
             };
             run(bare(sweep_of(leaves, layout)), options, dormancy.parse().unwrap())
+        }
+        ["windows", leaves, layout, frames, reference_step_s, ref steps_s @ ..] => {
+            let options = PhysicsOptions {
+                step_s: reference_step_s.parse().unwrap(),
+                ..PhysicsSection::default().options()
+            };
+            let steps_s: Vec<f64> = steps_s.iter().map(|step_s| step_s.parse().unwrap()).collect();
+            windows(
+                bare(sweep_of(leaves, layout)),
+                options,
+                frames.parse().unwrap(),
+                &steps_s,
+            )
         }
         ["statics"] => statics(),
         [
@@ -84,6 +99,31 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
         "force_on_links_n": forces.iter().map(|links| links.iter().map(|f| f.to_array()).collect()).collect::<Vec<Vec<_>>>(),
         "joint_angle_rad": angles,
     })
+}
+
+/// The forces of a sweep at a fine step, and those of copies of it that continue with each of the other steps and begin anew in
+/// each window of so many frames.
+fn windows(sweep: Sweep, options: PhysicsOptions, frames: usize, steps_s: &[f64]) -> Value {
+    let mut reference = sweep.simulation(options, true);
+    let (mut own, mut others) = (Vec::new(), vec![Vec::new(); steps_s.len()]);
+    let equilibrium_rad: Vec<Vec<f64>> = (0..Sweep::frames())
+        .map(|frame| Sweep::equilibrium_rad(reference.arm(), frame))
+        .collect();
+    let continued = |simulation: &mut Simulation, window: &[Vec<f64>], forces: &mut Vec<Vec<[f64; 3]>>| {
+        for angles in window {
+            let links = sweep::force_on_links(simulation.step(angles));
+            forces.push(links.iter().map(DVec3::to_array).collect());
+        }
+    };
+    for window in equilibrium_rad.chunks(frames) {
+        for (step_s, forces) in steps_s.iter().zip(&mut others) {
+            let mut copy = reference.clone();
+            copy.set_step(*step_s);
+            continued(&mut copy, window, forces);
+        }
+        continued(&mut reference, window, &mut own);
+    }
+    json!({ "reference": own, "restarted": others })
 }
 
 /// How the first leaf of the sweep bends under a force at its tip, how fast it vibrates when released, and how far a

@@ -20,6 +20,24 @@ impl From<ModelError> for Fault {
     }
 }
 
+impl From<EvaluateError> for Fault {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Model(model) => model.into(),
+            other => Fault::Usage(other.to_string()),
+        }
+    }
+}
+
+impl From<OnlineError> for Fault {
+    fn from(error: OnlineError) -> Self {
+        match error {
+            OnlineError::Model(model) => model.into(),
+            other => Fault::Usage(other.to_string()),
+        }
+    }
+}
+
 /// The others are all about arguments or input.
 macro_rules! bad_usage {
     ($($error:ty),*) => {
@@ -30,12 +48,4 @@ macro_rules! bad_usage {
         })*
     };
 }
-bad_usage!(
-    TrialError,
-    EvaluateError,
-    ThresholdError,
-    DecisionError,
-    OnlineError,
-    FeatureError,
-    TouchFoldsError
-);
+bad_usage!(TrialError, ThresholdError, DecisionError, FeatureError, TouchFoldsError);

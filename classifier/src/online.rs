@@ -8,6 +8,7 @@ use thiserror::Error;
 use underbrush_recording::{Frame, Sample, SkinLayout};
 
 use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
+use crate::error::ModelError;
 use crate::estimator::{Classifier, OnlineScorer};
 use crate::feature::SampleFault;
 use crate::trial::{PatchImage, Regions, Travel, TrialError};
@@ -21,6 +22,9 @@ pub enum OnlineError {
     /// Priors or thresholds that do not fit the classifier.
     #[error(transparent)]
     Decision(#[from] DecisionError),
+    /// A classifier that fails while it scores.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// A sample that cannot be used.
     #[error("taxel {taxel} {fault}")]
     BadSample {
@@ -141,8 +145,8 @@ impl OnlineClassifier {
     /// Takes in the next frame and gives the verdict for each taxel in contact, in ascending order of taxels.
     ///
     /// # Errors
-    /// [`OnlineError`] if the frame does not fit the skin or holds NaN or infinity; frames are numbered from 0, the
-    /// first one given to this classifier.
+    /// [`OnlineError`] if the frame does not fit the skin or holds NaN or infinity (frames are numbered from 0, the
+    /// first one given to this classifier), or if the classifier fails.
     pub fn update(&mut self, frame: &Frame) -> Result<impl Iterator<Item = &TaxelVerdict>, OnlineError> {
         self.image.read(self.frames, frame)?;
         self.frames += 1;
@@ -159,7 +163,7 @@ impl OnlineClassifier {
         self.scorer.advance();
         for contact in &mut self.contacts {
             if let Some(slot) = contact.slot.filter(|_| contact.scored) {
-                self.scorer.scores(slot, &mut contact.verdict.scores);
+                self.scorer.scores(slot, &mut contact.verdict.scores)?;
                 contact.decide(&self.judge);
             }
         }

@@ -11,24 +11,30 @@
 //!
 //! The input is one tensor of 32-bit floats of shape (1, window × features), sample by sample, or (1, window, features). A contact
 //! shorter than the window, or not yet as long, is padded with its last sample, and samples after the window are ignored. The
-//! first output of 32-bit floats with one value per category is the answer.
+//! first output of 32-bit floats with one value per category is the answer. An answer that is none, such as NaN or probabilities
+//! that do not sum to 1, is an error.
 
-use std::path::Path;
+mod metadata;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::Value;
-use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
 use tract_onnx::tract_hir::infer::Factoid;
 use underbrush_recording::{InputError, Sample};
 
+use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
-use crate::feature::{FeatureError, FeatureSet, SampleFault};
+use crate::feature::{FeatureSet, SampleFault};
+
+use metadata::Expected;
 
 /// Probabilities below this count as this, so that no category is impossible.
 const SMALLEST_PROBABILITY: f64 = 1e-9;
-/// Largest window, samples. Choice: ten seconds at 100 Hz.
-const LARGEST_WINDOW: usize = 1000;
+/// How far probabilities and their sum may be off. Choice: far above the rounding of 32-bit floats, and far below what matters.
+const PROBABILITY_TOLERANCE: f64 = 1e-3;
 
 /// Reads and checks a model.
 ///
@@ -44,21 +50,21 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
         fail("file", format!("{error:#}"), allowed, "export the model again")
     };
     let onnx = tract_onnx::onnx();
-    let proto = onnx.proto_model_for_path(path).map_err(not_onnx)?;
+    let proto = guarded(|| onnx.proto_model_for_path(path)).map_err(not_onnx)?;
     let expected = Expected::read(path, &proto)?;
-    let model = onnx.model_for_proto_model(&proto).map_err(not_onnx)?;
+    let model = guarded(|| onnx.model_for_proto_model(&proto)).map_err(not_onnx)?;
     let rank = model.input_fact(0).ok().and_then(|fact| fact.shape.rank().concretize());
     let (window, features) = (expected.window, expected.features.dimension());
     let shape = match rank {
         Some(3) => vec![1, window, features],
         _ => vec![1, window * features],
     };
-    let shaped = |model: InferenceModel| {
+    let shaped = || {
         let model = model.with_input_fact(0, f32::fact(&shape).into())?;
         model.into_optimized()?.into_runnable()
     };
     let network = Network {
-        plan: shaped(model).map_err(|error| {
+        plan: guarded(shaped).map_err(|error| {
             let found = format!("{error:#}");
             let allowed = format!("an input of shape {shape:?}, as the metadata say");
             fail(
@@ -84,65 +90,22 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
         output: found,
         ..network
     };
-    Ok(Box::new(OnnxClassifier(Arc::new((expected, network)))))
+    Ok(Box::new(OnnxClassifier(Arc::new(Loaded {
+        path: path.to_owned(),
+        expected,
+        network,
+    }))))
 }
 
-/// What the metadata say.
-#[derive(Debug)]
-struct Expected {
-    features: FeatureSet,
-    window: usize,
-    categories: Vec<String>,
-    is_probability: bool,
-}
-
-impl Expected {
-    fn read(path: &Path, proto: &ModelProto) -> Result<Self, InputError> {
-        let get = |key: &str| {
-            proto
-                .metadata_props
-                .iter()
-                .find(|own| own.key == key)
-                .map(|own| own.value.as_str())
-        };
-        let fail = |key: &str, found: &str, allowed: &str| {
-            let remedy = "set the model's metadata_props when you export it";
-            InputError::new(
-                path,
-                format!("metadata {key}"),
-                found.to_owned(),
-                allowed.to_owned(),
-                remedy.to_owned(),
-            )
-        };
-        let need = |key: &str, allowed: &str| get(key).ok_or_else(|| fail(key, "nothing", allowed));
-        let features = need("underbrush.features", "names of features, separated by commas")?;
-        let window = need("underbrush.window", "a number of samples")?;
-        let categories = need(
-            "underbrush.categories",
-            "names in alphabetical order, separated by commas",
-        )?;
-        let categories: Vec<String> = categories.split(',').map(|name| name.trim().to_owned()).collect();
-        if categories.len() < 2 || !categories.is_sorted_by(|a, b| a < b) || categories[0].is_empty() {
-            let allowed = "two or more names in alphabetical order, none twice";
-            return Err(fail("underbrush.categories", &categories.join(","), allowed));
-        }
-        Ok(Expected {
-            features: features
-                .parse()
-                .map_err(|error: FeatureError| fail("underbrush.features", features, &error.to_string()))?,
-            window: match window.trim().parse() {
-                Ok(samples) if (1..=LARGEST_WINDOW).contains(&samples) => samples,
-                _ => return Err(fail("underbrush.window", window, "a whole number from 1 to 1000")),
-            },
-            categories,
-            is_probability: match get("underbrush.output") {
-                None | Some("probabilities") => true,
-                Some("log-odds") => false,
-                Some(other) => return Err(fail("underbrush.output", other, "probabilities or log-odds")),
-            },
-        })
-    }
+/// Runs a step of tract. With some files it panics where others give an error, and bad input must never end the program.
+fn guarded<T>(step: impl FnOnce() -> TractResult<T>) -> TractResult<T> {
+    catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or(panic.downcast_ref::<&str>().copied());
+        Err(TractError::msg(
+            text.unwrap_or("a failure that says nothing more").to_owned(),
+        ))
+    })
 }
 
 /// The network, ready to run.
@@ -155,7 +118,7 @@ struct Network {
 
 impl Network {
     fn run(&self, input: &[f32]) -> TractResult<TVec<TValue>> {
-        self.plan.run(tvec!(Tensor::from_shape(&self.shape, input)?.into()))
+        guarded(|| self.plan.run(tvec!(Tensor::from_shape(&self.shape, input)?.into())))
     }
 
     /// The first output of as many floats as categories.
@@ -168,11 +131,60 @@ impl Network {
     }
 }
 
-struct OnnxClassifier(Arc<(Expected, Network)>);
+/// A model that was read.
+struct Loaded {
+    path: PathBuf,
+    expected: Expected,
+    network: Network,
+}
+
+impl Loaded {
+    /// What the network makes of the samples of a window: one number per category.
+    fn answer(&self, input: &[f32], answer: &mut [f64]) -> Result<(), InputError> {
+        let fail = |field: &str, found: String, allowed: String, remedy: &str| {
+            InputError::new(&self.path, field, found, allowed, remedy)
+        };
+        let count = answer.len();
+        let outputs = self.network.run(input).map_err(|error| {
+            let allowed = "a network that runs with any forces and motions".to_owned();
+            let remedy = "correct the network so that it runs with such numbers, and export it again";
+            fail("network", format!("a failure: {error:#}"), allowed, remedy)
+        })?;
+        let output = &outputs[self.network.output];
+        let values = output.to_plain_array_view::<f32>();
+        let values = values.ok().filter(|values| values.len() == count).ok_or_else(|| {
+            let allowed = format!("{count} 32-bit floats, one per category, as when the file was read");
+            let remedy = "export the network with an output whose shape does not depend on the input";
+            let found = format!("shape {:?}, type {:?}", output.shape(), output.datum_type());
+            fail("output", found, allowed, remedy)
+        })?;
+        answer
+            .iter_mut()
+            .zip(values)
+            .for_each(|(place, value)| *place = f64::from(*value));
+        if self.expected.is_probability {
+            let is_probability = |value: &f64| (-PROBABILITY_TOLERANCE..=1.0 + PROBABILITY_TOLERANCE).contains(value);
+            if !answer.iter().all(is_probability) || (answer.iter().sum::<f64>() - 1.0).abs() > PROBABILITY_TOLERANCE {
+                let allowed =
+                    format!("probabilities: numbers from 0 to 1 that sum to 1 within {PROBABILITY_TOLERANCE}");
+                let remedy =
+                    "export a network that ends in a softmax, or set its metadata underbrush.output to log-odds";
+                return Err(fail("output", format!("{answer:?}"), allowed, remedy));
+            }
+        } else if !answer.iter().all(|value| value.is_finite()) {
+            let allowed = "finite log-odds".to_owned();
+            let remedy = "correct the network, such as a division by zero or an overflow in it, and export it again";
+            return Err(fail("output", format!("{answer:?}"), allowed, remedy));
+        }
+        Ok(())
+    }
+}
+
+struct OnnxClassifier(Arc<Loaded>);
 
 impl std::fmt::Debug for OnnxClassifier {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_tuple("OnnxClassifier").field(&self.0.0).finish()
+        formatter.debug_tuple("OnnxClassifier").field(&self.0.expected).finish()
     }
 }
 
@@ -182,11 +194,11 @@ impl Classifier for OnnxClassifier {
     }
 
     fn features(&self) -> FeatureSet {
-        self.0.0.features
+        self.0.expected.features
     }
 
     fn categories(&self) -> Vec<String> {
-        self.0.0.categories.clone()
+        self.0.expected.categories.clone()
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
@@ -206,7 +218,7 @@ impl Classifier for OnnxClassifier {
 /// One contact so far.
 #[derive(Clone)]
 struct Contact {
-    model: Arc<(Expected, Network)>,
+    model: Arc<Loaded>,
     /// The samples of the window so far, one after the other.
     samples: Vec<f64>,
 }
@@ -222,7 +234,7 @@ impl std::fmt::Debug for Contact {
 
 impl ContactScorer for Contact {
     fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        let Expected { features, window, .. } = &self.model.0;
+        let Expected { features, window, .. } = &self.model.expected;
         let (length, dimension) = (self.samples.len(), features.dimension());
         if length == window * dimension {
             return Ok(false);
@@ -235,26 +247,24 @@ impl ContactScorer for Contact {
         read.map(|()| true)
     }
 
-    fn scores(&self, scores: &mut [f64]) {
-        let (expected, network) = &*self.model;
-        let dimension = expected.features.dimension();
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
+        let Expected {
+            features,
+            window,
+            is_probability,
+            ..
+        } = &self.model.expected;
+        let dimension = features.dimension();
         let mut input: Vec<f32> = self.samples.iter().map(|value| *value as f32).collect();
-        while !input.is_empty() && input.len() < expected.window * dimension {
+        while !input.is_empty() && input.len() < window * dimension {
             input.extend_from_within(input.len() - dimension..);
         }
-        // The shapes were tried when the model was loaded. A network that fails all the same says nothing.
-        scores.fill(0.0);
-        let Ok(outputs) = network.run(&input) else { return };
-        let Ok(values) = outputs[network.output].to_plain_array_view::<f32>() else {
-            return;
-        };
-        for (score, value) in scores.iter_mut().zip(values.iter()) {
-            let value = f64::from(*value);
-            *score = if expected.is_probability {
-                value.max(SMALLEST_PROBABILITY).ln()
-            } else {
-                value
-            };
+        self.model.answer(&input, scores)?;
+        if *is_probability {
+            scores
+                .iter_mut()
+                .for_each(|score| *score = score.max(SMALLEST_PROBABILITY).ln());
         }
+        Ok(())
     }
 }

@@ -1,12 +1,17 @@
-//! ONNX models: scores, padding, and files that do not fit. `onnx/linear.onnx` is softmax(x W + b) of the forces of two samples;
-//! its weights stand below. `onnx/other_window.onnx` is the same network with a window of three samples in its metadata.
+//! ONNX models: scores, padding, files that do not fit, and networks that fail while they run. `onnx/make.py` wrote the files.
+//! `linear.onnx` is softmax(x W + b) of the forces of two samples; its weights stand below. `other_window.onnx` is the same network
+//! with a window of three samples in its metadata. The others fail where a force is above 1 N or from 2 N on.
 #![cfg(feature = "onnx")]
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use std::path::{Path, PathBuf};
 
-use underbrush_classifier::onnx;
-use underbrush_recording::{Sample, Trial};
+use glam::{DQuat, DVec3};
+use underbrush_classifier::decision::Decision;
+use underbrush_classifier::evaluate::{EvaluateError, evaluate};
+use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
+use underbrush_classifier::{ModelError, onnx};
+use underbrush_recording::{Frame, Patch, Pose, Sample, SkinLayout, Taxel, TaxelReading, Trial};
 
 /// Weights by sample and category, and constants.
 const WEIGHTS: [[f64; 2]; 2] = [[0.0, 3.0], [0.5, -1.0]];
@@ -26,7 +31,7 @@ fn trial(forces_n: &[f64]) -> Trial {
     };
     Trial {
         trial: 1,
-        category: None,
+        category: Some("leaf".into()),
         reach: None,
         patch: None,
         taxel: None,
@@ -72,4 +77,89 @@ fn files_that_do_not_fit_are_refused() {
         assert!(error.contains(&name) && error.contains(field), "{error}");
     }
     std::fs::remove_file(broken).unwrap();
+}
+
+/// A skin of one taxel.
+fn layout() -> SkinLayout {
+    let taxel = Taxel {
+        position_link: DVec3::ZERO,
+        normal_link: DVec3::Z,
+        tangent_link: DVec3::X,
+        area_m2: 1e-4,
+    };
+    SkinLayout {
+        patches: vec![Patch {
+            name: "forearm".into(),
+            link: "forearm".into(),
+            grid: None,
+            taxels: vec![taxel],
+        }],
+    }
+}
+
+/// A frame in which the taxel senses a force.
+fn frame(time_s: f64, force_n: f64) -> Frame {
+    let pose = Pose::new(DVec3::ZERO, DQuat::IDENTITY);
+    Frame {
+        time_s,
+        joint_angle_rad: vec![],
+        joint_velocity_rad_per_s: vec![],
+        equilibrium_angle_rad: vec![],
+        joint_torque_nm: vec![],
+        end_effector_pose_world: pose,
+        goal_position_world: DVec3::ZERO,
+        goal_index: 0,
+        patch_pose_world: vec![pose],
+        contact_force_world: vec![DVec3::ZERO],
+        taxels: vec![TaxelReading {
+            patch: 0,
+            taxel: 0,
+            true_normal_force_n: force_n,
+            true_shear_force_n: [0.0; 2],
+            sensed_force_n: force_n,
+            object: None,
+        }],
+    }
+}
+
+/// Networks that fail with the second force of a contact but not with the first, and what the error says.
+const FAILING: [(&str, [f64; 2], [&str; 2]); 5] = [
+    ("not_a_number.onnx", [0.3, 1.5], ["NaN", "probabilities"]),
+    ("infinite.onnx", [0.5, 1.0], ["inf", "finite log-odds"]),
+    ("no_probabilities.onnx", [0.5, 0.75], ["[0.5, 0.75]", "sum to 1"]),
+    ("changing_shape.onnx", [0.5, 1.5], ["output", "2 32-bit floats"]),
+    ("no_such_row.onnx", [1.0, 2.5], ["network", "a network that runs"]),
+];
+
+/// Pins that a network that fails while it runs gives an error with the file, the reason and a remedy, as a typed error of scores,
+/// of an evaluation and of online verdicts, and that the samples before are judged.
+#[test]
+fn networks_that_fail_while_they_run_are_errors() {
+    for (name, [good_n, bad_n], parts) in FAILING {
+        let path = file(name);
+        let model = onnx::load(&path).unwrap();
+        let (good, bad) = (trial(&[good_n, good_n]), trial(&[good_n, bad_n]));
+        let scores = model.scores(&good).unwrap();
+        assert!(scores.iter().all(|score| score.is_finite()), "{name}: {scores:?}");
+        let error = model.scores(&bad).unwrap_err();
+        let ModelError::Input(input) = &error else {
+            panic!("{name}: {error:?}");
+        };
+        assert_eq!(input.file, path);
+        let text = error.to_string();
+        for part in parts.into_iter().chain([name, "export"]) {
+            assert!(text.contains(part), "{name}: no {part:?} in {text}");
+        }
+        let evaluation = evaluate(model.as_ref(), &[good, bad], &Decision::argmax());
+        assert_eq!(evaluation.unwrap_err(), EvaluateError::Model(error.clone()));
+        let options = OnlineOptions {
+            patch: None,
+            threshold_n: 0.05,
+            decision: Decision::argmax(),
+        };
+        let mut online = OnlineClassifier::new(model.as_ref(), &layout(), &options).unwrap();
+        assert_eq!(online.update(&frame(0.0, good_n)).unwrap().count(), 1, "{name}");
+        let failed = online.update(&frame(0.01, bad_n)).map(Iterator::count);
+        assert_eq!(failed, Err(OnlineError::Model(error)), "{name}");
+    }
 }

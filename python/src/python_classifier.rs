@@ -224,7 +224,9 @@ impl OnlineScorer for PythonScorer {
         }
     }
 
-    fn scores(&self, contact: usize, scores: &mut [f64]) {
+    fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
+        // Those who ask look at what the object raised before they use the scores.
         scores.copy_from_slice(&self.scores[contact]);
+        Ok(())
     }
 }

@@ -23,7 +23,7 @@ fn lines(text: &str) -> Vec<Value> {
 
 /// Demands that at the last sample of each trial of a recording the model's online scores are those that `score` prints,
 /// bit for bit.
-fn online_ends_where_score_does(model: &Path, recording: &Path, trials: &[underbrush_recording::Trial]) {
+pub(super) fn online_ends_where_score_does(model: &Path, recording: &Path, trials: &[underbrush_recording::Trial]) {
     let scores = table::scores(&underbrush!["score", model, recording].success());
     let online = lines(&underbrush!["classify", model, recording, "--online"].success());
     for trial in trials {

@@ -12,6 +12,8 @@ mod generate;
 mod inspect;
 mod live;
 mod merge;
+#[cfg(feature = "onnx")]
+mod onnx;
 mod oracle;
 #[cfg(unix)]
 mod paths;

@@ -312,10 +312,11 @@ impl ContactScorer for Contact {
         Ok(true)
     }
 
-    fn scores(&self, scores: &mut [f64]) {
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
         let mean = &self.sum / self.samples.max(1) as f64;
         for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
             *score = posterior.clamp(MIN_POSTERIOR, 1.0).ln();
         }
+        Ok(())
     }
 }

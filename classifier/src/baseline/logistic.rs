@@ -213,10 +213,11 @@ impl ContactScorer for Contact {
         Ok(true)
     }
 
-    fn scores(&self, scores: &mut [f64]) {
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
         let mut features = self.fitted.selection.values(&self.state);
         self.fitted.standardization.apply(&mut features);
         scores.copy_from_slice(&log_posterior(&self.fitted.weights, &features));
+        Ok(())
     }
 }
 

@@ -197,7 +197,7 @@ impl ContactScorer for Contact {
         Ok(true)
     }
 
-    fn scores(&self, scores: &mut [f64]) {
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
         let Parameters {
             standardization,
             mean,
@@ -213,5 +213,6 @@ impl ContactScorer for Contact {
             });
             *score = densities.sum();
         }
+        Ok(())
     }
 }

@@ -348,7 +348,8 @@ impl ContactScorer for Contact {
         read.map(|()| true)
     }
 
-    fn scores(&self, scores: &mut [f64]) {
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
         self.fitted.scores(self.fitted.options.channels(&self.samples), scores);
+        Ok(())
     }
 }

@@ -57,7 +57,7 @@ pub trait Classifier: Any + Debug + Send + Sync {
     /// Later samples have no influence on a score, so scores are available while a contact lasts.
     ///
     /// # Errors
-    /// [`ModelError`] if the trial is empty or lacks a feature.
+    /// [`ModelError`] if the trial is empty or lacks a feature, or as [`OnlineScorer::scores`].
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
         if trial.samples.is_empty() {
             return Err(FeatureError::Empty { trial: trial.trial }.into());
@@ -82,7 +82,7 @@ pub trait Classifier: Any + Debug + Send + Sync {
                 taken += 1;
             }
             if is_new {
-                scorer.scores(0, &mut scores);
+                scorer.scores(0, &mut scores)?;
             }
             found.push(scores.clone());
         }

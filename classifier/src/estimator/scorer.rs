@@ -4,6 +4,7 @@ use std::fmt::Debug;
 
 use underbrush_recording::Sample;
 
+use crate::error::ModelError;
 use crate::feature::SampleFault;
 
 /// Scores several contacts at once, sample by sample: [`OnlineScorer::begin`] a contact, [`OnlineScorer::push`] its samples,
@@ -29,7 +30,10 @@ pub trait OnlineScorer: Debug + Send {
 
     /// Writes the scores of a contact, one per category, in nats. Valid after [`OnlineScorer::advance`], if the contact's last
     /// sample had an influence.
-    fn scores(&self, contact: usize, scores: &mut [f64]);
+    ///
+    /// # Errors
+    /// [`ModelError`] if the classifier runs code of others and that fails, as a network in a file may.
+    fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError>;
 }
 
 /// Scores one contact, for classifiers that treat each contact by itself. [`Independent`] makes an [`OnlineScorer`]
@@ -42,7 +46,10 @@ pub trait ContactScorer: Clone + Debug + Send + 'static {
     fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault>;
 
     /// As [`OnlineScorer::scores`].
-    fn scores(&self, scores: &mut [f64]);
+    ///
+    /// # Errors
+    /// As [`OnlineScorer::scores`].
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError>;
 }
 
 /// Contacts that are scored independently of each other.
@@ -71,7 +78,7 @@ impl<S: ContactScorer> OnlineScorer for Independent<S> {
 
     fn advance(&mut self) {}
 
-    fn scores(&self, contact: usize, scores: &mut [f64]) {
-        self.contacts[contact].scores(scores);
+    fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
+        self.contacts[contact].scores(scores)
     }
 }

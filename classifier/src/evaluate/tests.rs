@@ -2,6 +2,7 @@ use underbrush_recording::{Sample, Trial};
 
 use super::*;
 use crate::decision::{Decision, Verdict};
+use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
 use crate::feature::{FeatureSet, SampleFault};
 use crate::hmm_classifier::HmmClassifier;
@@ -51,8 +52,9 @@ impl ContactScorer for OneNumber {
         Ok(true)
     }
 
-    fn scores(&self, scores: &mut [f64]) {
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
         scores.copy_from_slice(&(self.scores)(self.number));
+        Ok(())
     }
 }
 

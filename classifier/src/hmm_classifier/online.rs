@@ -3,6 +3,7 @@
 use underbrush_recording::Sample;
 
 use super::HmmClassifier;
+use crate::error::ModelError;
 use crate::estimator::OnlineScorer;
 use crate::feature::{FeatureSet, SampleFault, Scaling};
 use crate::hmm::{FilterBank, Scorer};
@@ -61,9 +62,10 @@ impl OnlineScorer for HmmOnlineScorer {
         self.bank.advance(self.models.iter());
     }
 
-    fn scores(&self, contact: usize, scores: &mut [f64]) {
+    fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
         let found = self.bank.scores(contact);
         scores.iter_mut().zip(found).for_each(|(place, score)| *place = score);
+        Ok(())
     }
 }
 
