@@ -11,6 +11,7 @@ mod peak_forces;
 mod plain_pages;
 mod recording;
 mod row_groups;
+mod shared;
 mod trials;
 mod whole_file;
 
