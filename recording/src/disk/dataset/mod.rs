@@ -16,6 +16,7 @@
 mod assembled;
 mod card;
 mod checksums;
+mod copy;
 mod episode;
 mod episode_table;
 mod finish;
@@ -42,6 +43,7 @@ mod writer;
 
 #[cfg(test)]
 pub(super) use card::describe_tables;
+pub use copy::DatasetCopy;
 pub use episode::Episode;
 pub use info::{FeatureInfo, Info};
 pub use merge::Shards;

@@ -1,6 +1,7 @@
 //! Tests of the disk formats, and a small reach for them.
 
 mod categories;
+mod copy;
 pub(in crate::disk) mod dataset;
 mod dictionary;
 mod finish;

@@ -74,7 +74,7 @@ fn parts_that_end_at_the_same_moment_make_one_set() {
     let whole = folder.path().join("whole");
     make(&whole);
     let whole = contents(&whole);
-    for round in 0..30 {
+    for round in 0..8 {
         let shared = folder.path().join(format!("shared-{round}"));
         let barrier = Barrier::new(10);
         thread::scope(|scope| {
