@@ -5,7 +5,10 @@
 //! * [`Hdf5Writer`] writes reaches in the shape of robomimic's data sets.
 //! * [`live`] reads the lines of a live stream of frames.
 //! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file says.
+//! * `bucket` (with the feature `cloud`) copies data sets to and from S3-like storage.
 
+#[cfg(feature = "cloud")]
+pub mod bucket;
 mod error;
 #[cfg(test)]
 mod example;

@@ -1,17 +1,15 @@
-//! From scenes to a finished data set: plan, campaign, files.
+//! From scenes to a finished data set: plan and campaign; the files are written by `write`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::sync::Mutex;
 
-use rayon::prelude::*;
 use serde_json::json;
 use underbrush_recording::disk::{
-    ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
+    ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
 use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
-use underbrush_sim::campaign::{self, CampaignError, Job};
+use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::{MakeController, ReachPlan};
 use underbrush_sim::scene::Scene;
@@ -20,6 +18,10 @@ use crate::controller_parameters::ControllerParameters;
 use crate::error::ExperimentError;
 use crate::progress::Progress;
 use crate::verdict_controller::{VerdictControl, WITH_VERDICTS, check_model};
+
+mod write;
+
+pub use write::Written;
 
 /// The program's name in data sets and results.
 pub const PROGRAM: &str = "underbrush";
@@ -45,14 +47,6 @@ pub struct Campaign {
     pub verdicts: Option<VerdictControl>,
     /// The part of the reaches to run; all if not given.
     pub shard: Option<Shard>,
-}
-
-/// The result of a request for a data set.
-pub enum Written {
-    /// It was made, or finished, by this call.
-    New(Dataset),
-    /// It was already finished.
-    Before(Dataset),
 }
 
 /// Warns of what is doubtful about the skins of these arms, each sentence once.
@@ -115,36 +109,6 @@ impl Campaign {
             campaign.scenes.push((scene, stored.reaches));
         }
         Ok(campaign)
-    }
-
-    /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only what is missing there.
-    pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, ExperimentError> {
-        let plans = self.plans()?;
-        let jobs = self.jobs();
-        say_doubts(plans.iter().map(|plan| &plan.arm), progress);
-        // An impossible draw is refused before anything is written. What it left behind could not be resumed, because a
-        // corrected scene makes another plan. A draw costs a thousandth of its reach.
-        jobs.par_iter()
-            .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
-        let writer = match DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume) {
-            // With `resume`, this means that the set has the same plan.
-            Err(DiskError::Finished { .. }) if resume => return Ok(Written::Before(Dataset::open(out)?)),
-            writer => writer?,
-        };
-        let missing = writer.missing()?;
-        let count = progress.count("reaches", jobs.len() as u64, (jobs.len() - missing.len()) as u64);
-        let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
-        let result: Result<(), CampaignError<DiskError>> = {
-            let stage = |index: usize, recording: Recording| {
-                writer.stage(missing[index], &recording)?;
-                count.reach(recording.goal_outcomes());
-                Ok(())
-            };
-            campaign::run_until(&plans, &to_run, stage, &|| progress.is_stopped())
-        };
-        drop(count);
-        result?;
-        Ok(Written::New(writer.finish()?))
     }
 
     /// Runs the campaign and passes on each recording with its position, in any order. Nothing is written.

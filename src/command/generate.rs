@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use serde::Serialize;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, PROGRAM_VERSION, Written};
 use underbrush_experiments::verdict_controller::VerdictControl;
@@ -35,7 +36,7 @@ pub struct Options {
     out: PathBuf,
     /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard. If its controller
     /// had verdicts, give the touch model, too
-    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard"])]
+    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard", "shared"])]
     from: Option<PathBuf>,
     /// Controller to use instead of each scene's
     #[arg(long, value_name = "NAME", value_parser = input::controller())]
@@ -46,9 +47,36 @@ pub struct Options {
     /// Continue an interrupted data set
     #[arg(long)]
     resume: bool,
-    /// Run only part I of N (counted from 1), into a separate folder. `underbrush merge` joins the parts
+    /// Run only part I of N (counted from 1), into a separate folder or, with --shared, into one for all parts. `underbrush
+    /// merge` joins parts in separate folders
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
+    /// All parts have the same --out, on a file system that all machines share. The part that finishes last makes the data set
+    /// there. To continue a part that was interrupted, run it again
+    #[arg(long, requires = "shard", conflicts_with = "resume")]
+    shared: bool,
+}
+
+/// What is printed after a part, when other parts are still to come.
+#[derive(Serialize)]
+struct PartSummary {
+    /// The folder of the data set.
+    #[serde(serialize_with = "output::path")]
+    dataset: PathBuf,
+    /// The part, as `--shard` writes it.
+    part: String,
+    /// Whether the data set is finished: never, here.
+    finished: bool,
+}
+
+impl PartSummary {
+    fn text(&self) -> String {
+        format!(
+            "part {} is done; the part that finishes last makes the data set in {}",
+            self.part,
+            self.dataset.display()
+        )
+    }
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
@@ -74,7 +102,7 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
         controller: options.controller,
         own_controller: None,
         verdicts: verdicts(options)?,
-        shard: options.shard,
+        shard: options.shard.filter(|_| !options.shared),
     };
     let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
     names.sort_unstable();
@@ -111,14 +139,34 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         Some(path) => stored(path, verdicts(&options)?)?,
         None => described(&options)?,
     };
+    let out = &options.out;
+    let again = if options.shared {
+        "run the same command again"
+    } else {
+        "run the same command with --resume"
+    };
     interrupt::hint(format!(
-        "finished reaches are kept in {}; run the same command with --resume to go on",
-        options.out.display()
+        "finished reaches are kept in {}; {again} to go on",
+        out.display()
     ));
-    let (dataset, wall_s) = match campaign.write(&options.out, options.resume, &Shown)? {
+    let written = match options.shard.filter(|_| options.shared) {
+        Some(part) => match campaign.write_shared(out, part, &Shown)? {
+            Some(written) => written,
+            None => {
+                let summary = PartSummary {
+                    dataset: options.out,
+                    part: part.to_string(),
+                    finished: false,
+                };
+                return output::result(json, &summary, || summary.text());
+            }
+        },
+        None => campaign.write(out, options.resume, &Shown)?,
+    };
+    let (dataset, wall_s) = match written {
         Written::New(dataset) => (dataset, Some(start.elapsed().as_secs_f64())),
         Written::Before(dataset) => {
-            let out = options.out.display();
+            let out = out.display();
             output::remark(format!("{out}: the data set is finished; there is nothing to do"));
             (dataset, None)
         }

@@ -13,6 +13,10 @@ pub mod import;
 pub mod inspect;
 pub mod merge;
 mod pictures;
+#[cfg(feature = "cloud")]
+pub mod pull;
+#[cfg(feature = "cloud")]
+pub mod push;
 pub mod reach;
 
 pub mod replay;
@@ -21,6 +25,8 @@ pub mod schema;
 pub mod score;
 mod touch;
 pub mod train;
+#[cfg(feature = "cloud")]
+mod transfer_summary;
 pub mod trials;
 pub mod validate;
 mod watched;

@@ -23,6 +23,7 @@ mod replay;
 mod resume;
 mod schema;
 #[cfg(unix)]
+mod shared;
 mod signals;
 #[cfg(target_os = "linux")]
 mod streams;

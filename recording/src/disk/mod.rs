@@ -31,8 +31,8 @@ mod unfinished;
 mod whole_file;
 
 pub use dataset::{
-    ArmText, Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode, Provenance,
-    SceneText, Shard, Shards,
+    ArmText, Dataset, DatasetCopy, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode,
+    Provenance, SceneText, Shard, Shards,
 };
 pub use error::DiskError;
 pub use recording_file::{is_recording, read_recording, recording_table, write_recording};

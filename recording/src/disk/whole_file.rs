@@ -150,6 +150,20 @@ pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     commit(temporary, path)
 }
 
+/// Writes a small file at once, unless there is one already. Of several processes that do this, the first wins.
+pub(super) fn write_new_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
+    let mut temporary = begin(path)?;
+    temporary
+        .write_all(bytes)
+        .and_then(|()| temporary.file.as_file().sync_all())
+        .map_err(DiskError::io(path, "write"))?;
+    match temporary.file.persist_noclobber(path) {
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
+        Err(error) => Err(DiskError::io(path, "write")(error.error)),
+        Ok(_) => sync_folder(&folder_of(path)),
+    }
+}
+
 /// The bytes of a JSON file: indented, with a newline at the end.
 pub(super) fn json_bytes<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, DiskError> {
     let mut bytes = serde_json::to_vec_pretty(value).map_err(|error| DiskError::io(path, "write")(error.into()))?;

@@ -16,15 +16,18 @@
 mod assembled;
 mod card;
 mod checksums;
+mod copy;
 mod episode;
 mod episode_table;
 mod finish;
+mod folder;
 mod info;
 mod merge;
 mod peak_forces;
 mod plan;
 mod reader;
 mod row_groups;
+mod shared;
 mod some_columns;
 mod staged_reach;
 mod staging;
@@ -41,6 +44,7 @@ mod writer;
 
 #[cfg(test)]
 pub(super) use card::describe_tables;
+pub use copy::DatasetCopy;
 pub use episode::Episode;
 pub use info::{FeatureInfo, Info};
 pub use merge::Shards;

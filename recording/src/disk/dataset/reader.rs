@@ -34,7 +34,7 @@ pub struct Dataset {
     joint_names: Vec<String>,
     layout: SkinLayout,
     episodes: Vec<Episode>,
-    checksums: Checksums,
+    pub(super) checksums: Checksums,
     /// Files whose hashes have been checked.
     checked: Mutex<BTreeSet<String>>,
     pub(super) footers: Footers,

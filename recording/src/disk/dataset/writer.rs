@@ -1,21 +1,20 @@
 //! Writing a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
 
-use std::fs::{self, File, TryLockError};
-use std::path::Path;
-
-use serde_json::Value;
+use std::fs::{self, File};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use super::assembled::Assembled;
 use super::checksums::FileSum;
 use super::finish::{assemble, assemble_from};
+use super::folder::{Folder, list, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
 use super::info::read_json;
-use super::plan::first_difference;
 use super::staging::{BYTES_PER_FILE, Staging};
-use super::{Dataset, DatasetPlan, names, staged_reach};
+use super::{Dataset, DatasetPlan, Shard, names, staged_reach};
+use crate::Recording;
 use crate::disk::DiskError;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
-use crate::disk::whole_file::{TEMPORARY_PREFIX, create_folder, json_bytes, sync_folder, write_bytes};
-use crate::{InputError, Recording};
+use crate::disk::whole_file::{create_folder, json_bytes, sync_folder, write_bytes};
 
 /// A data set that is being written.
 ///
@@ -28,74 +27,10 @@ pub struct DatasetWriter {
     pub(in crate::disk) staging: Staging,
     /// Whether an earlier [`DatasetWriter::finish`] was killed after writing everything, so that only `incomplete/`
     /// has to be removed.
-    whole: bool,
-    /// Held until the end. The system releases it if the process dies.
-    _lock: File,
-}
-
-/// The state of a folder for a new data set.
-enum Folder {
-    Empty,
-    Begun,
-    Finished,
-    Foreign,
-}
-
-fn look(dir: &Path) -> Result<Folder, DiskError> {
-    if dir.join(names::PLAN).exists() {
-        return Ok(Folder::Begun);
-    }
-    if dir.join(names::INFO).exists() {
-        return Ok(Folder::Finished);
-    }
-    if !dir.exists() {
-        return Ok(Folder::Empty);
-    }
-    if !dir.is_dir() {
-        let remedy = "choose an empty or a new folder";
-        return Err(InputError::new(dir, "folder of the data set", "a file", "a folder", remedy).into());
-    }
-    // A crash before the plan was written leaves the lock file, and perhaps a temporary file, in `incomplete`.
-    let ours = |file: &str| file == "lock" || file.starts_with(TEMPORARY_PREFIX);
-    let empty = match list(dir)?.as_slice() {
-        [] => true,
-        [only] if only == names::INCOMPLETE => list(&dir.join(names::INCOMPLETE))?.iter().all(|file| ours(file)),
-        _ => false,
-    };
-    Ok(if empty { Folder::Empty } else { Folder::Foreign })
-}
-
-/// Names of the files and folders in a folder.
-fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
-    let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
-    let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
-    entries
-        .map(name)
-        .collect::<std::io::Result<_>>()
-        .map_err(DiskError::io(folder, "read"))
-}
-
-/// Stores the plan, or compares it with the plan of the unfinished set.
-fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
-    let path = dir.join(names::PLAN);
-    if !path.exists() {
-        return write_bytes(&path, &json_bytes(&path, plan)?);
-    }
-    require_same(dir, &read_json(&path)?, plan)
-}
-
-/// An error unless the stored plan of a folder is the given one.
-fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), DiskError> {
-    let given = serde_json::to_value(plan).map_err(|error| DiskError::io(dir, "compare")(error.into()))?;
-    match first_difference(stored, &given) {
-        None => Ok(()),
-        Some((field, stored, given)) => Err(DiskError::PlanDiffers {
-            dir: dir.to_path_buf(),
-            field,
-            stored,
-            given,
-        }),
-    }
+    pub(super) whole: bool,
+    /// Held until the end: alone, or together with other processes after [`DatasetWriter::share`]. The system releases it
+    /// if the process dies.
+    pub(super) lock: File,
 }
 
 impl DatasetWriter {
@@ -116,32 +51,33 @@ impl DatasetWriter {
         match look(&dir)? {
             Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
             Folder::Finished if resume => {
-                let stored = serde_json::to_value(Dataset::open(&dir)?.plan());
-                let stored = stored.map_err(|error| DiskError::io(&dir, "compare")(error.into()))?;
-                require_same(&dir, &stored, &plan)?;
+                require_same_set(&dir, &plan)?;
+                remove_incomplete(&dir)?;
                 return Err(DiskError::Finished { dir });
             }
             Folder::Finished => return Err(DiskError::Finished { dir }),
             Folder::Begun if !resume => return Err(DiskError::Unfinished { dir }),
             Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,
         }
-        let path = dir.join(names::LOCK);
-        let lock = File::create(&path).map_err(DiskError::io(&path, "write"))?;
-        lock.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => DiskError::InUse { dir: dir.clone() },
-            TryLockError::Error(cause) => DiskError::io(&path, "lock")(cause),
-        })?;
+        let lock = open_lock(&dir)?;
+        lock.try_lock().map_err(not_locked(&dir))?;
         settle_plan(&dir, &plan)?;
+        Ok(Self::locked(dir, plan, lock))
+    }
+
+    /// A writer for a folder that is locked and has this plan.
+    pub(super) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Self {
         let whole = dir.join(names::INFO).exists();
-        Ok(DatasetWriter {
+        let bytes_per_file = BYTES_PER_FILE;
+        DatasetWriter {
             staging: Staging {
                 dir,
                 plan,
-                bytes_per_file: BYTES_PER_FILE,
+                bytes_per_file,
             },
             whole,
-            _lock: lock,
-        })
+            lock,
+        }
     }
 
     /// The plan.
@@ -155,13 +91,16 @@ impl DatasetWriter {
     /// # Errors
     /// [`DiskError::Io`] if a staged file cannot be read.
     pub fn missing(&self) -> Result<Vec<usize>, DiskError> {
-        if self.whole {
-            return Ok(Vec::new());
-        }
-        // Reaches in complete files of the set are not missing, though no longer staged.
-        let assembled = Assembled::read(&self.staging.dir).map_or(0, |assembled| assembled.episodes.len());
+        self.missing_of(Shard { index: 0, count: 1 })
+    }
+
+    /// As [`DatasetWriter::missing`], of one part of the plan.
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::missing`].
+    pub fn missing_of(&self, part: Shard) -> Result<Vec<usize>, DiskError> {
         let mut missing = Vec::new();
-        for position in assembled..self.staging.plan.episodes.len() {
+        for position in self.to_assemble().filter(|position| part.holds(*position as u64)) {
             let path = self.staging.path(position);
             let sum = path.with_extension("json");
             // The checksum is written after the file. Without it the file may be incomplete.
@@ -172,6 +111,15 @@ impl DatasetWriter {
             }
         }
         Ok(missing)
+    }
+
+    /// Positions in the plan whose reaches are not yet in complete files of the set. They have to be staged.
+    pub(super) fn to_assemble(&self) -> Range<usize> {
+        let count = self.staging.plan.episodes.len();
+        if self.whole {
+            return count..count;
+        }
+        Assembled::read(&self.staging.dir).map_or(0, |assembled| assembled.episodes.len())..count
     }
 
     /// Stages the reach at a position of the plan. Several threads may call this for different positions, in any order.
@@ -280,23 +228,24 @@ impl DatasetWriter {
 
     /// Removes `incomplete/`, and opens the finished set.
     fn close(self) -> Result<Dataset, DiskError> {
-        // The plan is removed last: while it exists, this step can be resumed.
-        let incomplete = self.staging.dir.join(names::INCOMPLETE);
-        for name in list(&incomplete)?
-            .iter()
-            .filter(|name| !names::PLAN.ends_with(name.as_str()))
-        {
-            let path = incomplete.join(name);
-            fs::remove_file(&path).map_err(DiskError::io(&path, "remove"))?;
+        let dir = &self.staging.dir;
+        let incomplete = dir.join(names::INCOMPLETE);
+        let kept = [names::PLAN, names::LOCK].map(|path| dir.join(path));
+        for path in list(&incomplete)?.iter().map(|name| incomplete.join(name)) {
+            if !kept.contains(&path) {
+                fs::remove_file(&path).map_err(DiskError::io(&path, "remove"))?;
+            }
         }
         sync_folder(&incomplete)?;
-        fs::remove_dir_all(&incomplete).map_err(DiskError::io(&incomplete, "remove"))?;
-        sync_folder(&self.staging.dir)?;
-        Dataset::open(&self.staging.dir)
+        // While the plan exists, this step can be resumed, and other processes wait for the lock.
+        let [plan, _] = kept;
+        fs::remove_file(&plan).map_err(DiskError::io(&plan, "remove"))?;
+        remove_incomplete(dir)?;
+        Dataset::open(dir)
     }
 }
 
-fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
+pub(super) fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
     check_robot(&plan.layout, plan.rate_hz, &plan.joint_names)?;
     check_categories(&plan.categories)?;
     require(

@@ -1,6 +1,7 @@
 //! Tests of the disk formats, and a small reach for them.
 
 mod categories;
+mod copy;
 pub(in crate::disk) mod dataset;
 mod dictionary;
 mod finish;
@@ -11,6 +12,7 @@ mod peak_forces;
 mod plain_pages;
 mod recording;
 mod row_groups;
+mod shared;
 mod trials;
 mod whole_file;
 

@@ -1,0 +1,115 @@
+//! Writes the reaches of a campaign to a folder: all of them, or one part into a folder that several processes share.
+
+use std::path::Path;
+use std::time::Duration;
+
+use rayon::prelude::*;
+use underbrush_recording::Recording;
+use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
+use underbrush_sim::campaign::{self, CampaignError, Job};
+use underbrush_sim::reach::ReachPlan;
+
+use super::{Campaign, say_doubts};
+use crate::error::ExperimentError;
+use crate::progress::Progress;
+
+/// The result of a request for a data set.
+pub enum Written {
+    /// It was made, or finished, by this call.
+    New(Dataset),
+    /// It was already finished.
+    Before(Dataset),
+}
+
+/// How often it is tried to enter a shared folder while another process assembles the set. Choice: short beside a reach.
+const WAIT: Duration = Duration::from_secs(1);
+
+impl Campaign {
+    /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only what is missing there.
+    pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, ExperimentError> {
+        let plans = self.plans()?;
+        let jobs = self.jobs();
+        prepare(&plans, &jobs, progress)?;
+        let writer = match DatasetWriter::create(out, self.plan(&plans, &jobs)?, resume) {
+            // With `resume`, this means that the set has the same plan.
+            Err(DiskError::Finished { .. }) if resume => return Ok(Written::Before(Dataset::open(out)?)),
+            writer => writer?,
+        };
+        stage(&plans, &jobs, &writer, &writer.missing()?, jobs.len(), progress)?;
+        Ok(Written::New(writer.finish()?))
+    }
+
+    /// Runs what is missing of one part of the campaign, in a folder that all parts share. The part that finishes last makes
+    /// the data set of the whole campaign there; `None` means that others are still to come. [`Campaign::shard`] must not be
+    /// given.
+    pub fn write_shared(
+        &self,
+        out: &Path,
+        part: Shard,
+        progress: &dyn Progress,
+    ) -> Result<Option<Written>, ExperimentError> {
+        let plans = self.plans()?;
+        let jobs = self.jobs();
+        let own = jobs
+            .iter()
+            .enumerate()
+            .filter(|(position, _)| part.holds(*position as u64));
+        let own: Vec<Job> = own.map(|(_, job)| *job).collect();
+        if own.is_empty() {
+            let text = format!("part {part} has no reach; ask for at least one reach in each part");
+            return Err(ExperimentError::Request(text));
+        }
+        prepare(&plans, &own, progress)?;
+        let plan = self.plan(&plans, &jobs)?;
+        let mut waits = false;
+        let writer = loop {
+            match DatasetWriter::share(out, plan.clone()) {
+                Err(DiskError::Finished { .. }) => return Ok(Some(Written::Before(Dataset::open(out)?))),
+                Err(DiskError::InUse { dir }) => {
+                    if !waits {
+                        let dir = dir.display();
+                        progress.remark(&format!(
+                            "{dir}: waiting for another process, which assembles the data set"
+                        ));
+                    }
+                    waits = true;
+                    std::thread::sleep(WAIT);
+                }
+                writer => break writer?,
+            }
+        };
+        stage(&plans, &jobs, &writer, &writer.missing_of(part)?, own.len(), progress)?;
+        Ok(writer.finish_if_last()?.map(Written::New))
+    }
+}
+
+/// Says what is doubtful, and draws all reaches once. An impossible draw is refused before anything is written. What it left
+/// behind could not be resumed, because a corrected scene makes another plan. A draw costs a thousandth of its reach.
+fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), ExperimentError> {
+    say_doubts(plans.iter().map(|plan| &plan.arm), progress);
+    jobs.par_iter()
+        .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
+    Ok(())
+}
+
+/// Runs and stages the reaches that are missing among `total`.
+fn stage(
+    plans: &[ReachPlan],
+    jobs: &[Job],
+    writer: &DatasetWriter,
+    missing: &[usize],
+    total: usize,
+    progress: &dyn Progress,
+) -> Result<(), ExperimentError> {
+    let count = progress.count("reaches", total as u64, (total - missing.len()) as u64);
+    let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
+    let stage = |index: usize, recording: Recording| {
+        writer.stage(missing[index], &recording)?;
+        count.reach(recording.goal_outcomes());
+        Ok(())
+    };
+    let result: Result<(), CampaignError<DiskError>> =
+        campaign::run_until(plans, &to_run, stage, &|| progress.is_stopped());
+    drop(count);
+    Ok(result?)
+}

@@ -1,0 +1,136 @@
+//! The folder of a data set that is being written: what it holds, whose it is, and which plan it has.
+
+use std::fs::{self, File, TryLockError};
+use std::io::ErrorKind;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::info::read_json;
+use super::plan::first_difference;
+use super::{Dataset, DatasetPlan, names};
+use crate::InputError;
+use crate::disk::DiskError;
+use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, sync_folder, write_new_bytes};
+
+/// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts in that very moment.
+const ATTEMPTS: usize = 10;
+
+/// The state of a folder for a new data set.
+pub(super) enum Folder {
+    Empty,
+    Begun,
+    Finished,
+    Foreign,
+}
+
+/// Looks what a folder holds.
+pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
+    let of_ours = || match [names::PLAN, names::INFO].map(|name| dir.join(name).exists()) {
+        [true, _] => Some(Folder::Begun),
+        [false, true] => Some(Folder::Finished),
+        [false, false] => None,
+    };
+    if let Some(folder) = of_ours() {
+        return Ok(folder);
+    }
+    if !dir.exists() {
+        return Ok(Folder::Empty);
+    }
+    if !dir.is_dir() {
+        let remedy = "choose an empty or a new folder";
+        return Err(InputError::new(dir, "folder of the data set", "a file", "a folder", remedy).into());
+    }
+    // A crash before the plan was written leaves the lock file, and perhaps a temporary file, in `incomplete`.
+    let ours = |file: &str| file == "lock" || file.starts_with(TEMPORARY_PREFIX);
+    let empty = match list(dir)?.as_slice() {
+        [] => true,
+        [only] if only == names::INCOMPLETE => list(&dir.join(names::INCOMPLETE))?.iter().all(|file| ours(file)),
+        _ => false,
+    };
+    if empty {
+        return Ok(Folder::Empty);
+    }
+    // What was listed may be of another process that has begun the set in the meantime.
+    Ok(of_ours().unwrap_or(Folder::Foreign))
+}
+
+/// Names of the files and folders in a folder.
+pub(super) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
+    let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
+    let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
+    entries
+        .map(name)
+        .collect::<std::io::Result<_>>()
+        .map_err(DiskError::io(folder, "read"))
+}
+
+/// Stores the plan unless there is one, which then must be the same.
+pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+    let path = dir.join(names::PLAN);
+    if !path.exists() {
+        write_new_bytes(&path, &json_bytes(&path, plan)?)?;
+    }
+    require_same(dir, &read_json(&path)?, plan)
+}
+
+/// An error unless the finished set in a folder has the given plan.
+pub(super) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+    let stored = serde_json::to_value(Dataset::open(dir)?.plan());
+    require_same(
+        dir,
+        &stored.map_err(|error| DiskError::io(dir, "compare")(error.into()))?,
+        plan,
+    )
+}
+
+/// The lock file of a folder, which is removed after the plan: while there is a plan, all processes
+/// open the same file.
+pub(super) fn open_lock(dir: &Path) -> Result<File, DiskError> {
+    let path = dir.join(names::LOCK);
+    let mut options = File::options();
+    // Network file systems allow a shared lock only on files that are open for reading.
+    options.read(true).write(true).create(true).truncate(false);
+    options.open(&path).map_err(DiskError::io(&path, "write"))
+}
+
+/// For `map_err` after trying to lock that file.
+pub(super) fn not_locked(dir: &Path) -> impl FnOnce(TryLockError) -> DiskError {
+    let dir = dir.to_path_buf();
+    move |error| match error {
+        TryLockError::WouldBlock => DiskError::InUse { dir },
+        TryLockError::Error(cause) => DiskError::io(&dir.join(names::LOCK), "lock")(cause),
+    }
+}
+
+/// An error unless the stored plan of a folder is the given one.
+fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), DiskError> {
+    let given = serde_json::to_value(plan).map_err(|error| DiskError::io(dir, "compare")(error.into()))?;
+    match first_difference(stored, &given) {
+        None => Ok(()),
+        Some((field, stored, given)) => Err(DiskError::PlanDiffers {
+            dir: dir.to_path_buf(),
+            field,
+            stored,
+            given,
+        }),
+    }
+}
+
+/// Removes the folder `incomplete/` of a set without a plan, which then is finished.
+pub(super) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
+    let incomplete = dir.join(names::INCOMPLETE);
+    for _ in 0..ATTEMPTS {
+        match fs::remove_dir_all(&incomplete) {
+            // A process that was just about to write there made a lock file, and now sees that the set is finished.
+            Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            removed => {
+                removed.map_err(DiskError::io(&incomplete, "remove"))?;
+                return sync_folder(dir);
+            }
+        }
+    }
+    let cause = std::io::Error::from(ErrorKind::DirectoryNotEmpty);
+    Err(DiskError::io(&incomplete, "remove")(cause))
+}

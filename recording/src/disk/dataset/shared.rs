@@ -1,0 +1,76 @@
+//! Several processes that write one data set into one folder.
+//!
+//! Each stages its part of the reaches in `incomplete/`, under the positions that they have in the plan of the whole set, and
+//! holds the lock together with the others meanwhile. A process that is done tries to hold it alone. It gets it only if no
+//! other is at work, and so the last one assembles the set. If two are done at the same moment, one of them gets it, and sees
+//! what the other has staged before it let go.
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use super::folder::{Folder, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
+use super::writer::check_plan;
+use super::{Dataset, DatasetPlan, DatasetWriter, names};
+use crate::disk::DiskError;
+use crate::disk::whole_file::create_folder;
+
+impl DatasetWriter {
+    /// Starts or continues a data set in a folder that several processes share. All give the plan of the whole set, stage
+    /// what they have to ([`DatasetWriter::missing_of`]) and call [`DatasetWriter::finish_if_last`].
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::create`] with `resume`. [`DiskError::InUse`] while a process assembles the set, or writes it alone.
+    pub fn share(dir: impl AsRef<Path>, plan: DatasetPlan) -> Result<Self, DiskError> {
+        let dir = dir.as_ref().to_path_buf();
+        check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
+        let finished = || -> Result<DiskError, DiskError> {
+            require_same_set(&dir, &plan)?;
+            remove_incomplete(&dir)?;
+            Ok(DiskError::Finished { dir: dir.clone() })
+        };
+        let lock = loop {
+            match look(&dir)? {
+                Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
+                Folder::Finished => return Err(finished()?),
+                Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,
+            }
+            match open_lock(&dir) {
+                // Another process has just finished the set, and removed the folder again.
+                Err(DiskError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                lock => break lock?,
+            }
+        };
+        lock.try_lock_shared().map_err(not_locked(&dir))?;
+        // Another process may have finished the set before the lock was got, which then is one that nobody else sees.
+        if let Folder::Finished = look(&dir)? {
+            return Err(finished()?);
+        }
+        settle_plan(&dir, &plan)?;
+        Ok(Self::locked(dir, plan, lock))
+    }
+
+    /// Ends this process's share: assembles the set if nobody else is at work in the folder and all reaches are staged.
+    /// Otherwise the answer is `None`, and the set is left to those who are at work or still to come.
+    ///
+    /// # Errors
+    /// As [`DatasetWriter::finish`].
+    pub fn finish_if_last(mut self) -> Result<Option<Dataset>, DiskError> {
+        let dir = self.staging.dir.clone();
+        let released = self.lock.unlock().map_err(std::fs::TryLockError::Error);
+        match released.and_then(|()| self.lock.try_lock()).map_err(not_locked(&dir)) {
+            Err(DiskError::InUse { .. }) => return Ok(None),
+            locked => locked?,
+        }
+        if !dir.join(names::PLAN).exists() {
+            // Another process has finished the set while nobody held the lock.
+            return Dataset::open(dir).map(Some);
+        }
+        self.whole = dir.join(names::INFO).exists();
+        // The checksum of a staged reach is written after it. `finish` compares them, which takes longer.
+        let staged = |position| self.staging.path(position).with_extension("json").exists();
+        if !self.to_assemble().all(staged) {
+            return Ok(None);
+        }
+        self.finish().map(Some)
+    }
+}
