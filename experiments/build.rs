@@ -22,6 +22,7 @@ impl Folders {
     pub fn data_sources(&self) -> Vec<(&'static str, PathBuf)> {
         vec![
             ("Cargo.lock", self.lock()),
+            ("experiments/src/dataset", self.experiments.join("src/dataset")),
             ("experiments/src/dataset.rs", self.experiments.join("src/dataset.rs")),
             ("recording/src", self.recording.join("src")),
             ("sim/arms", self.sim.join("arms")),

@@ -13,6 +13,7 @@ from types import ModuleType
 import underbrush
 import underbrush.distributed
 import underbrush.gym
+import underbrush.rerun
 import underbrush.sklearn
 
 HEAD = """# Python: all calls
@@ -59,6 +60,7 @@ def page() -> str:
         ("underbrush", underbrush, list(underbrush.__all__)),
         ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
         ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
+        ("underbrush.rerun", underbrush.rerun, ["log"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

@@ -8,6 +8,7 @@ mod arguments;
 mod arm;
 mod array;
 mod benchmark;
+mod body;
 mod classifier;
 mod controller;
 mod controller_input;

@@ -10,6 +10,7 @@ use underbrush_recording::disk::{Dataset, read_recording, recording_table, remov
 use underbrush_recording::{Recording, SkinLayout};
 
 use crate::arguments::cutting;
+use crate::body::MovingBody;
 use crate::failure::Failure;
 use crate::frame::PyFrame;
 use crate::json;
@@ -228,6 +229,15 @@ impl Reach {
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         json::to_python(py, &self.recording()?.contacts)
+    }
+
+    /// Ground truth: the bodies of arm and objects. Each has its owner, shapes and pose at rest as in the recording, the frames in
+    /// which it has moved, and its poses from these on: x y z in m, quaternion x y z w, world frame.
+    #[getter]
+    fn bodies<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        let recording = self.recording()?;
+        let bodies: Vec<MovingBody<'_>> = recording.bodies.iter().map(MovingBody::of).collect();
+        json::to_python(py, &bodies)
     }
 
     /// Residuals of the physics.
