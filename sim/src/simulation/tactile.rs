@@ -98,7 +98,7 @@ mod tests {
     fn forces_add_up_by_link_and_object() {
         let pair = |patch, link, object| ContactPair { patch, link, object };
         let tactile = |pairs: &[(ContactPair, DVec3)]| TactileFrame {
-            pairs: pairs.iter().copied().collect(),
+            pairs: pairs.to_vec(),
             ..TactileFrame::default()
         };
         assert_eq!(TactileFrame::default().largest_force(), None);
