@@ -76,7 +76,7 @@ fn of_transfer(transfer: &Transfer) -> String {
         .map(|setting| {
             let [leaf, trunk] = setting.contacts;
             vec![
-                setting.scene.clone(),
+                setting.setting.clone(),
                 leaf.to_string(),
                 trunk.to_string(),
                 format!("{:.1}", majority(&setting.contacts)),
@@ -86,7 +86,7 @@ fn of_transfer(transfer: &Transfer) -> String {
         })
         .collect();
     let header = [
-        "scene",
+        "setting",
         "leaves",
         "trunks",
         "majority / %",
@@ -94,7 +94,7 @@ fn of_transfer(transfer: &Transfer) -> String {
         "difference / points",
     ];
     format!(
-        "{}\nBalanced accuracies at the end of contacts: naming one category always gives 50 %. The first scene is as in \
+        "{}\nBalanced accuracies at the end of contacts: naming one category always gives 50 %. The first setting is as in \
          training.\nIn brackets: 95 % intervals over whole reaches.\n",
         table(&header, &rows)
     )

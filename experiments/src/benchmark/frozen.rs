@@ -23,16 +23,18 @@ pub(super) const WATER_BOTTLE: &str = "water-bottle";
 
 /// Scenes in which verdicts are judged.
 pub(super) const VERDICTS_SCENES: &[&str] = &["leaf", "trunk", "mixed", FOAM_ROLL, WATER_BOTTLE];
-/// Scenes with another arm, speed or sensor. The first one is as in training.
-pub(super) const TRANSFER_SCENES: &[&str] = &[
-    "mixed",
-    "half-stiffness",
-    "double-stiffness",
-    "half-speed",
-    "double-speed",
-    "poor-sensor",
+/// Arm, speed and sensor of the track transfer: name and scene. The first is as in training. All scenes but the one with another arm
+/// are called `mixed`, so that clutter and goals are the same.
+pub(super) const SETTINGS: &[(&str, &str)] = &[
+    ("as-trained", "mixed"),
+    ("half-stiffness", "half-stiffness/mixed"),
+    ("double-stiffness", "double-stiffness/mixed"),
+    ("half-speed", "half-speed/mixed"),
+    ("double-speed", "double-speed/mixed"),
+    ("poor-sensor", "poor-sensor/mixed"),
+    (OTHER_ARM, "other-arm/other-arm"),
 ];
-/// The scene with an arm that has another skin. A data set has one skin, so this scene has a set of its own.
+/// The setting with another arm, and its scene.
 pub(super) const OTHER_ARM: &str = "other-arm";
 /// The scene that controllers reach through.
 pub(super) const REACHING_SCENE: &str = "mixed";
@@ -58,18 +60,19 @@ macro_rules! texts {
 }
 
 const SCENES: &[(&str, &str)] = texts!["":
-    "leaf.toml", "trunk.toml", "mixed.toml", "foam-roll.toml", "water-bottle.toml", "half-stiffness.toml",
-    "double-stiffness.toml", "half-speed.toml", "double-speed.toml", "poor-sensor.toml", "other-arm.toml",
+    "leaf.toml", "trunk.toml", "mixed.toml", "foam-roll.toml", "water-bottle.toml", "half-stiffness/mixed.toml",
+    "double-stiffness/mixed.toml", "half-speed/mixed.toml", "double-speed/mixed.toml", "poor-sensor/mixed.toml",
+    "other-arm/other-arm.toml",
 ];
 
-const PANDA: &[(&str, &str)] = texts!["panda/": "panda.toml", "panda.urdf", "panda.skin.toml"];
+const PANDA: &[(&str, &str)] = texts!["other-arm/panda/": "panda.toml", "panda.urdf", "panda.skin.toml"];
 
-/// A frozen scene, by its name.
+/// A frozen scene, by its path without the ending.
 ///
 /// # Errors
 /// Only when the frozen files are broken.
-pub(super) fn scene(name: &str) -> Result<Scene, InputError> {
-    let file = format!("{name}.toml");
+pub(super) fn scene(path: &str) -> Result<Scene, InputError> {
+    let file = format!("{path}.toml");
     let Some((_, text)) = SCENES.iter().find(|(own, _)| *own == file) else {
         let remedy = "choose a scene of the benchmark";
         return Err(InputError::new(file, "file", "no such scene", "a frozen scene", remedy));
@@ -77,12 +80,12 @@ pub(super) fn scene(name: &str) -> Result<Scene, InputError> {
     Scene::parse(file, (*text).to_owned())
 }
 
-/// The arms of scenes that do not use Cody, by the name of the scene.
+/// The arms of these scenes that do not use Cody, by the name of the scene.
 ///
 /// # Errors
 /// Only when the frozen files are broken.
-pub(super) fn arms(scenes: &[&str]) -> Result<BTreeMap<String, Arm>, InputError> {
-    if !scenes.contains(&OTHER_ARM) {
+pub(super) fn arms(scenes: &[Scene]) -> Result<BTreeMap<String, Arm>, InputError> {
+    if scenes.iter().all(|scene| scene.name != OTHER_ARM) {
         return Ok(BTreeMap::new());
     }
     let source = |(name, text): &(&str, &str)| ArmSource {

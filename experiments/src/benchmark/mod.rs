@@ -18,9 +18,11 @@ mod verdicts;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use underbrush_recording::Recording;
 use underbrush_recording::disk::Dataset;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
+use underbrush_sim::scene::Scene;
 
 use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
 use crate::error::ExperimentError;
@@ -82,12 +84,12 @@ impl Entry {
     /// # Errors
     /// If a controller's verdicts do not suit the arm, or the frozen files are broken.
     pub fn sets(&self, quick: bool) -> Result<Vec<TestSet>, ExperimentError> {
-        let set = |name: String, scenes: &[&str], reaches: u64, seed: u64| {
+        let set = |name: String, paths: &[&str], reaches: u64, seed: u64| {
             let reaches = if quick { frozen::QUICK_REACHES } else { reaches };
-            let scenes_of = scenes.iter().map(|name| Ok((frozen::scene(name)?, reaches)));
+            let scenes: Vec<Scene> = paths.iter().map(|path| frozen::scene(path)).collect::<Result<_, _>>()?;
             let campaign = Campaign {
-                scenes: scenes_of.collect::<Result<_, ExperimentError>>()?,
-                arms: frozen::arms(scenes)?,
+                arms: frozen::arms(&scenes)?,
+                scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(),
                 seed,
                 controller: None,
                 own_controller: None,
@@ -102,13 +104,9 @@ impl Entry {
                 let name = "verdicts".to_owned();
                 Ok(vec![set(name, frozen::VERDICTS_SCENES, judged, frozen::VERDICTS_SEED)?])
             }
-            Entry::Transfer(_) => {
-                let (usual, other) = ("transfer".to_owned(), "transfer-other-arm".to_owned());
-                Ok(vec![
-                    set(usual, frozen::TRANSFER_SCENES, judged, frozen::TRANSFER_SEED)?,
-                    set(other, &[frozen::OTHER_ARM], judged, frozen::TRANSFER_SEED)?,
-                ])
-            }
+            Entry::Transfer(_) => (frozen::SETTINGS.iter())
+                .map(|(name, scene)| set(format!("transfer-{name}"), &[scene], judged, frozen::TRANSFER_SEED))
+                .collect(),
             Entry::Reaching(controller) => {
                 let scenes = [frozen::REACHING_SCENE];
                 let mut set = set(
@@ -185,18 +183,37 @@ impl Entry {
     }
 
     fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, ExperimentError> {
-        let contacts = |model: &JudgedModel| {
-            each_reach(sets, progress, |recording| {
+        let contacts = |set: &Dataset, model: &JudgedModel| {
+            each_reach(set, progress, |recording| {
                 Ok((recording.scene.clone(), model.contacts(recording)?))
             })
         };
         Ok(match self {
-            Entry::Verdicts(model) => Figures::Verdicts(verdicts::figures(&contacts(model)?)),
-            Entry::Transfer(model) => Figures::Transfer(transfer::figures(&contacts(model)?)),
+            Entry::Verdicts(model) => {
+                let found = sets.iter().map(|(_, set)| contacts(set, model));
+                Figures::Verdicts(verdicts::figures(&found.collect::<Result<Vec<_>, _>>()?.concat()))
+            }
+            Entry::Transfer(model) => {
+                let of_set = |(_, set): &(String, Dataset)| {
+                    let found = contacts(set, model)?;
+                    Ok(found.into_iter().map(|(_, contacts)| contacts).collect())
+                };
+                let settings = sets.iter().map(of_set).collect::<Result<Vec<_>, ExperimentError>>()?;
+                Figures::Transfer(transfer::figures(&settings))
+            }
             Entry::Reaching(_) => {
-                let reaches = each_reach(sets, progress, |reach| {
-                    Ok(reaching::Reach::of(&reach.goals, &reach.contacts, &reach.objects))
-                })?;
+                let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.count;
+                let of_set = |(_, set): &(String, Dataset)| {
+                    each_reach(set, progress, |reach| {
+                        Ok(reaching::Reach::of(
+                            goals,
+                            &reach.goals,
+                            &reach.contacts,
+                            &reach.objects,
+                        ))
+                    })
+                };
+                let reaches = sets.iter().map(of_set).collect::<Result<Vec<_>, _>>()?.concat();
                 Figures::Reaching(reaching::figures(&reaches))
             }
         })
@@ -208,20 +225,19 @@ pub fn set_folder(folder: &Path, name: &str, quick: bool) -> PathBuf {
     folder.join(if quick { "quick-sets" } else { "sets" }).join(name)
 }
 
-/// Reads all reaches of all sets, several at a time, and gives what `of` makes of them, in their order.
+/// Reads all reaches of a set, several at a time, and gives what `of` makes of them, in their order.
 fn each_reach<T: Send>(
-    sets: &[(String, Dataset)],
+    set: &Dataset,
     progress: &dyn Progress,
-    of: impl Fn(&underbrush_recording::Recording) -> Result<T, ExperimentError> + Sync,
+    of: impl Fn(&Recording) -> Result<T, ExperimentError> + Sync,
 ) -> Result<Vec<T>, ExperimentError> {
-    let all: Vec<(&Dataset, usize)> = (sets.iter())
-        .flat_map(|(_, dataset)| (0..dataset.episodes().len()).map(move |index| (dataset, index)))
-        .collect();
-    let count = progress.count("reaches", all.len() as u64, 0);
-    all.into_par_iter()
+    let reaches = set.episodes().len();
+    let count = progress.count("reaches", reaches as u64, 0);
+    (0..reaches)
+        .into_par_iter()
         .with_max_len(1)
-        .map(|(dataset, index)| {
-            let found = of(&dataset.read_reach(index)?);
+        .map(|index| {
+            let found = of(&set.read_reach(index)?);
             count.advance();
             found
         })

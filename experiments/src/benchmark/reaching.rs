@@ -10,7 +10,7 @@ use super::resampled::Estimate;
 pub struct Reaching {
     /// Reaches.
     pub reaches: usize,
-    /// Goals.
+    /// Goals, also those that were not tried because the arm had stopped for its safety.
     pub goals: usize,
     /// Share of the goals that were reached.
     pub reached: Estimate,
@@ -35,10 +35,12 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub(super) fn of(goals: &[GoalRecord], contacts: &[Contact], objects: &[ObjectRecord]) -> Self {
-        let mut reach = Reach::default();
+    pub(super) fn of(drawn_goals: u32, goals: &[GoalRecord], contacts: &[Contact], objects: &[ObjectRecord]) -> Self {
+        let mut reach = Reach {
+            goals: drawn_goals as usize,
+            ..Reach::default()
+        };
         for goal in goals {
-            reach.goals += 1;
             reach.reached += usize::from(goal.outcome == Outcome::Reached);
             reach.seconds += goal.end_time_s - goal.start_time_s;
         }

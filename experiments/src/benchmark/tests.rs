@@ -7,49 +7,60 @@ use underbrush_sim::reach::ReachPlan;
 use super::contacts::{Answer, Class, OpenContact, Pressing};
 use super::*;
 
-/// Pins that the frozen scenes draw what they drew when the benchmark was published: objects with their properties, goals, and the
-/// options of physics and sensor. Defaults of scene files may change later; then the files must say what they were.
+/// What a frozen scene draws first with seed 1: objects with their properties, and goals.
+fn drawn(path: &str) -> (ReachPlan, String) {
+    let scene = frozen::scene(path).unwrap();
+    let arm = frozen::arms(std::slice::from_ref(&scene)).unwrap().remove(&scene.name);
+    let plan = match arm {
+        Some(arm) => ReachPlan::with_arm(scene, arm, None, 1).unwrap(),
+        None => ReachPlan::new(scene, None, 1).unwrap(),
+    };
+    let (clutter, mut text) = (plan.draw(0).unwrap(), String::new());
+    for record in clutter.objects.iter().map(PlacedObject::record) {
+        // Rounded, so that the last digits of a mathematical library do not matter.
+        let foot = record.position_world;
+        write!(text, "{} {:.6} {:.6}", record.kind, foot.x, foot.y).unwrap();
+        for (name, value) in &record.parameters {
+            write!(text, " {name} {value:.6e}").unwrap();
+        }
+        writeln!(text).unwrap();
+    }
+    for goal in &clutter.goals {
+        writeln!(text, "goal {:.6} {:.6} {:.6}", goal.x, goal.y, goal.z).unwrap();
+    }
+    (plan, text)
+}
+
+/// Pins that the frozen scenes draw what they drew when the benchmark was published, with the same options of physics and sensor.
+/// Defaults of scene files may change later; then the files must say what they were.
 #[test]
 fn frozen_scenes_draw_what_they_drew() {
     let mut text = String::new();
-    let scenes = frozen::VERDICTS_SCENES
-        .iter()
-        .chain(frozen::TRANSFER_SCENES)
-        .chain([&frozen::OTHER_ARM]);
-    for name in scenes {
-        let scene = frozen::scene(name).unwrap();
-        let plan = match frozen::arms(&[name]).unwrap().remove(*name) {
-            Some(arm) => ReachPlan::with_arm(scene, arm, None, 1).unwrap(),
-            None => ReachPlan::new(scene, None, 1).unwrap(),
-        };
-        let clutter = plan.draw(0).unwrap();
-        let file = &plan.scene.file;
+    let settings = frozen::SETTINGS.iter().map(|(_, path)| path);
+    for path in frozen::VERDICTS_SCENES.iter().chain(settings) {
+        let (plan, drawn) = drawn(path);
+        let (file, controller) = (&plan.scene.file, plan.controller_name());
         writeln!(
             text,
-            "{name} {:?} {:?} {:?}",
-            file.physics,
-            file.sensor,
-            plan.controller_name()
+            "{path} {:?} {:?} {controller:?}\n{drawn}",
+            file.physics, file.sensor
         )
         .unwrap();
-        for record in clutter.objects.iter().map(PlacedObject::record) {
-            // Rounded, so that the last digits of a mathematical library do not matter.
-            let foot = record.position_world;
-            write!(text, "{} {:.6} {:.6}", record.kind, foot.x, foot.y).unwrap();
-            for (name, value) in &record.parameters {
-                write!(text, " {name} {value:.6e}").unwrap();
-            }
-            writeln!(text).unwrap();
-        }
-        for goal in &clutter.goals {
-            writeln!(text, "goal {:.6} {:.6} {:.6}", goal.x, goal.y, goal.z).unwrap();
-        }
     }
     assert_eq!(
         blake3::hash(text.as_bytes()).to_hex()[..16],
-        *"ebf9b43a1d4a77b6",
+        *"bcb037829590226c",
         "{text}"
     );
+}
+
+/// Pins that all settings but the one with another arm have the same clutter and goals.
+#[test]
+fn settings_differ_in_nothing_but_arm_speed_and_sensor() {
+    let (_, usual) = drawn(frozen::SETTINGS[0].1);
+    for (name, path) in frozen::SETTINGS {
+        assert_eq!(drawn(path).1 == usual, *name != frozen::OTHER_ARM, "{name}");
+    }
 }
 
 fn answer(likeliest: Class) -> Answer {
@@ -130,7 +141,7 @@ fn reaching_figures_are_those_worked_out_by_hand() {
         position_world: glam::DVec3::ZERO,
         parameters: [].into(),
     });
-    let reach = |goals: Vec<GoalRecord>, contacts: Vec<Touching>| reaching::Reach::of(&goals, &contacts, &objects);
+    let reach = |goals: Vec<GoalRecord>, contacts: Vec<Touching>| reaching::Reach::of(3, &goals, &contacts, &objects);
     let reaches = [
         reach(
             vec![goal(Outcome::Reached, 2.0), goal(Outcome::Stuck, 4.0)],
@@ -144,8 +155,9 @@ fn reaching_figures_are_those_worked_out_by_hand() {
     ];
     let found = reaching::figures(&reaches);
     let near = |estimate: Estimate, expected: f64| (estimate.value.unwrap() - expected).abs() < 1e-12;
-    assert_eq!((found.reaches, found.goals, found.largest_on_trunk_n), (2, 3, 8.0));
-    assert!(near(found.reached, 2.0 / 3.0));
+    // Three goals each, of which the second reach tried one.
+    assert_eq!((found.reaches, found.goals, found.largest_on_trunk_n), (2, 6, 8.0));
+    assert!(near(found.reached, 2.0 / 6.0));
     assert!(near(found.seconds_for_each, 9.0 / 2.0));
     assert!(near(found.trunk_peak_n, (8.0 + 0.0) / 2.0));
     // 1 s at 0.5 N, and 0.5 s at 0.2 N.

@@ -4,56 +4,63 @@ use serde::{Deserialize, Serialize};
 
 use super::contacts::{Contact, JUDGED_MOMENTS};
 use super::counts::{Balanced, Counts};
-use super::frozen::{OTHER_ARM, TRANSFER_SCENES};
+use super::frozen::{OTHER_ARM, SETTINGS};
 use super::resampled::Estimate;
 
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transfer {
-    /// The scenes; the first one is as in training.
+    /// The settings; the first one is as in training.
     pub settings: Vec<TransferTo>,
 }
 
-/// How contacts in one scene are told apart.
+/// How contacts at one setting are told apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TransferTo {
-    /// The scene.
-    pub scene: String,
+    /// The setting.
+    pub setting: String,
     /// Contacts with leaves, and with trunks.
     pub contacts: [usize; 2],
     /// Balanced accuracy over contacts with leaves and trunks at their end, by which of the two is likelier.
     pub leaf_or_trunk: Estimate,
-    /// How much it differs from that of the first scene; without value for that one.
+    /// How much it differs from that of the first setting; without value for that one. Reaches through the same clutter are resampled
+    /// together.
     pub difference: Estimate,
 }
 
-/// The figures of contacts by reach, each with the name of its scene.
-pub(super) fn figures(reaches: &[(String, Vec<Contact>)]) -> Transfer {
-    let (at_end, balanced) = (JUDGED_MOMENTS - 1, Balanced::LeafOrTrunk);
-    let counts_in = |name: &str| -> Vec<Counts> {
-        let own = reaches.iter().filter(|(scene, _)| scene == name);
-        own.map(|(_, contacts)| Counts::of(contacts, at_end, balanced))
-            .collect()
+/// The figures of contacts by setting and reach.
+pub(super) fn figures(settings: &[Vec<Vec<Contact>>]) -> Transfer {
+    let balanced = Balanced::LeafOrTrunk;
+    let counts = |reaches: &Vec<Vec<Contact>>| -> Vec<Counts> {
+        let of_reach = |contacts: &Vec<Contact>| Counts::of(contacts, JUDGED_MOMENTS - 1, balanced);
+        reaches.iter().map(of_reach).collect()
     };
-    let usual = counts_in(TRANSFER_SCENES[0]);
-    let setting = |name: &&str| {
-        let here = counts_in(name);
+    let counts: Vec<Vec<Counts>> = settings.iter().map(counts).collect();
+    let setting = |(place, here): (usize, &Vec<Counts>)| {
+        let name = SETTINGS[place].0;
         let [_, leaf, trunk] = Counts::contacts(&here.iter().collect::<Vec<_>>());
         TransferTo {
-            scene: (*name).to_owned(),
+            setting: name.to_owned(),
             contacts: [leaf, trunk],
-            leaf_or_trunk: Estimate::of(&here, |own| Counts::balanced_accuracy(own, balanced)),
-            difference: if *name == TRANSFER_SCENES[0] {
-                Estimate::default()
-            } else {
-                Estimate::of_groups(&[&usual, &here], |groups| {
+            leaf_or_trunk: Estimate::of(here, |own| Counts::balanced_accuracy(own, balanced)),
+            difference: match &counts[0] {
+                _ if place == 0 => Estimate::default(),
+                // Its clutter is another one.
+                usual if name == OTHER_ARM => Estimate::of_groups(&[usual, here], |groups| {
                     let [usual, here] = [0, 1].map(|group| Counts::balanced_accuracy(&groups[group], balanced));
                     Some(here? - usual?)
-                })
+                }),
+                usual => {
+                    let pairs: Vec<(&Counts, &Counts)> = usual.iter().zip(here).collect();
+                    Estimate::of(&pairs, |own| {
+                        let (usual, here): (Vec<&Counts>, Vec<&Counts>) = own.iter().copied().copied().unzip();
+                        Some(Counts::balanced_accuracy(&here, balanced)? - Counts::balanced_accuracy(&usual, balanced)?)
+                    })
+                }
             },
         }
     };
     Transfer {
-        settings: TRANSFER_SCENES.iter().chain([&OTHER_ARM]).map(setting).collect(),
+        settings: counts.iter().enumerate().map(setting).collect(),
     }
 }
