@@ -1,11 +1,12 @@
 //! Leaving out of the engine what rests untouched, so that objects far from the arm cost nothing.
 
-use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
 use super::mechanism::Mechanism;
 use super::model::Model;
+use super::mover::{DormancyBuffers, Mover};
 use super::world::World;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: a frame at 1 m/s, twice the hand
@@ -13,22 +14,6 @@ use super::world::World;
 const WAKE_M: f64 = 0.01;
 /// An object at rest is taken out when everything that moves is farther away than that and this margin, m.
 const SLEEP_MARGIN_M: f64 = 0.005;
-
-/// A collision shape that may touch a dormant object.
-#[derive(Clone)]
-struct Mover {
-    collider: ColliderHandle,
-    /// The box within which it wakes objects.
-    bounds: Aabb,
-}
-
-/// What [`World::rest_and_wake`] works on. It is kept from frame to frame, so that a frame allocates nothing.
-#[derive(Clone, Default)]
-pub(super) struct DormancyBuffers {
-    movers: Vec<Mover>,
-    /// The objects to put in.
-    near: Vec<usize>,
-}
 
 impl World {
     /// Takes out every object that rests with nothing moving near it, and puts in every dormant one that something moving

@@ -27,6 +27,7 @@ mod dormancy;
 mod engine;
 mod mechanism;
 mod model;
+mod mover;
 mod report;
 pub mod rig;
 mod saved;

@@ -6,10 +6,10 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
 use super::arm::ArmBodies;
 use super::contact::Contact;
-use super::dormancy::DormancyBuffers;
 use super::engine::Engine;
 use super::mechanism::Mechanism;
 use super::model::Model;
+use super::mover::DormancyBuffers;
 use super::report::{JointState, StepObserver, StepReport};
 use crate::geometry::from_parry;
 use crate::physics::PhysicsOptions;
