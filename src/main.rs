@@ -112,6 +112,10 @@ enum Command {
     /// Copy a data set from S3-like storage
     #[cfg(feature = "cloud")]
     Pull(command::pull::Options),
+    /// Only with the feature `cloud`
+    #[cfg(not(feature = "cloud"))]
+    #[command(name = "push", alias = "pull", hide = true)]
+    WithoutCloud(command::without_cloud::Options),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::Options),
 }
@@ -161,6 +165,8 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Push(options) => command::push::run(options, shared.json),
         #[cfg(feature = "cloud")]
         Command::Pull(options) => command::pull::run(options, shared.json),
+        #[cfg(not(feature = "cloud"))]
+        Command::WithoutCloud(options) => command::without_cloud::run(options),
         Command::Schema(options) => command::schema::run(&options),
     }
 }

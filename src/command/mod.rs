@@ -30,3 +30,5 @@ mod transfer_summary;
 pub mod trials;
 pub mod validate;
 mod watched;
+#[cfg(not(feature = "cloud"))]
+pub mod without_cloud;

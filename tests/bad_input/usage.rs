@@ -170,3 +170,13 @@ fn unknown_names() {
     let prior = underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "moss=0.5"];
     prior.refused(&["moss"]);
 }
+
+/// Pins that a program without push and pull says how to get them, whatever they are given.
+#[cfg(not(feature = "cloud"))]
+#[test]
+fn push_and_pull_say_how_to_get_them() {
+    for command in ["push", "pull"] {
+        underbrush![command, "set", "s3://bucket/set"].refused(&["--features cloud"]);
+        underbrush![command, "--out", "set"].refused(&["--features cloud"]);
+    }
+}

@@ -34,6 +34,7 @@ fn each_hash_follows_its_sources() {
     let files = [
         "experiments/src/lib.rs",
         "experiments/src/dataset.rs",
+        "experiments/src/dataset/write.rs",
         "classifier/src/hmm/model.rs",
         "report/src/lib.rs",
         "sim/src/world.rs",
@@ -59,6 +60,7 @@ fn each_hash_follows_its_sources() {
     assert_eq!(changes("classifier/src/new.rs"), (true, false));
     assert_eq!(changes("experiments/src/lib.rs"), (true, false));
     assert_eq!(changes("experiments/src/dataset.rs"), (true, true));
+    assert_eq!(changes("experiments/src/dataset/write.rs"), (true, true));
     assert_eq!(changes("sim/src/world.rs"), (false, true));
     assert_eq!(changes("sim/arms/cody/cody.toml"), (false, true));
     assert_eq!(changes("Cargo.lock"), (false, true));
