@@ -25,7 +25,7 @@ impl Estimate {
         Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
     }
 
-    /// The same for a statistic of several groups of reaches, each of which is resampled by itself.
+    /// The same for a statistic of several groups of reaches. Each group is resampled on its own.
     pub(super) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
         let all: Vec<Vec<&R>> = groups.iter().map(|own| own.iter().collect()).collect();
         let Some(value) = statistic(&all) else {

@@ -74,7 +74,7 @@ pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskErro
     require_same(dir, &read_json(&path)?, plan)
 }
 
-/// An error unless the finished set in a folder has the given plan.
+/// Checks that the finished set in a folder has the given plan, and returns an error if it does not.
 pub(super) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let stored = serde_json::to_value(Dataset::open(dir)?.plan());
     require_same(

@@ -15,8 +15,8 @@ use crate::disk::DiskError;
 use crate::disk::whole_file::create_folder;
 
 impl DatasetWriter {
-    /// Starts or continues a data set in a folder that several processes share. All give the plan of the whole set, stage
-    /// what they have to ([`DatasetWriter::missing_of`]) and call [`DatasetWriter::finish_if_last`].
+    /// Starts or continues a data set in a folder that several processes share. Each process passes the plan of the whole set,
+    /// stages its own reaches ([`DatasetWriter::missing_of`]) and then calls [`DatasetWriter::finish_if_last`].
     ///
     /// # Errors
     /// As [`DatasetWriter::create`] with `resume`. [`DiskError::InUse`] while a process assembles the set, or writes it alone.

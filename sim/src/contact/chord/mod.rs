@@ -139,7 +139,7 @@ impl<'a> Chords<'a> {
         })
     }
 
-    /// The line through a place of the plane, m, with one of its ends.
+    /// The line through a point of the plane, m, and one of the line's ends.
     pub fn at(&self, place: DVec2, end: End) -> Chord {
         match self {
             Chords::Capsule(capsule) => capsule.at(place, end),
