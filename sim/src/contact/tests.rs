@@ -220,3 +220,50 @@ fn a_patch_that_sticks_does_not_creep() {
     }
     assert!(place.abs() < STICTION_M, "crept by {place} m");
 }
+
+/// Pins that the solver leaves an unstable solution for a stable one, even if it starts near it and so needs hundreds of
+/// iterations. A body slides while its friction presses it into the other: N = K (h − r v), with v = v* + (a − μ b) N as long
+/// as it slides. If 1 + K r (a − μ b) is negative, there are three solutions: the body parts (N = 0), it slides (unstable), or
+/// it sticks, where slip = 0 gives N = K (h − r (v* − b s*/d)) / (1 + K r (a − b²/d)).
+#[test]
+fn the_solver_leaves_an_unstable_solution_for_a_stable_one() {
+    let (a, b, d) = (100.0, 322.0, 1500.0);
+    let (free_parting, free_slip) = (0.15, 1.0);
+    let node = Node {
+        area_m2: 1e-4,
+        overlap_m: 1e-3,
+        ..Node::default()
+    };
+    let rate = LAW.step_s + LAW.interface.loss_time_s;
+    let modulus = LAW.step_s * LAW.interface.stiffness_n_per_m3 * node.area_m2;
+    let friction = LAW.interface.friction;
+    let pressed = modulus * (node.overlap_m - rate * free_parting);
+    let sliding = pressed / (1.0 + modulus * rate * (a - friction * b));
+    // A patch that sticks still gives way by the stiction distance within the step, so its slip is not quite 0.
+    let sticking_at =
+        |slip: f64| (pressed + modulus * rate * b * (free_slip - slip) / d) / (1.0 + modulus * rate * (a - b * b / d));
+    let mass = nalgebra::Matrix2::new(a, b, b, d).try_inverse().unwrap();
+    let solve_from = |normal: f64| {
+        let start = [
+            free_parting + (a - friction * b) * normal,
+            free_slip + (b - friction * d) * normal,
+        ];
+        let mut solver = Solver::default();
+        solver.start(LAW.step_s);
+        let free = [free_parting, free_slip];
+        let block = solver.add_block(start.into_iter(), free.into_iter(), |row, column| mass[(row, column)]);
+        let patch = solver.add_patch(LAW, &[node], Vector3::zeros());
+        let mut columns = [[0.0; ROWS]; 2];
+        (columns[0][0], columns[1][3]) = (1.0, 1.0);
+        solver.add_side(patch, 0, block, columns.into_iter());
+        let convergence = solver.solve();
+        assert!(convergence.residual <= 1e-6, "{convergence:?}");
+        assert!(convergence.iterations > 200, "{convergence:?}");
+        solver.solved(patch)
+    };
+    assert_eq!(solve_from(0.999 * sliding).normal_impulse[0], 0.0);
+    let stuck = solve_from(1.001 * sliding);
+    let range = sticking_at(STICTION_M / LAW.step_s)..sticking_at(0.0);
+    assert!(range.contains(&stuck.normal_impulse[0]), "{stuck:?}");
+    assert!(stuck.friction_impulse.norm() < friction * stuck.normal_impulse[0]);
+}
