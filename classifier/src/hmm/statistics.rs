@@ -6,8 +6,8 @@ mod scaled;
 
 use self::linear::LinearModel;
 use super::model::GaussianHmm;
-use super::tile::vectorized;
 use crate::feature::Observations;
+use crate::vector::vectorized;
 
 /// Expected counts under one model, summed over sequences (Rabiner 1989, section III-C; the paper's reference [14]).
 pub(super) struct Statistics {

@@ -19,6 +19,7 @@ mod compress;
 mod course;
 mod decision;
 mod example;
+mod feature_rows;
 mod fit;
 mod frame;
 mod held_out;

@@ -21,7 +21,7 @@ const SMALLEST: f64 = 1e-8;
 /// Weight of half the squared norm of the weights beside the mean cross-entropy, nats.
 const PENALTY: f64 = 1e-3;
 /// Standardized inputs are clamped to this, so that a single outlying number does not dominate.
-const MAX_DEVIATIONS: f64 = 5.0;
+pub(super) const MAX_DEVIATIONS: f64 = 5.0;
 
 /// A row that a network is fitted to.
 #[derive(Clone, Debug)]
@@ -38,11 +38,11 @@ pub struct Row<const INPUTS: usize> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "NetworkFile", into = "NetworkFile")]
 pub struct Network {
-    mean: Vec<f64>,
-    scale: Vec<f64>,
-    hidden: Vec<[f64; HIDDEN]>,
-    output: Vec<[f64; HIDDEN]>,
-    output_constant: Vec<f64>,
+    pub(super) mean: Vec<f64>,
+    pub(super) scale: Vec<f64>,
+    pub(super) hidden: Vec<[f64; HIDDEN]>,
+    pub(super) output: Vec<[f64; HIDDEN]>,
+    pub(super) output_constant: Vec<f64>,
 }
 
 /// A network in a model file.
@@ -113,14 +113,6 @@ impl Network {
             && numbers
                 .chain(self.hidden.iter().chain(&self.output).flatten())
                 .all(|number| number.is_finite())
-    }
-
-    /// Writes the log-odds of each class, up to a common constant, to `classes`. Nothing is allocated.
-    pub fn scores<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
-        let units = self.units(&self.standardized(features));
-        for (class, score) in classes.iter_mut().enumerate() {
-            *score = self.score(&units, class);
-        }
     }
 
     /// The hidden units.

@@ -12,9 +12,9 @@ use std::ops::Range;
 
 use crate::hmm::gaussian::Gaussians;
 use crate::hmm::tile::{
-    ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, parts, scale_mantissa, select,
-    zip,
+    ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, scale_mantissa, select, zip,
 };
+use crate::vector::parts;
 
 /// States are padded to a multiple of this with unreachable ones, so that inner loops are short and even.
 const CHUNK: usize = 4;

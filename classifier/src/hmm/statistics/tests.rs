@@ -2,8 +2,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::hmm::tile::tests::BASELINE_ONLY;
 use crate::hmm::{HmmParameters, ScoreKind, Scorer, Topology};
+use crate::vector::BASELINE_ONLY;
 
 /// A model with the authors' initial transitions over 0 … 3 N, with narrow and wide states.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
