@@ -7,6 +7,7 @@ mod contacts;
 mod counts;
 mod frozen;
 mod judged_model;
+mod ranked;
 mod reaching;
 mod resampled;
 mod row;

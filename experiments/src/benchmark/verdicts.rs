@@ -1,11 +1,11 @@
 //! Track 1: what a contact is, by the number of samples since it began, with outliers that are unseen in training.
 
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::RocCurve;
 
 use super::contacts::{Class, Contact, JUDGED_MOMENTS};
 use super::counts::{Balanced, Counts};
 use super::frozen::{FOAM_ROLL, MOMENTS, WATER_BOTTLE};
+use super::ranked::Ranked;
 use super::resampled::Estimate;
 
 /// The figures of the track.
@@ -105,9 +105,7 @@ fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estim
         ]
     };
     let reaches: Vec<[Vec<f64>; 2]> = reaches.iter().map(unlike).collect();
-    Estimate::of(&reaches, |own| {
-        let [foreign, known] =
-            [0, 1].map(|side| own.iter().flat_map(|reach| &reach[side]).copied().collect::<Vec<f64>>());
-        RocCurve::of(&foreign, &known).map(|curve| curve.area)
+    Ranked::of(&reaches).map_or_else(Estimate::default, |ranked| {
+        Estimate::of_times(reaches.len(), |times| ranked.area(times))
     })
 }
