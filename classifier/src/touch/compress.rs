@@ -56,8 +56,8 @@ pub(super) const fn knees<const COUNT: usize>(features: &[(&'static str, f64); C
     knees
 }
 
-/// The natural logarithm of a number of at least 1, within 1e-9. Own code, because the standard one comes from the platform's
-/// library, so its last digits differ between platforms, and because it has no vector instructions.
+/// The natural logarithm of a number of at least 1, within 1e-9. Own code, because the standard one comes from the
+/// platform's library, so its last digits differ between platforms, and because it has no vector instructions.
 #[inline(always)]
 fn ln(value: f64) -> f64 {
     // value = 2^exponent * mantissa with a mantissa between √½ and √2, and ln m = 2 artanh((m - 1) / (m + 1)).

@@ -13,7 +13,8 @@ pub struct Measure {
     pub force_n: f64,
     /// The largest of them, N.
     pub largest_force_n: f64,
-    /// How far the skin moved along its outward normal since the last frame, m: what it touches must have given way by that.
+    /// How far the skin moved along its outward normal since the last frame, m: what it touches must have given way by
+    /// that.
     pub press_m: f64,
     /// How far the skin moved sideways since the last frame, m.
     pub slide_m: f64,
@@ -28,8 +29,8 @@ pub struct Measure {
 /// Number of features that describe a contact: see [`Course::description`].
 pub const DESCRIPTION_COUNT: usize = 5;
 
-/// Values well below a knee are unchanged, up to a factor; values above it are compressed logarithmically. Choices: a contact
-/// force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
+/// Values well below a knee are unchanged, up to a factor; values above it are compressed logarithmically. Choices: a
+/// contact force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
 const FORCE_KNEE_N: f64 = 0.1;
 const MOTION_KNEE_M: f64 = 5e-4;
 const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
@@ -38,7 +39,8 @@ const SPEED_KNEE_M_PER_S: f64 = 0.01;
 const WORK_KNEE_J: f64 = 1e-4;
 /// Averages of the recent past forget with this time, s; a tenth of a second is the time in which a verdict is wanted.
 const RECENT_S: f64 = 0.1;
-/// What describes a contact is a mean that forgets with this time, s. Choice: from 0.3 to 5 s outliers are found equally well.
+/// What describes a contact is a mean that forgets with this time, s. Choice: from 0.3 to 5 s outliers are found
+/// equally well.
 const DESCRIBED_S: f64 = 1.0;
 /// How many samples count as the beginning.
 const FIRST_SAMPLES: f64 = 5.0;
@@ -120,8 +122,8 @@ pub struct Course {
     time_squares: f64,
     force_press: f64,
     force_time: f64,
-    /// Means of force, taxel force, taxels and extent in the last second, as features, weighted by force; and the sum of the
-    /// weights.
+    /// Means of force, taxel force, taxels and extent in the last second, as features, weighted by force; and the sum
+    /// of the weights.
     described: [f64; 4],
     described_weight_n: f64,
     /// The same of the steps in the recent past.
@@ -224,8 +226,9 @@ impl Course {
         }
     }
 
-    /// What describes the contact regardless of how it was brought about: how strong it is, altogether and at its strongest taxel,
-    /// how many taxels it covers and how far it is spread out, in the last second; and how far its object gave way so far.
+    /// What describes the contact regardless of how it was brought about: how strong it is, altogether and at its
+    /// strongest taxel, how many taxels it covers and how far it is spread out, in the last second; and how far its
+    /// object gave way so far.
     pub fn description(&self) -> [f64; DESCRIPTION_COUNT] {
         let [force, taxel_force, taxels, extent] = self.described;
         let [press] = compress([self.largest_press_m], &[MOTION_KNEE_M]);

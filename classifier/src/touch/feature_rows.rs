@@ -6,7 +6,8 @@ use super::compress::compress_lanes;
 use super::network::{HIDDEN, MAX_DEVIATIONS, Network};
 use crate::vector::{level, vectorized};
 
-/// Rows side by side. What a network adds up for one row must wait for the sum before; several rows need not wait for each other.
+/// Rows side by side. What a network adds up for one row must wait for the sum before; several rows need not wait for
+/// each other.
 const FOUR: usize = 4;
 /// Hidden units that are summed at a time: as many sums as fit into registers.
 const UNITS: usize = 8;

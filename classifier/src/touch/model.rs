@@ -54,7 +54,8 @@ pub(super) struct Calibrated {
 }
 
 impl Calibrated {
-    /// Writes the probabilities of the classes for one row after the other. Nothing is allocated if there is room for them.
+    /// Writes the probabilities of the classes for one row after the other. Nothing is allocated if there is room for
+    /// them.
     pub(super) fn probabilities<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
         self.network.scores_of(rows, classes);
         for classes in classes.chunks_exact_mut(self.network.shape().1) {

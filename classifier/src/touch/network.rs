@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of hidden units. Choice: with 24 the accuracy on held-out reaches is within its error of that with 48.
 pub const HIDDEN: usize = 24;
 
-/// Passes over the training rows, rows in a batch, and the largest step of a weight. Choices, common for networks of this size;
-/// the step falls to zero along half a cosine.
+/// Passes over the training rows, rows in a batch, and the largest step of a weight. Choices, common for networks of
+/// this size; the step falls to zero along half a cosine.
 const PASSES: usize = 30;
 const BATCH: usize = 64;
 const STEP: f64 = 3e-3;
@@ -102,7 +102,8 @@ impl Network {
         (self.mean.len(), self.output.len())
     }
 
-    /// Whether all numbers are finite and all rows have the lengths that belong together, for this many features and classes.
+    /// Whether all numbers are finite and all rows have the lengths that belong together, for this many features and
+    /// classes.
     pub fn is_sound(&self, inputs: usize, classes: usize) -> bool {
         let lengths = [self.mean.len(), self.scale.len(), self.hidden.len()];
         let outputs = [self.output.len(), self.output_constant.len()];
@@ -172,7 +173,8 @@ impl Network {
         network
     }
 
-    /// Random weights of the size that keeps the signal's variance (He et al. 2015), and the standardization of the rows.
+    /// Random weights of the size that keeps the signal's variance (He et al. 2015), and the standardization of the
+    /// rows.
     fn unfitted<const INPUTS: usize>(rows: &[Row<INPUTS>], classes: usize, random: &mut ChaCha8Rng) -> Self {
         let count = rows.len().max(1) as f64;
         let mut mean = vec![0.0; INPUTS];

@@ -42,7 +42,8 @@ pub struct RegionTouch {
     pub touch: Touch,
 }
 
-/// Tells what touches each taxel and each region of a patch, in every frame. Nothing is allocated after the first frames.
+/// Tells what touches each taxel and each region of a patch, in every frame. Nothing is allocated after the first
+/// frames.
 #[derive(Clone, Debug)]
 pub struct TouchClassifier {
     model: Arc<TouchModel>,
@@ -158,7 +159,8 @@ impl TouchClassifier {
         &self.regions
     }
 
-    /// Probabilities of the known categories for a region, if something touches it, in the order of [`TouchModel::categories`].
+    /// Probabilities of the known categories for a region, if something touches it, in the order of
+    /// [`TouchModel::categories`].
     pub fn probabilities(&self, region: usize) -> &[f64] {
         let count = self.model.categories().len();
         &self.probabilities[region * count..][..count]

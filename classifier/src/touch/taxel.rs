@@ -83,7 +83,8 @@ impl TaxelCourse {
         self.force_press += press_deviation * (force_n - self.mean_n);
     }
 
-    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], within its region, before they are compressed.
+    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], within its region, before they
+    /// are compressed.
     pub(super) fn values(&self, region: &Course, strongest_neighbour_n: f64) -> [f64; TAXEL_FEATURE_COUNT] {
         let share = |part: f64, whole: f64| part / whole.max(f64::MIN_POSITIVE);
         let now = region.now();

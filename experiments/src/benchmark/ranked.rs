@@ -1,7 +1,7 @@
 //! Areas under ROC curves, with each reach counted as often as a resample draws it.
 
-/// Contacts in the order of their scores. Resamples differ only in how often they count each reach, so the contacts are sorted
-/// once for all of them.
+/// Contacts in the order of their scores. Resamples differ only in how often they count each reach, so the contacts are
+/// sorted once for all of them.
 #[derive(Clone, Debug)]
 pub(super) struct Ranked {
     /// From the highest score on.
@@ -34,8 +34,8 @@ impl Ranked {
         is_sound.then_some(Ranked { contacts })
     }
 
-    /// The probability that a positive scores higher than a negative, with ties counted half, if each reach counts so many times.
-    /// `None` if no positive counts, or no negative.
+    /// The probability that a positive scores higher than a negative, with ties counted half, if each reach counts so
+    /// many times. `None` if no positive counts, or no negative.
     pub(super) fn area(&self, times: &[usize]) -> Option<f64> {
         // All sums are of whole numbers and halves, which are exact.
         let (mut positives, mut negatives, mut area) = (0, 0, 0.0);
@@ -62,8 +62,8 @@ mod tests {
 
     use super::*;
 
-    /// Pins that the area has the bits of the area under the curve of all contacts, each repeated as often as its reach counts,
-    /// with many ties, infinities and both zeros.
+    /// Pins that the area has the bits of the area under the curve of all contacts, each repeated as often as its reach
+    /// counts, with many ties, infinities and both zeros.
     #[test]
     fn areas_are_those_of_repeated_contacts() {
         const SCORES: [f64; 7] = [f64::NEG_INFINITY, -1.5, -0.0, 0.0, 1.0 / 3.0, 1.0, f64::INFINITY];

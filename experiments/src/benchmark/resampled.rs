@@ -11,10 +11,10 @@ const RESAMPLES: usize = 1000;
 /// A number with its 95 % interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// From all reaches; `None` if they do not determine it, as a mean over nothing.
+    /// The statistic of all reaches; `None` if they do not determine it, such as a mean over nothing.
     pub value: Option<f64>,
-    /// Ends of the 95 % interval (percentile bootstrap over whole reaches); `None` without a value, or if fewer than half of
-    /// the resamples determine it.
+    /// Ends of the 95 % interval (percentile bootstrap over whole reaches); `None` without a value, or if fewer than
+    /// half of the resamples determine it.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -44,7 +44,7 @@ impl Estimate {
         })
     }
 
-    /// The same for a statistic of the indices of the reaches drawn from groups of these sizes.
+    /// The same for groups of these sizes, and a statistic of the indices that were drawn from each group.
     fn of_draws(sizes: &[usize], statistic: impl Fn(&[Vec<usize>]) -> Option<f64> + Sync) -> Self {
         let all: Vec<Vec<usize>> = sizes.iter().map(|size| (0..*size).collect()).collect();
         let Some(value) = statistic(&all) else {
@@ -76,7 +76,8 @@ mod tests {
         (!own.is_empty()).then(|| own.iter().copied().sum::<f64>() / own.len() as f64)
     }
 
-    /// Pins that the interval of a mean is the one that the normal distribution gives, within the error of 1000 resamples.
+    /// Pins that the interval of a mean is the one that the normal distribution gives, within the error of 1000
+    /// resamples.
     #[test]
     fn the_interval_of_a_mean_is_that_of_the_normal_distribution() {
         let values: Vec<f64> = (0..400).map(|index| f64::from(index % 20)).collect();

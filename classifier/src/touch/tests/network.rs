@@ -30,8 +30,8 @@ fn a_network_learns_a_checkerboard() {
     assert!(network.is_sound(2, 2) && !network.is_sound(3, 2) && !network.is_sound(2, 3));
 }
 
-/// Pins that a feature that never varies has no influence, and that weights of rows shift the odds: with the same features for
-/// both classes, the probability is the share of the weights.
+/// Pins that a feature that never varies has no influence, and that weights of rows shift the odds: with the same
+/// features for both classes, the probability is the share of the weights.
 #[test]
 fn weights_are_odds() {
     let rows: Vec<Row<2>> = (0..600)
@@ -54,8 +54,8 @@ fn weights_are_odds() {
     }
 }
 
-/// Pins the scores against the sums that the model file describes, and that they have the same bits for one row as for several
-/// side by side, with the instructions of this processor as with those that every processor has.
+/// Pins the scores against the sums that the model file describes, and that they have the same bits for one row as for
+/// several side by side, with the instructions of this processor as with those that every processor has.
 #[test]
 fn rows_side_by_side_have_the_scores_of_one_row() {
     let rows = checkerboard();
