@@ -1,5 +1,5 @@
-//! Vector instructions, chosen at run time. Results have the same bits on every processor, because no operations are fused and
-//! every sum has a fixed order.
+//! Vector instructions, chosen at run time. Results have the same bits on every processor, because no operations are
+//! fused and every sum has a fixed order.
 
 use fearless_simd::{Level, Simd};
 

@@ -1,5 +1,5 @@
-//! Arithmetic on four numbers at a time, which the compiler turns into vector instructions. Results have the same bits on
-//! every processor, because no operations are fused and every sum has a fixed order.
+//! Arithmetic on four numbers at a time, which the compiler turns into vector instructions. Results have the same bits
+//! on every processor, because no operations are fused and every sum has a fixed order.
 
 use crate::vector::parts;
 
@@ -14,7 +14,8 @@ pub(super) fn tiles_for(states: usize) -> usize {
     states.div_ceil(WIDTH)
 }
 
-/// Arranges `outer` rows of one number per state in tiles, padded with `padding`. `value` maps row and state to a number.
+/// Arranges `outer` rows of one number per state in tiles, padded with `padding`. `value` maps row and state to a
+/// number.
 pub(super) fn tiled(outer: usize, states: usize, padding: f64, value: impl Fn(usize, usize) -> f64) -> Vec<Tile> {
     let tiles = tiles_for(states);
     let lane = |row: usize, state: usize| if state < states { value(row, state) } else { padding };

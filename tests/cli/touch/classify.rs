@@ -13,8 +13,8 @@ fn sum(probabilities: &Value) -> f64 {
     own.map(|probability| probability.as_f64().unwrap()).sum()
 }
 
-/// Pins that every frame is answered, that taxels refer to regions, that probabilities sum to 1, and that verdicts follow from
-/// them by the model's decision.
+/// Pins that every frame is answered, that taxels refer to regions, that probabilities sum to 1, and that verdicts
+/// follow from them by the model's decision.
 #[test]
 fn verdicts_follow_from_the_probabilities() {
     let folder = tempfile::tempdir().unwrap();
@@ -82,8 +82,8 @@ fn verdicts_follow_from_the_probabilities() {
     assert!(seen > 0, "the reach has contacts");
 }
 
-/// Pins that frames on standard input give the lines of the recording, byte for byte and with any number of threads, that only
-/// times, forces and the pose of the patch are needed, and that a line without the pose is refused.
+/// Pins that frames on standard input give the lines of the recording, byte for byte and with any number of threads,
+/// that only times, forces and the pose of the patch are needed, and that a line without the pose is refused.
 #[test]
 fn frames_on_standard_input_are_answered_alike() {
     let folder = tempfile::tempdir().unwrap();

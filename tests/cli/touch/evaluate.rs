@@ -9,7 +9,8 @@ use super::{lines, model, recording, touched};
 use crate::support::fixture::fixture;
 use crate::support::{call, underbrush};
 
-/// Pins that the evaluation with a stored model counts what `classify` says, by ground truth that is read independently.
+/// Pins that the evaluation with a stored model counts what `classify` says, by ground truth that is read
+/// independently.
 #[test]
 fn the_evaluation_counts_the_verdicts() {
     let folder = tempfile::tempdir().unwrap();
@@ -49,8 +50,8 @@ fn the_evaluation_counts_the_verdicts() {
     }
 }
 
-/// Pins that cross-validation judges every reach once, whatever the number of threads, prints all figures as text, and fits
-/// elsewhere with --train.
+/// Pins that cross-validation judges every reach once, whatever the number of threads, prints all figures as text, and
+/// fits elsewhere with --train.
 #[test]
 fn reaches_are_cross_validated() {
     let folder = tempfile::tempdir().unwrap();

@@ -49,7 +49,8 @@ fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// Writes the first reach of `scene` from this index on in which an object truly presses on the forearm; returns its index.
+/// Writes the first reach of `scene` from this index on in which an object truly presses on the forearm; returns its
+/// index.
 fn touched(scene: &Path, first: usize, recording: &Path) -> usize {
     for number in first..first + 20 {
         let index = number.to_string();
@@ -70,8 +71,8 @@ fn recording(folder: &Path) -> PathBuf {
     recording
 }
 
-/// Pins that training reports its rows and the chosen decision, that the file holds that decision, and that the file has the same
-/// bytes with one thread and with two.
+/// Pins that training reports its rows and the chosen decision, that the file holds that decision, and that the file
+/// has the same bytes with one thread and with two.
 #[test]
 fn the_model_is_the_same_for_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
@@ -98,8 +99,8 @@ fn the_model_is_the_same_for_any_number_of_threads() {
     assert_eq!(model["decision"], report["decision"]);
 }
 
-/// Pins that the text of training names what was held out and the decision, and that recordings can be given instead of a data
-/// set, with the options of contacts.
+/// Pins that the text of training names what was held out and the decision, and that recordings can be given instead of
+/// a data set, with the options of contacts.
 #[test]
 fn several_recordings_train_a_model() {
     let folder = tempfile::tempdir().unwrap();
