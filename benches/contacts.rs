@@ -1,13 +1,15 @@
-//! How contacts look in whole reaches: the direction and work of friction, the onset on trunks, jumps of force, and depth.
+//! How contacts look in whole reaches: the direction and work of friction, the onset on trunks, jumps of force, and
+//! depth.
 //!
 //!     cargo run --release --example contacts -- 20 scenes/leaf.toml scenes/trunk.toml
 //!
-//! Prints one row for each scene over that many reaches of seed 0. Columns: angle between friction and −slip where a patch
-//! slides, median and 90 %; work of friction over μ N times the way; time until a link's force on a trunk is 63 % of the level
-//! it has 0.15 to 0.3 s after the touch, and the largest force of the first 150 ms over that level, medians; largest change of a
-//! link's force from one frame to the next, with and without an impact or a back-off in the last 0.15 s; largest overlap with each
-//! category, and with patches that reach farther than 5 mm. Below the table stands a row for each jump of more than 5 N without an
-//! impact or back-off: reach, frame, link and object, and what changed.
+//! Prints one row for each scene over that many reaches of seed 0. Columns: angle between friction and −slip where a
+//! patch slides, median and 90 %; work of friction over μ N times the way; time until a link's force on a trunk is 63 %
+//! of the level it has 0.15 to 0.3 s after the touch, and the largest force of the first 150 ms over that level,
+//! medians; largest change of a link's force from one frame to the next, with and without an impact or a back-off in
+//! the last 0.15 s; largest overlap with each category, and with patches that reach farther than 5 mm. Below the table
+//! stands a row for each jump of more than 5 N without an impact or back-off: reach, frame, link and object, and what
+//! changed.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -24,8 +26,8 @@ use underbrush_sim::simulation::{FrameReport, Simulation};
 const SLIDING_M_PER_S: f64 = 5e-3;
 /// A link and an object that did not touch in so many frames meet with an impact. The whole arm feels it for as many.
 const IMPACT_FRAMES: usize = 15;
-/// The controller backs off by changing an equilibrium angle by more than this from one frame to the next, rad. That counts as
-/// an impact.
+/// The controller backs off by changing an equilibrium angle by more than this from one frame to the next, rad. That
+/// counts as an impact.
 const COMMANDED_RAD: f64 = 0.02;
 /// Frames of the level that an onset leads to.
 const LEVEL: std::ops::Range<usize> = 15..30;
@@ -101,8 +103,8 @@ impl Survey {
         }
     }
 
-    /// Jumps of the force on each link, and onsets on trunks. `steps_rad`: the largest change of an equilibrium angle into each
-    /// frame.
+    /// Jumps of the force on each link, and onsets on trunks. `steps_rad`: the largest change of an equilibrium angle
+    /// into each frame.
     fn observe_course(&mut self, trace: &[Forces], steps_rad: &[f64], is_trunk: impl Fn(usize) -> bool) {
         let mut touched: BTreeMap<(usize, usize), usize> = BTreeMap::new();
         let mut met = None;
@@ -137,7 +139,8 @@ impl Survey {
         }
     }
 
-    /// The onset of a link on a trunk that begins at `start`, if both stay in contact and the link touches nothing else.
+    /// The onset of a link on a trunk that begins at `start`, if both stay in contact and the link touches nothing
+    /// else.
     fn observe_onset(&mut self, trace: &[Forces], start: usize, pair: (usize, usize)) {
         let Some(course) = trace.get(start..start + LEVEL.end) else {
             return;
@@ -215,8 +218,8 @@ impl LargeJump {
         }
     }
 
-    /// The contact began or ended; the friction turned, by more than the normal force changed; or the skin was pressed deeper or
-    /// less deep.
+    /// The contact began or ended; the friction turned, by more than the normal force changed; or the skin was pressed
+    /// deeper or less deep.
     fn cause(&self) -> &'static str {
         if self.now.normal_n == 0.0 {
             "the contact ended"

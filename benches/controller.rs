@@ -25,7 +25,8 @@ struct Situation {
 }
 
 impl Situation {
-    /// Ten neighbouring taxels around the forearm, from 1.2 N to 3.9 N: some under the force limit of 3 N, some over it.
+    /// Ten neighbouring taxels around the forearm, from 1.2 N to 3.9 N: some under the force limit of 3 N, some over
+    /// it.
     fn new() -> Self {
         let arm = Arm::cody().expect("Cody's files are sound");
         let angle_rad = arm.start_posture_rad();

@@ -1,5 +1,6 @@
-//! Hidden Markov models over force with ten states, as in the paper's online experiment, and with twenty: scoring trials,
-//! training, and verdicts on a hundred taxels in one frame. Frames arrive at 100 Hz, so an update may take 10 ms.
+//! Hidden Markov models over force with ten states, as in the paper's online experiment, and with twenty: scoring
+//! trials, training, and verdicts on a hundred taxels in one frame. Frames arrive at 100 Hz, so an update may take
+//! 10 ms.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::hint::black_box;

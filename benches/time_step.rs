@@ -1,9 +1,10 @@
 //! What the engine's step costs in accuracy: reaches replayed open loop at many steps, against a reference at 0.625 ms.
 //!
-//! Prints two tables for each scene. *Windows*: every 0.3 s a copy of the reference continues with another step for 0.3 s, and
-//! the forces on all skinned links in each frame of 10 ms are compared. In so short a time a leaf rarely takes another way, so
-//! these errors are those of the step. *Reaches*: whole reaches at each step, in which leaves do take other ways. There only
-//! means can be compared, each with its standard error over the reaches. See `benches/README.md`.
+//! Prints two tables for each scene. *Windows*: every 0.3 s a copy of the reference continues with another step for
+//! 0.3 s, and the forces on all skinned links in each frame of 10 ms are compared. In so short a time a leaf rarely
+//! takes another way, so these errors are those of the step. *Reaches*: whole reaches at each step, in which leaves do
+//! take other ways. There only means can be compared, each with its standard error over the reaches. See
+//! `benches/README.md`.
 //!
 //! The replay is open loop, because with the controller in the loop two runs would differ in their motions.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
@@ -86,7 +87,8 @@ fn statistics(trace: &[Forces]) -> [f64; 4] {
     ]
 }
 
-/// What one reach gives: relative errors of the windows for each step, and the statistics at each step and the reference.
+/// What one reach gives: relative errors of the windows for each step, and the statistics at each step and the
+/// reference.
 struct Outcome {
     windows: Vec<Vec<f64>>,
     statistics: Vec<[f64; 4]>,

@@ -1,5 +1,5 @@
-//! Verdicts on a forearm of 16 × 24 taxels in one frame: without contact, and with a hundred taxels in contact in 25 regions.
-//! Frames arrive at 100 Hz, so an update may take 10 ms.
+//! Verdicts on a forearm of 16 × 24 taxels in one frame: without contact, and with a hundred taxels in contact in 25
+//! regions. Frames arrive at 100 Hz, so an update may take 10 ms.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::collections::BTreeMap;

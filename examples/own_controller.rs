@@ -8,8 +8,8 @@ use underbrush_recording::InputError;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-/// Moves the hand straight towards the first goal for ten seconds, more slowly the harder the skin is pressed. Returns the
-/// distance to the goal in the first and in the last frame, m, and the largest force that a taxel sensed, N.
+/// Moves the hand straight towards the first goal for ten seconds, more slowly the harder the skin is pressed. Returns
+/// the distance to the goal in the first and in the last frame, m, and the largest force that a taxel sensed, N.
 pub fn reach(scene: &str) -> Result<[f64; 3], InputError> {
     let plan = ReachPlan::new(Scene::load(scene)?, None, 1)?;
     let (arm, mut simulation) = (&plan.arm, plan.simulation(0)?);

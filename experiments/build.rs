@@ -1,11 +1,11 @@
-//! Gives the crate a hash of the sources that decide data, and one of those that decide results, so that data and cached
-//! results of one build are never taken for those of another.
+//! Gives the crate a hash of the sources that decide data, and one of those that decide results, so that data and
+//! cached results of one build are never taken for those of another.
 
 use std::env::var_os;
 use std::path::{Path, PathBuf};
 
-/// The folders of the crates whose sources are hashed, by name. Crates that this one depends on tell theirs through cargo
-/// (`links` in their manifests), so that sources are found in the repository and among packages of a registry.
+/// The folders of the crates whose sources are hashed, by name. Crates that this one depends on tell theirs through
+/// cargo (`links` in their manifests), so that sources are found in the repository and among packages of a registry.
 pub struct Folders {
     /// This crate.
     pub experiments: PathBuf,
@@ -30,8 +30,8 @@ impl Folders {
         ]
     }
 
-    /// What decides the results that are computed from the frames: all of this crate and of the classifier. The report is a
-    /// separate crate and is not included. Experiment files and scenes are hashed when they are read.
+    /// What decides the results that are computed from the frames: all of this crate and of the classifier. The report
+    /// is a separate crate and is not included. Experiment files and scenes are hashed when they are read.
     pub fn analysis_sources(&self) -> Vec<(&'static str, PathBuf)> {
         vec![
             ("classifier/src", self.classifier.join("src")),
@@ -39,7 +39,8 @@ impl Folders {
         ]
     }
 
-    /// The versions of all dependencies: in a package those that it was published with, otherwise those of the workspace.
+    /// The versions of all dependencies: in a package those that it was published with, otherwise those of the
+    /// workspace.
     fn lock(&self) -> PathBuf {
         let packaged = self.experiments.join("Cargo.lock");
         if packaged.exists() {

@@ -1,7 +1,7 @@
 //! The parsers of what users and other programs give, each as a function of bytes.
 //!
-//! The fuzz targets beside this file call them with bytes that libFuzzer makes up, and the tests of the command line replay
-//! the corpus. A parser may return a value or an error; a panic that reaches the caller is a finding. So is an
+//! The fuzz targets beside this file call them with bytes that libFuzzer makes up, and the tests of the command line
+//! replay the corpus. A parser may return a value or an error; a panic that reaches the caller is a finding. So is an
 //! exhausted stack or memory.
 
 use std::collections::BTreeMap;
@@ -42,7 +42,8 @@ pub const PARSERS: [(&str, Parser); 16] = [
     ("urdf", urdf),
 ];
 
-/// Calls `read` with a file that holds the bytes, in a folder that also holds the seeds' arm and its scene under two names.
+/// Calls `read` with a file that holds the bytes, in a folder that also holds the seeds' arm and its scene under two
+/// names.
 fn in_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path) -> bool) -> bool {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scenes = [("thicket.toml", THICKET), ("grove.toml", THICKET)];
@@ -170,8 +171,8 @@ const SET: [(&str, &[u8]); 15] = files![
     "truth/taxels/chunk-000/file-000.parquet",
 ];
 
-/// A data set in which the file whose number in [`SET`] is the first byte is replaced by the other bytes. The checksums are
-/// made right, so that the reader goes on.
+/// A data set in which the file whose number in [`SET`] is the first byte is replaced by the other bytes. The checksums
+/// are made right, so that the reader goes on.
 pub fn data_set(bytes: &[u8]) -> bool {
     let Some((number, own)) = bytes.split_first() else {
         return false;

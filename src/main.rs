@@ -32,8 +32,8 @@ From data to a classifier:
 `underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to standard error. \
 Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
 
-/// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell from
-/// the skin's forces what each taxel touches: leaf or trunk.
+/// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell
+/// from the skin's forces what each taxel touches: leaf or trunk.
 #[derive(Parser)]
 #[command(
     name = "underbrush",

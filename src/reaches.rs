@@ -105,8 +105,8 @@ impl ReadReaches for Reaches {
         counts.sum()
     }
 
-    /// With a progress bar. It fails if a file is damaged, or a recording has no ground truth; errors of `each` are told with the
-    /// file.
+    /// With a progress bar. It fails if a file is damaged, or a recording has no ground truth; errors of `each` are
+    /// told with the file.
     fn read(
         &self,
         keeps: &dyn Fn(usize) -> bool,

@@ -27,7 +27,8 @@ fn leaf(segments: u32) -> Leaf {
 
 /// Height of its middle over the foam, m.
 const HEIGHT_M: f64 = 0.2;
-/// Between the forearm's surface and the middle of the leaf at the start, m. A rotated leaf is not touched then, either.
+/// Between the forearm's surface and the middle of the leaf at the start, m. A rotated leaf is not touched then,
+/// either.
 const GAP_M: f64 = 0.02;
 /// Way of the forearm, m. The blade is off before its end.
 const WAY_M: f64 = 0.45;
@@ -48,8 +49,8 @@ pub struct Case {
     pub has_skin: bool,
 }
 
-/// Cody's forearm passes the leaf in steps of `step_s`: the bodies and joints at the start, and the force on the forearm in
-/// each step. That force is the change of the forearm's momentum, so the contact solver is not asked.
+/// Cody's forearm passes the leaf in steps of `step_s`: the bodies and joints at the start, and the force on the
+/// forearm in each step. That force is the change of the forearm's momentum, so the contact solver is not asked.
 pub fn slide(case: &Case, step_s: f64) -> Value {
     let options = PhysicsOptions {
         step_s,

@@ -1,5 +1,5 @@
-//! This project's side of `benches/peers/compare.py` and `slide.py`: writes the sweep as JSON, read back from the engine,
-//! or runs it and writes the forces on the arm and the processor time.
+//! This project's side of `benches/peers/compare.py` and `slide.py`: writes the sweep as JSON, read back from the
+//! engine, or runs it and writes the forces on the arm and the processor time.
 //!
 //!     foliage_peer setup LEAVES LAYOUT
 //!     foliage_peer run LEAVES LAYOUT STEP_S DORMANCY(true|false)
@@ -101,8 +101,8 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
     })
 }
 
-/// The forces of a sweep at a fine step, and those of copies of it that continue with each of the other steps and begin anew in
-/// each window of so many frames.
+/// The forces of a sweep at a fine step, and those of copies of it that continue with each of the other steps and begin
+/// anew in each window of so many frames.
 fn windows(sweep: Sweep, options: PhysicsOptions, frames: usize, steps_s: &[f64]) -> Value {
     let mut reference = sweep.simulation(options, true);
     let (mut own, mut others) = (Vec::new(), vec![Vec::new(); steps_s.len()]);

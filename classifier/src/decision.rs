@@ -36,8 +36,8 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// How the margin becomes a verdict. The margin is the log-posterior of the best category minus that of the second best,
-/// in nats.
+/// How the margin becomes a verdict. The margin is the log-posterior of the best category minus that of the second
+/// best, in nats.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Rule {
@@ -212,8 +212,8 @@ impl Judge {
 
     /// The choice for log-likelihoods given in the order of the categories.
     ///
-    /// The choice is uncertain if no model admits the data (all scores are −inf) or two categories tie. A single category
-    /// always wins. Scores beyond the number of categories are ignored.
+    /// The choice is uncertain if no model admits the data (all scores are −inf) or two categories tie. A single
+    /// category always wins. Scores beyond the number of categories are ignored.
     pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
         let Some((index, margin)) = self.margin(log_likelihood) else {
             return Choice::Uncertain;

@@ -74,6 +74,7 @@ pub mod registry;
 pub mod stream_feature;
 pub mod touch;
 pub mod trial;
+mod vector;
 
 pub use document::{Document, FORMAT};
 pub use error::ModelError;

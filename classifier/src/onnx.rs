@@ -9,10 +9,10 @@
 //! | `underbrush.categories` | names in alphabetical order, separated by commas |
 //! | `underbrush.output` | `probabilities` (if left out) or `log-odds` |
 //!
-//! The input is one tensor of 32-bit floats of shape (1, window × features), sample by sample, or (1, window, features). A contact
-//! shorter than the window, or not yet as long, is padded with its last sample, and samples after the window are ignored. The
-//! first output of 32-bit floats with one value per category is the answer. An answer that is none, such as NaN or probabilities
-//! that do not sum to 1, is an error.
+//! The input is one tensor of 32-bit floats of shape (1, window × features), sample by sample, or (1, window,
+//! features). A contact shorter than the window, or not yet as long, is padded with its last sample, and samples after
+//! the window are ignored. The first output of 32-bit floats with one value per category is the answer. An answer that
+//! is none, such as NaN or probabilities that do not sum to 1, is an error.
 
 mod metadata;
 
@@ -33,14 +33,15 @@ use metadata::Expected;
 
 /// Probabilities below this count as this, so that no category is impossible.
 const SMALLEST_PROBABILITY: f64 = 1e-9;
-/// How far probabilities and their sum may be off. Choice: far above the rounding of 32-bit floats, and far below what matters.
+/// How far probabilities and their sum may be off. Choice: far above the rounding of 32-bit floats, and far below what
+/// matters.
 const PROBABILITY_TOLERANCE: f64 = 1e-3;
 
 /// Reads and checks a model.
 ///
 /// # Errors
-/// [`InputError`] if the file is no ONNX model, lacks a key, uses an operator that is not known, or has inputs and outputs of
-/// other shapes.
+/// [`InputError`] if the file is no ONNX model, lacks a key, uses an operator that is not known, or has inputs and
+/// outputs of other shapes.
 pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
     let fail = |field: &str, found: String, allowed: &str, remedy: &str| {
         InputError::new(path, field.to_owned(), found, allowed.to_owned(), remedy.to_owned())
@@ -97,7 +98,8 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
     }))))
 }
 
-/// Runs a step of tract. With some files it panics where others give an error, and bad input must never end the program.
+/// Runs a step of tract. With some files it panics where others give an error, and bad input must never end the
+/// program.
 fn guarded<T>(step: impl FnOnce() -> TractResult<T>) -> TractResult<T> {
     catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

@@ -1,5 +1,5 @@
-//! Which scores the paper's thresholds, [`Decision::paper`](crate::decision::Decision::paper), belong to: Viterbi scores of hidden
-//! Markov models of unscaled force. On other scores they would give verdicts without a meaning.
+//! Which scores the paper's thresholds, [`Decision::paper`](crate::decision::Decision::paper), belong to: Viterbi
+//! scores of hidden Markov models of unscaled force. On other scores they would give verdicts without a meaning.
 
 use crate::feature::FeatureSet;
 use crate::hmm::ScoreKind;
@@ -17,8 +17,8 @@ pub fn misfit_of_model(model: &Model) -> Option<String> {
     }
 }
 
-/// Why the thresholds do not apply to the scores of hidden Markov models of a recipe, or of another classifier if there is none;
-/// `None` if they do.
+/// Why the thresholds do not apply to the scores of hidden Markov models of a recipe, or of another classifier if there
+/// is none; `None` if they do.
 pub fn misfit_of_recipe(recipe: Option<&Recipe>) -> Option<String> {
     match recipe {
         None => Some(NOT_HMM.to_owned()),

@@ -1,6 +1,7 @@
-//! ONNX models: scores, padding, files that do not fit, and networks that fail while they run. `onnx/make.py` wrote the files.
-//! `linear.onnx` is softmax(x W + b) of the forces of two samples; its weights stand below. `other_window.onnx` is the same network
-//! with a window of three samples in its metadata. The others fail where a force is above 1 N or from 2 N on.
+//! ONNX models: scores, padding, files that do not fit, and networks that fail while they run. `onnx/make.py` wrote the
+//! files. `linear.onnx` is softmax(x W + b) of the forces of two samples; its weights stand below. `other_window.onnx`
+//! is the same network with a window of three samples in its metadata. The others fail where a force is above 1 N or
+//! from 2 N on.
 #![cfg(feature = "onnx")]
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
@@ -47,8 +48,8 @@ fn expected(window: [f64; 2]) -> Vec<f64> {
     odds.map(|own| own - sum).to_vec()
 }
 
-/// Pins the scores after each sample against the formula, the padding of a short contact, and that samples after the window are
-/// ignored. 32-bit floats have 24 bits.
+/// Pins the scores after each sample against the formula, the padding of a short contact, and that samples after the
+/// window are ignored. 32-bit floats have 24 bits.
 #[test]
 fn scores_are_those_of_the_formula() {
     let model = onnx::load(&file("linear.onnx")).unwrap();
@@ -131,8 +132,8 @@ const FAILING: [(&str, [f64; 2], [&str; 2]); 5] = [
     ("no_such_row.onnx", [1.0, 2.5], ["network", "a network that runs"]),
 ];
 
-/// Pins that a network that fails while it runs gives an error with the file, the reason and a remedy, as a typed error of scores,
-/// of an evaluation and of online verdicts, and that the samples before are judged.
+/// Pins that a network that fails while it runs gives an error with the file, the reason and a remedy, as a typed error
+/// of scores, of an evaluation and of online verdicts, and that the samples before are judged.
 #[test]
 fn networks_that_fail_while_they_run_are_errors() {
     for (name, [good_n, bad_n], parts) in FAILING {

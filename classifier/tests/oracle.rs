@@ -1,8 +1,8 @@
 //! Agreement with an independent library: scores and training of five configurations, computed in f64 by hmmlearn.
 //!
 //! `data/hmm/` holds synthetic trials, start models and, for each model and trial, the forward log-likelihood and the
-//! Viterbi log-probability at the start and after exactly 20 Baum-Welch iterations without a variance floor. Every model
-//! is also scored on the other category's trials.
+//! Viterbi log-probability at the start and after exactly 20 Baum-Welch iterations without a variance floor. Every
+//! model is also scored on the other category's trials.
 
 #![allow(clippy::unwrap_used, reason = "a test ends where its data cannot be read")]
 

@@ -52,7 +52,8 @@ fn body(owner: BodyOwner, shape: BodyShape, speed: f64, frames: usize) -> Body {
     body
 }
 
-/// A reach of two joints with a sleeve of 2 × 3 taxels and two taxels without a grid, which feel something in some frames.
+/// A reach of two joints with a sleeve of 2 × 3 taxels and two taxels without a grid, which feel something in some
+/// frames.
 pub(crate) fn reach(scene: &str, reach_index: u64, frames: usize) -> Recording {
     let layout = SkinLayout {
         patches: vec![

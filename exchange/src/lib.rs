@@ -1,5 +1,5 @@
-//! What passes between this program and other tools: recordings as MCAP and HDF5 files, and contact trials out of the files
-//! of other robots.
+//! What passes between this program and other tools: recordings as MCAP and HDF5 files, and contact trials out of the
+//! files of other robots.
 //!
 //! * [`write_mcap`] writes a reach for Foxglove and tools of ROS 2.
 //! * [`Hdf5Writer`] writes reaches in the shape of robomimic's data sets.

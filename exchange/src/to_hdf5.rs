@@ -1,4 +1,5 @@
-//! Reaches as an HDF5 file in the shape of robomimic's data sets (<https://robomimic.github.io/docs/datasets/overview.html>).
+//! Reaches as an HDF5 file in the shape of robomimic's data sets
+//! (<https://robomimic.github.io/docs/datasets/overview.html>).
 //!
 //! ```text
 //! data                        attributes: total (frames), env_args (JSON)
@@ -50,7 +51,8 @@ pub struct Hdf5Writer<'a> {
     masks: Masks,
 }
 
-/// Writes an HDF5 file of the reaches that `reaches` pushes into the writer. The file gets its name only when it is complete.
+/// Writes an HDF5 file of the reaches that `reaches` pushes into the writer. The file gets its name only when it is
+/// complete.
 ///
 /// # Errors
 /// [`ExchangeError::Hdf5`] and [`ExchangeError::Disk`] if the file cannot be written; those of `reaches`.

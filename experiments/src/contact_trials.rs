@@ -35,8 +35,8 @@ pub fn of_recording(
     Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
 }
 
-/// The trials of all reaches of a data set. Their reach is the number of the episode, because reaches of different scenes may
-/// share an index.
+/// The trials of all reaches of a data set. Their reach is the number of the episode, because reaches of different
+/// scenes may share an index.
 ///
 /// # Errors
 /// Those of reading the set, and of cutting a reach; [`ReachError::Stopped`] if the user ends it.

@@ -40,8 +40,8 @@ pub struct Campaign {
     pub seed: u64,
     /// The controller; each scene's own if not given.
     pub controller: Option<ControllerKind>,
-    /// A user's own controller, instead of one that ships. A data set holds its name only, so it cannot be made again from
-    /// itself.
+    /// A user's own controller, instead of one that ships. A data set holds its name only, so it cannot be made again
+    /// from itself.
     pub own_controller: Option<MakeController>,
     /// Verdicts for the controller, if it is to have any.
     pub verdicts: Option<VerdictControl>,
@@ -61,8 +61,8 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
 }
 
 impl Campaign {
-    /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, their touch model is
-    /// needed too: a set holds only the hash of its file.
+    /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, their touch
+    /// model is needed too: a set holds only the hash of its file.
     pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, ExperimentError> {
         let provenance = dataset.provenance();
         let fault = |field: &str, found: String, allowed: &str| -> ExperimentError {
@@ -133,7 +133,8 @@ impl Campaign {
         Ok(result?)
     }
 
-    /// Runs the campaign and returns its recordings in their order. They need some 10 MB for a minute of simulated time.
+    /// Runs the campaign and returns its recordings in their order. They need some 10 MB for a minute of simulated
+    /// time.
     pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, ExperimentError> {
         let found: Mutex<Vec<(usize, Recording)>> = Mutex::default();
         self.run(progress, |place, recording| {

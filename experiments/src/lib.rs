@@ -2,8 +2,8 @@
 //!
 //! An experiment file ([`definition`]) says what to train and test on. A [`session`] runs it: training data
 //! ([`training`]), test reaches ([`reaches`]), models and online verdicts are computed once and shared, and each file
-//! in [`experiment`] makes one figure or table from them. [`benchmark`] judges models and controllers on frozen scenes. Nothing here prints or draws; [`Progress`] reports how a run
-//! is going.
+//! in [`experiment`] makes one figure or table from them. [`benchmark`] judges models and controllers on frozen scenes.
+//! Nothing here prints or draws; [`Progress`] reports how a run is going.
 
 pub mod accuracy;
 pub mod audit;

@@ -20,7 +20,8 @@ use crate::session::Session;
 /// The requirement on a reach.
 #[derive(Clone)]
 enum Wanted {
-    /// The patch touches this category and nothing else, and the category presses on a taxel in at least one taxel trial.
+    /// The patch touches this category and nothing else, and the category presses on a taxel in at least one taxel
+    /// trial.
     Only(Category),
     /// The patch touches all of these.
     All(Vec<Category>),

@@ -1,8 +1,8 @@
-//! A controller that presses less on trunks and unknown things than on leaves, because a touch model tells it what its skin
-//! touches.
+//! A controller that presses less on trunks and unknown things than on leaves, because a touch model tells it what its
+//! skin touches.
 //!
-//! The controller inside is one that knows a force limit for all contacts. This one follows the frames, judges every taxel in
-//! contact, and gives each contact the limit that goes with its verdict.
+//! The controller inside is one that knows a force limit for all contacts. This one follows the frames, judges every
+//! taxel in contact, and gives each contact the limit that goes with its verdict.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -30,10 +30,10 @@ pub struct AllowedForces {
 }
 
 impl Default for AllowedForces {
-    /// On leaves 6 N, twice the 3 N of `cody-2013`: a leaf bends away before a taxel feels as much (5.4 N at most in 14 mixed
-    /// reaches), so that this limit hardly ever holds the arm back. On trunks and unknown things 1.5 N, half as much as 3 N. It
-    /// has to be above the 1 N from which on the controller takes a reading for a contact, because a contact over its limit may
-    /// not rise at all.
+    /// On leaves 6 N, twice the 3 N of `cody-2013`: a leaf bends away before a taxel feels as much (5.4 N at most in 14
+    /// mixed reaches), so that this limit hardly ever holds the arm back. On trunks and unknown things 1.5 N, half as
+    /// much as 3 N. It has to be above the 1 N from which on the controller takes a reading for a contact, because a
+    /// contact over its limit may not rise at all.
     fn default() -> Self {
         AllowedForces {
             categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(),

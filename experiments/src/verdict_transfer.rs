@@ -10,11 +10,12 @@ use underbrush_recording::Recording;
 
 use crate::error::ExperimentError;
 
-/// Reaches at one setting, each with its fold, 0 or 1. Reaches with the same clutter are in the same fold at every setting.
+/// Reaches at one setting, each with its fold, 0 or 1. Reaches with the same clutter are in the same fold at every
+/// setting.
 pub type FoldedReaches = Vec<(usize, Recording)>;
 
-/// How well contacts at one setting are told apart by networks fitted there, and by networks fitted to as many reaches at the
-/// scenes' own setting. Shares are from 0 to 1, over touched contacts, balanced over the categories.
+/// How well contacts at one setting are told apart by networks fitted there, and by networks fitted to as many reaches
+/// at the scenes' own setting. Shares are from 0 to 1, over touched contacts, balanced over the categories.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictTransfer {
     /// The setting.
@@ -28,8 +29,8 @@ pub struct VerdictTransfer {
 }
 
 impl VerdictTransfer {
-    /// Judges both folds of reaches by networks fitted to the other fold, of the same reaches and of those at the scenes' own
-    /// setting.
+    /// Judges both folds of reaches by networks fitted to the other fold, of the same reaches and of those at the
+    /// scenes' own setting.
     ///
     /// # Errors
     /// If the reaches do not fit the patch.
@@ -63,7 +64,8 @@ impl Judged {
     }
 }
 
-/// Verdicts on each fold of `tested` by networks fitted to the other fold of `fitted`; `None` if there is nothing to fit to.
+/// Verdicts on each fold of `tested` by networks fitted to the other fold of `fitted`; `None` if there is nothing to
+/// fit to.
 fn judged(
     options: &TouchOptions,
     fitted: &FoldedReaches,

@@ -6,8 +6,8 @@ use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResu
 
 use crate::drawing::escape;
 
-/// The results as one document: a `testsuite` for each scene and a `testcase` for each of its bounds. `failure` is the text
-/// of a broken bound. There are no times, so that the same results give the same bytes.
+/// The results as one document: a `testsuite` for each scene and a `testcase` for each of its bounds. `failure` is the
+/// text of a broken bound. There are no times, so that the same results give the same bytes.
 pub fn document(
     results: &[SuiteResult],
     failure: impl Fn(&SuiteResult, &SceneResult, &BoundResult) -> String,

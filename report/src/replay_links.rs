@@ -1,5 +1,5 @@
-//! Links from figures to the replay pages beside the report, which show the reaches that the figures are about. `replay_pages`
-//! writes those pages.
+//! Links from figures to the replay pages beside the report, which show the reaches that the figures are about.
+//! `replay_pages` writes those pages.
 
 use underbrush_experiments::online::Online;
 

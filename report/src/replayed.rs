@@ -4,8 +4,8 @@ use underbrush_experiments::audit;
 use underbrush_replay::Known;
 use underbrush_sim::controller::ControllerKind;
 
-/// Largest size of a page with reaches inside, bytes. Choice: browsers refuse texts of more than about 500 MB, and nobody sends
-/// that.
+/// Largest size of a page with reaches inside, bytes. Choice: browsers refuse texts of more than about 500 MB, and
+/// nobody sends that.
 pub const MAX_PAGE_BYTES: usize = 400_000_000;
 
 /// The force limits of the controllers that ship, and the bounds of the audit.

@@ -40,7 +40,8 @@ impl<'a> Report<'a> {
         self.results.definition.published()
     }
 
-    /// Begins a section. `name` is the experiment's; a published figure on its subject is named in the heading and quoted.
+    /// Begins a section. `name` is the experiment's; a published figure on its subject is named in the heading and
+    /// quoted.
     pub fn section(&mut self, name: &str, heading: &str) {
         let own: Option<&PublishedSection> = self.published().and_then(|published| published.sections.get(name));
         let figure = own.and_then(|own| own.figure.as_ref());
@@ -127,8 +128,8 @@ pub const ACCURACY_COLUMNS: [&str; 5] = [
     "majority_baseline_percent",
 ];
 
-/// The same over campaigns: mean, standard deviation, minimum and maximum of the accuracy, mean and standard deviation of
-/// the others.
+/// The same over campaigns: mean, standard deviation, minimum and maximum of the accuracy, mean and standard deviation
+/// of the others.
 pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
     let CampaignFigures {
         accuracy,

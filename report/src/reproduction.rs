@@ -31,7 +31,8 @@ pub struct Reproduction<'a> {
 }
 
 impl Reproduction<'_> {
-    /// Runs everything, writes it into a folder, and returns the results with the report. Finished stages are cached there.
+    /// Runs everything, writes it into a folder, and returns the results with the report. Finished stages are cached
+    /// there.
     ///
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
@@ -62,8 +63,8 @@ impl Reproduction<'_> {
         Ok((results, report))
     }
 
-    /// Runs one of the further campaigns alone, and caches its result in the folder for [`Reproduction::run`]. Many processes may
-    /// do this in one folder at a time.
+    /// Runs one of the further campaigns alone, and caches its result in the folder for [`Reproduction::run`]. Many
+    /// processes may do this in one folder at a time.
     ///
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.

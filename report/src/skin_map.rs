@@ -24,8 +24,8 @@ const LEGEND: f64 = 40.0;
 const LEGEND_ROW: f64 = 22.0;
 const FONT: f64 = 15.0;
 
-/// Draws the taxels of the moment's patch: rows along the forearm, the hand at the top, and columns around it from left to
-/// right. The legend has the `labels` that a classifier can give. `name` is unique on a page.
+/// Draws the taxels of the moment's patch: rows along the forearm, the hand at the top, and columns around it from left
+/// to right. The legend has the `labels` that a classifier can give. `name` is unique on a page.
 pub fn svg(
     name: &str,
     (patch, grid): (&str, Grid),

@@ -1,5 +1,5 @@
-//! Colours and marks of charts. Colour-blind readers can tell the colours apart, and every layer also has its own mark, dash
-//! or hatching.
+//! Colours and marks of charts. Colour-blind readers can tell the colours apart, and every layer also has its own mark,
+//! dash or hatching.
 
 use crate::drawing::{Dash, Layer, Mark, Point, Shape, Style};
 

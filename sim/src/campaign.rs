@@ -42,8 +42,8 @@ pub enum CampaignError<E: std::error::Error + 'static> {
     },
 }
 
-/// Runs the jobs on the threads of the current rayon pool and passes each recording, with the job's position, to `receive` as
-/// soon as it is complete. The order of the calls depends on the threads; the recordings do not.
+/// Runs the jobs on the threads of the current rayon pool and passes each recording, with the job's position, to
+/// `receive` as soon as it is complete. The order of the calls depends on the threads; the recordings do not.
 ///
 /// # Errors
 /// The first error. Jobs that are running then finish; no further ones start.
@@ -55,8 +55,8 @@ pub fn run<E: std::error::Error + Send + 'static>(
     run_until(plans, jobs, receive, &|| false)
 }
 
-/// As [`run`], but gives up all reaches that are running, and starts no more, when `stop` returns true. It is asked in every
-/// frame of every reach.
+/// As [`run`], but gives up all reaches that are running, and starts no more, when `stop` returns true. It is asked in
+/// every frame of every reach.
 ///
 /// # Errors
 /// As [`run`], and [`ReachError::Stopped`].

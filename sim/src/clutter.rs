@@ -100,8 +100,8 @@ impl Clutter {
             let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals)?;
             Ok(Clutter { objects, goals })
         };
-        // Objects that are placed one by one can block each other although all would fit, and a few objects that all stand
-        // to one side leave no goals beyond them. Then everything is drawn again.
+        // Objects that are placed one by one can block each other although all would fit, and a few objects that all
+        // stand to one side leave no goals beyond them. Then everything is drawn again.
         let mut drawn = attempt();
         for _ in 1..ATTEMPTS {
             if drawn.is_ok() {

@@ -16,8 +16,8 @@ pub struct Carrier {
     pub force: DVec3,
 }
 
-/// Changes the forces as little as possible so that each lies in its taxel's friction cone, |f_t| ≤ μ f_n, while their sum
-/// stays `total`. Returns whether that is possible; if it is not, nothing changes.
+/// Changes the forces as little as possible so that each lies in its taxel's friction cone, |f_t| ≤ μ f_n, while their
+/// sum stays `total`. Returns whether that is possible; if it is not, nothing changes.
 ///
 /// It minimizes Σ |f_i − f_i⁰|² / (2 w_i) over the cones C_i under Σ f_i = F. With multipliers λ the forces are the
 /// projections Π_i(f_i⁰ + w_i λ), and λ minimizes the smooth convex function Σ |Π_i(f_i⁰ + w_i λ)|² / (2 w_i) − λ·F:
@@ -52,8 +52,8 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
         if is_minimum(state) || diverges(state) {
             return None;
         }
-        // Where every cone's apex is the nearest point the curvature is zero; this regularization, which vanishes towards
-        // the minimum, leads out of there.
+        // Where every cone's apex is the nearest point the curvature is zero; this regularization, which vanishes
+        // towards the minimum, leads out of there.
         let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * state.slope.length() / total.length());
         for carrier in carriers.iter() {
             curvature += project(carrier, friction, state.multiplier).1 * carrier.weight_n;

@@ -6,8 +6,8 @@ use parry3d::query::{self, details::closest_points_segment_segment_with_location
 use parry3d::shape::{Segment, Shape, SharedShape};
 use underbrush_recording::{BodyShape, Pose};
 
-/// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in that shape's frame; `None` for a
-/// hull without volume.
+/// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in that shape's frame; `None` for
+/// a hull without volume.
 pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
     // Parry's cylinders and capsules lie along y, ours along z.
     let along_z = Pose::from_orientation(DQuat::from_scaled_axis(DVec3::X * std::f64::consts::FRAC_PI_2));
@@ -36,7 +36,8 @@ pub struct Capsule {
 
 impl Capsule {
     /// The capsule along the longest side of a collision shape's bounding box, as thick as the second longest side, for
-    /// pictures. The corners of a box and the rims of a cylinder extend beyond it, so it must not be used for clearance.
+    /// pictures. The corners of a box and the rims of a cylinder extend beyond it, so it must not be used for
+    /// clearance.
     pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
         let bounds = shape.compute_local_aabb();
         let half = bounds.half_extents();
@@ -233,7 +234,8 @@ mod tests {
         min
     }
 
-    /// A second segment for a first one: any; a point; on the same line, apart or overlapping; parallel; or sharing an end.
+    /// A second segment for a first one: any; a point; on the same line, apart or overlapping; parallel; or sharing an
+    /// end.
     fn second(a: DVec3, b: DVec3, kind: u8, c: DVec3, d: DVec3, s: f64) -> (DVec3, DVec3) {
         match kind {
             0 => (c, d),
@@ -266,7 +268,8 @@ mod tests {
         }
     }
 
-    /// Pins the case that goals depend on: the distance of a point to a trunk is that to its nearest part, not to its foot.
+    /// Pins the case that goals depend on: the distance of a point to a trunk is that to its nearest part, not to its
+    /// foot.
     #[test]
     fn a_point_is_near_the_middle_of_a_segment() {
         let (foot, top) = (DVec3::ZERO, DVec3::Z * 0.6);

@@ -1,17 +1,18 @@
-//! From solver contacts to taxel forces: a thin elastic layer over the hard link spreads each contact over the taxels under
-//! it, and conserves its force.
+//! From solver contacts to taxel forces: a thin elastic layer over the hard link spreads each contact over the taxels
+//! under it, and conserves its force.
 //!
-//! The layer is the elastic foundation (Winkler) of [`crate::contact`]: a sub-point j of a taxel, of area a_j, is pressed by
-//! p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the gap g_j to the
-//! sub-point along the contact's normal (negative where they overlap; the distance if it is beside the object). It is moved by a further depth δ and two tilts t, so
-//! h_j = δ + t·x_j − g_j, where x_j is the sub-point's place in the tangent plane of the contact. δ and t are those for which
-//! the pressures add up to the solver's normal force and to its moment about the tangents: the minimum of a convex, piecewise
-//! quadratic energy, found by Newton's method. They are small, and stand for the loss of the layer, for movement within a
-//! frame and for taxels that do not cover all of the contact. What the taxels' normals cannot carry (friction, and the
-//! sideways rest on a curved skin) is spread as shear in proportion to pressure, so that the vector sum over the taxels is the
-//! solver's force. If this takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as
-//! possible (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels
-//! lie on one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
+//! The layer is the elastic foundation (Winkler) of [`crate::contact`]: a sub-point j of a taxel, of area a_j, is
+//! pressed by p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the
+//! gap g_j to the sub-point along the contact's normal (negative where they overlap; the distance if it is beside the
+//! object). It is moved by a further depth δ and two tilts t, so h_j = δ + t·x_j − g_j, where x_j is the sub-point's
+//! place in the tangent plane of the contact. δ and t are those for which the pressures add up to the solver's normal
+//! force and to its moment about the tangents: the minimum of a convex, piecewise quadratic energy, found by Newton's
+//! method. They are small, and stand for the loss of the layer, for movement within a frame and for taxels that do not
+//! cover all of the contact. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
+//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. If this
+//! takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as possible
+//! (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels lie
+//! on one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
 
 use glam::{DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -91,11 +92,12 @@ pub struct SpreadBuffers {
     forces: Vec<TaxelForce>,
 }
 
-/// The layer looks for indented taxels this much farther from a contact than its radius, m: by more than a taxel's diagonal.
+/// The layer looks for indented taxels this much farther from a contact than its radius, m: by more than a taxel's
+/// diagonal.
 const SEARCH_MARGIN_M: f64 = 0.015;
 
-/// Sub-points along each side of a taxel. Four resolve a contact narrower than a taxel to 2.3 mm; the pressure of a trunk
-/// changes by less than a sixth between them.
+/// Sub-points along each side of a taxel. Four resolve a contact narrower than a taxel to 2.3 mm; the pressure of a
+/// trunk changes by less than a sixth between them.
 const POINTS_PER_SIDE: usize = 4;
 
 impl SkinPatch {
@@ -139,8 +141,8 @@ impl SkinPatch {
     }
 
     /// Spreads the contacts between this patch and one collision shape with the surface `object` over the taxels.
-    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts. What `buffers`
-    /// holds does not matter.
+    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts. What
+    /// `buffers` holds does not matter.
     pub fn spread<'a>(
         &self,
         contacts: &[ContactPoint],
@@ -206,8 +208,8 @@ impl SkinPatch {
         }
         taxels.retain(|(_, force)| *force > 0.0);
         if taxels.is_empty() {
-            // No sub-point is indented, because the shape is too thin to sample or touches two faces of an edge. The nearby
-            // taxel that faces the force most takes all of it.
+            // No sub-point is indented, because the shape is too thin to sample or touches two faces of an edge. The
+            // nearby taxel that faces the force most takes all of it.
             taxels.extend(self.facing_taxel(contacts, total).map(|taxel| (taxel, 1.0)));
         }
         self.balance(total, interface.friction, buffers);
@@ -305,11 +307,12 @@ impl Cell {
     }
 }
 
-/// Relative regularization of the tilts, so that a point contact, whose tilt no taxel resists, has a unique solution. The
-/// scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
+/// Relative regularization of the tilts, so that a point contact, whose tilt no taxel resists, has a unique solution.
+/// The scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
 
-/// Depth and tilts of a rigid shape that is pressed on the cells with `force` (N) through the origin; `None` without cells.
+/// Depth and tilts of a rigid shape that is pressed on the cells with `force` (N) through the origin; `None` without
+/// cells.
 fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
     let nearest = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp)?;
     let stiffness: f64 = cells.iter().map(|cell| cell.stiffness * cell.share).fold(0.0, f64::max);

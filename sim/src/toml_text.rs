@@ -5,8 +5,8 @@ pub(crate) fn line_of(text: &str, offset: usize) -> usize {
     text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
 }
 
-/// The key that the line at `offset` sets, preceded by the name of its table, such as `goals.count`. Empty if the line sets
-/// none and no table is open.
+/// The key that the line at `offset` sets, preceded by the name of its table, such as `goals.count`. Empty if the line
+/// sets none and no table is open.
 pub(crate) fn key_at(text: &str, offset: usize) -> String {
     let number = line_of(text, offset);
     let is_header = |line: &&str| line.starts_with('[');
@@ -22,8 +22,8 @@ pub(crate) fn key_at(text: &str, offset: usize) -> String {
     parts.join(".")
 }
 
-/// Keys that files may still use under an earlier name: (present name, earlier name). serde reads them as aliases; this list
-/// is for finding their lines.
+/// Keys that files may still use under an earlier name: (present name, earlier name). serde reads them as aliases; this
+/// list is for finding their lines.
 const EARLIER_KEYS: [(&str, &str); 4] = [
     ("spurious_share", "stray_share"),
     ("spurious_time_s", "stray_time_s"),

@@ -11,7 +11,8 @@ use crate::failure::Failure;
 /// How scores become verdicts.
 #[derive(Args, Default)]
 pub struct DecisionArguments {
-    /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has none]
+    /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has
+    /// none]
     #[arg(long, value_enum)]
     decision: Option<DecisionName>,
     /// With `--decision uncertain`: margin of the best category below which a verdict is uncertain, nats [default: 15]
@@ -28,8 +29,8 @@ enum DecisionName {
     Argmax,
     /// The best category, or uncertain below a margin
     Uncertain,
-    /// The paper's thresholds: a category if the margin is above 80, an outlier from 15 to 80, uncertain below 15. Only for
-    /// Viterbi scores of hidden Markov models of unscaled force
+    /// The paper's thresholds: a category if the margin is above 80, an outlier from 15 to 80, uncertain below 15. Only
+    /// for Viterbi scores of hidden Markov models of unscaled force
     Paper,
 }
 

@@ -38,8 +38,8 @@ these are.";
 #[derive(Args)]
 #[command(after_help = ADVICE)]
 pub struct Options {
-    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). For the
-    /// classifier touch: one or more data sets and recordings
+    /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). For
+    /// the classifier touch: one or more data sets and recordings
     #[arg(required = true)]
     trials: Vec<PathBuf>,
     /// Also report the accuracy (argmax) after 1, 2, 3, 6, 12, 25, 50, 100 and 200 samples since contact. With
@@ -53,15 +53,16 @@ pub struct Options {
     /// --preset paper]
     #[arg(long, alias = "split", value_enum)]
     group: Option<Group>,
-    /// Evaluate the models in this file instead of cross-validating. Use trials that they were not trained on; outliers may
-    /// be among them
+    /// Evaluate the models in this file instead of cross-validating. Use trials that they were not trained on; outliers
+    /// may be among them
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "group", "classifier"])]
     model: Option<PathBuf>,
-    /// Fit on all trials of this table, data set or recording and test on TRIALS, instead of cross-validating. For example,
-    /// fit at one arm stiffness or hand speed and test at another
+    /// Fit on all trials of this table, data set or recording and test on TRIALS, instead of cross-validating. For
+    /// example, fit at one arm stiffness or hand speed and test at another
     #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "group", "model", "by_samples"])]
     train: Option<PathBuf>,
-    /// Write ROC curves as CSV: each category against the others by its margin, and with --model or --train also outliers
+    /// Write ROC curves as CSV: each category against the others by its margin, and with --model or --train also
+    /// outliers
     ///
     /// In the rows of outliers, `threshold_nats` is the largest margin that is called an outlier.
     #[arg(long, value_name = "FILE")]

@@ -34,8 +34,8 @@ pub struct Options {
     /// Folder to write the data set to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard. If its controller
-    /// had verdicts, give the touch model, too
+    /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard. If its
+    /// controller had verdicts, give the touch model, too
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard", "shared"])]
     from: Option<PathBuf>,
     /// Controller to use instead of each scene's
@@ -47,12 +47,12 @@ pub struct Options {
     /// Continue an interrupted data set
     #[arg(long)]
     resume: bool,
-    /// Run only part I of N (counted from 1), into a separate folder or, with --shared, into one for all parts. `underbrush
-    /// merge` joins parts in separate folders
+    /// Run only part I of N (counted from 1), into a separate folder or, with --shared, into one for all parts.
+    /// `underbrush merge` joins parts in separate folders
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
-    /// All parts have the same --out, on a file system that all machines share. The part that finishes last makes the data set
-    /// there. To continue a part that was interrupted, run it again
+    /// All parts have the same --out, on a file system that all machines share. The part that finishes last makes the
+    /// data set there. To continue a part that was interrupted, run it again
     #[arg(long, requires = "shard", conflicts_with = "resume")]
     shared: bool,
 }

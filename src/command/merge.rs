@@ -13,7 +13,8 @@ use crate::{interrupt, output};
 /// Options of `underbrush merge`.
 #[derive(Args)]
 pub struct Options {
-    /// Folders of all parts, in any order, each made by `underbrush generate --shard I/N` with otherwise the same options
+    /// Folders of all parts, in any order, each made by `underbrush generate --shard I/N` with otherwise the same
+    /// options
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
     /// Folder to write the data set to. It gets the bytes that `generate` without --shard would have written

@@ -16,8 +16,8 @@ pub struct Options {
     /// Data set: a whole one, or a part that `generate --shard` made
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// Where to copy it, such as s3://bucket/my-set. AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION and AWS_ENDPOINT_URL
-    /// say how to get there
+    /// Where to copy it, such as s3://bucket/my-set. AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION and
+    /// AWS_ENDPOINT_URL say how to get there
     #[arg(value_name = "ADDRESS")]
     address: String,
 }

@@ -25,8 +25,8 @@ pub struct Options {
     quick: bool,
     /// Experiment to run (TOML file) [default: the paper's]
     ///
-    /// It names training and test scenes, classifiers and figures to compare with; `underbrush schema experiment` describes
-    /// its keys.
+    /// It names training and test scenes, classifiers and figures to compare with; `underbrush schema experiment`
+    /// describes its keys.
     #[arg(long, value_name = "FILE")]
     experiment: Option<PathBuf>,
     /// Seed, instead of the experiment's

@@ -15,9 +15,9 @@ use crate::output;
 pub struct Options {
     /// Data set (folder) or recording
     dataset: PathBuf,
-    /// Table to write, `.csv` or `.parquet`, with one row per sample and the columns trial, category, reach, patch, taxel,
-    /// time_s, force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n, touched (ground truth: whether
-    /// an object pressed on the taxel in this sample)
+    /// Table to write, `.csv` or `.parquet`, with one row per sample and the columns trial, category, reach, patch,
+    /// taxel, time_s, force_n, motion_m, region_taxels, region_largest_force_n, region_force_sum_n, touched (ground
+    /// truth: whether an object pressed on the taxel in this sample)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]

@@ -28,7 +28,8 @@ pub struct Options {
     /// must fail for at least one of them
     #[arg(long)]
     falsify: bool,
-    /// Folder for pictures (SVG): the skin under the edge and the flat of a leaf, a trunk and a foam roll, and the roll's hysteresis
+    /// Folder for pictures (SVG): the skin under the edge and the flat of a leaf, a trunk and a foam roll, and the
+    /// roll's hysteresis
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
 }

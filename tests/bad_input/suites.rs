@@ -15,7 +15,8 @@ reaches = 2
 goals_reached = { at_least = 0.5 }
 "#;
 
-/// Demands that a suite is refused with the line and these words, and that no result is left behind. Nothing is run before.
+/// Demands that a suite is refused with the line and these words, and that no result is left behind. Nothing is run
+/// before.
 #[track_caller]
 fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
@@ -124,8 +125,8 @@ fn numbers_out_of_range() {
     }
 }
 
-/// Pins that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a touch model
-/// takes no options but its own.
+/// Pins that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a
+/// touch model takes no options but its own.
 #[test]
 fn models_that_do_not_fit() {
     refuses_change(

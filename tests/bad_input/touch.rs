@@ -70,7 +70,8 @@ fn broken_models() {
     }
 }
 
-/// Pins that wrong types, unknown keys and text that is cut off are refused with their line, and the format of touch models.
+/// Pins that wrong types, unknown keys and text that is cut off are refused with their line, and the format of touch
+/// models.
 #[test]
 fn broken_text() {
     let text = std::fs::read_to_string(model()).unwrap();

@@ -9,8 +9,9 @@ use crate::support::underbrush;
 /// The frozen scenes as files.
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benchmarks/incidental-contact-1/scenes");
 
-/// Pins that a row is the same to the byte at any number of threads and from parts that were made elsewhere, that it is what
-/// `--json` prints, and that the scenes beside the benchmark's description are those that the program has built in.
+/// Pins that a row is the same to the byte at any number of threads and from parts that were made elsewhere, that it is
+/// what `--json` prints, and that the scenes beside the benchmark's description are those that the program has built
+/// in.
 #[test]
 fn a_row_does_not_depend_on_who_made_the_reaches() {
     let folder = tempfile::tempdir().unwrap();
@@ -87,8 +88,8 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     assert_eq!(printed["complete"], false);
 }
 
-/// Pins that the accuracy after one sample is that of `evaluate` on trials that were cut to one sample, and that the numbers of
-/// contacts are those of these trials.
+/// Pins that the accuracy after one sample is that of `evaluate` on trials that were cut to one sample, and that the
+/// numbers of contacts are those of these trials.
 #[test]
 fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     let folder = tempfile::tempdir().unwrap();

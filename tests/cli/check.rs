@@ -62,9 +62,9 @@ fn broken(answer: &Answer) -> Vec<String> {
     names
 }
 
-/// Pins what suites are for. A blessed suite passes again, and on other draws of the same scenes, as after a harmless change
-/// of the program. A leaf that is a fifth stiffer or softer breaks the bound on its force, and an allowed force that is a
-/// fifth higher or lower the one on the trunk's force. After blessing, the changed scenes pass.
+/// Pins what suites are for. A blessed suite passes again, and on other draws of the same scenes, as after a harmless
+/// change of the program. A leaf that is a fifth stiffer or softer breaks the bound on its force, and an allowed force
+/// that is a fifth higher or lower the one on the trunk's force. After blessing, the changed scenes pass.
 #[test]
 fn a_harmless_change_passes_and_a_real_one_does_not() {
     let folder = tempfile::tempdir().unwrap();
@@ -195,8 +195,8 @@ fn a_broken_bound_names_a_reach() {
     assert!((found / peak - 1.0).abs() < 1e-3, "{found} {peak}");
 }
 
-/// Pins the files of `--out`: JUnit XML with a test for each bound and one failure, JSON with the values of all reaches, and the
-/// same bytes from one thread and from two.
+/// Pins the files of `--out`: JUnit XML with a test for each bound and one failure, JSON with the values of all
+/// reaches, and the same bytes from one thread and from two.
 #[test]
 fn results_are_written_for_ci() {
     let folder = tempfile::tempdir().unwrap();

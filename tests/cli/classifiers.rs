@@ -21,8 +21,8 @@ fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// Demands that at the last sample of each trial of a recording the model's online scores are those that `score` prints,
-/// bit for bit.
+/// Demands that at the last sample of each trial of a recording the model's online scores are those that `score`
+/// prints, bit for bit.
 pub(super) fn online_ends_where_score_does(model: &Path, recording: &Path, trials: &[underbrush_recording::Trial]) {
     let scores = table::scores(&underbrush!["score", model, recording].success());
     let online = lines(&underbrush!["classify", model, recording, "--online"].success());
@@ -78,8 +78,8 @@ fn every_classifier_is_a_model_like_any_other() {
     }
 }
 
-/// Pins that features are a list for hidden Markov models, too: models of force and contact area are trained, score, and
-/// run online; a table without the column is refused, by feature, trial and remedy.
+/// Pins that features are a list for hidden Markov models, too: models of force and contact area are trained, score,
+/// and run online; a table without the column is refused, by feature, trial and remedy.
 #[test]
 fn markov_models_of_force_and_area() {
     let folder = tempfile::tempdir().unwrap();

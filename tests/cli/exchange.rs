@@ -8,8 +8,8 @@ use underbrush_recording::disk::{Dataset, read_trials};
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::underbrush;
 
-/// Reach, taxel, and time (µs) and force (N) of all samples: what an import can know of a trial. Times that follow from the rate
-/// may differ by rounding, so they are whole microseconds.
+/// Reach, taxel, and time (µs) and force (N) of all samples: what an import can know of a trial. Times that follow from
+/// the rate may differ by rounding, so they are whole microseconds.
 type Known = (Option<u64>, Option<u32>, Vec<(i64, f64)>);
 
 /// What an import can know of these trials.
@@ -35,8 +35,8 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
     path
 }
 
-/// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself, labelled by
-/// the scene, and that a classifier can be trained on them and classifies them.
+/// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
+/// labelled by the scene, and that a classifier can be trained on them and classifies them.
 #[test]
 fn trials_through_hdf5_are_those_of_the_data_set() {
     let folder = tempfile::tempdir().unwrap();
@@ -64,8 +64,8 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
     assert!(classified.contains("\"verdict\""), "{classified}");
 }
 
-/// Pins that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and that a
-/// data set becomes one file for each reach.
+/// Pins that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and
+/// that a data set becomes one file for each reach.
 #[test]
 fn trials_through_mcap_are_those_of_the_recording() {
     let folder = tempfile::tempdir().unwrap();

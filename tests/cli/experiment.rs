@@ -9,8 +9,8 @@ fn example() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/examples/three-categories")
 }
 
-/// Copies the example with fewer reaches and smaller models; its arm by its full path. Five reaches of a scene have contacts
-/// in more than the two that two folds need.
+/// Copies the example with fewer reaches and smaller models; its arm by its full path. Five reaches of a scene have
+/// contacts in more than the two that two folds need.
 fn tiny(folder: &Path) -> PathBuf {
     let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/arms/panda/panda.toml");
     for entry in std::fs::read_dir(example()).unwrap() {
@@ -27,8 +27,8 @@ fn tiny(folder: &Path) -> PathBuf {
     folder.join("three-categories.toml")
 }
 
-/// Pins the example of a Panda and three categories, made small, from scenes to report: trials of all three labels, a confusion
-/// matrix of three categories, every classifier and setting of the file, and no word of the paper.
+/// Pins the example of a Panda and three categories, made small, from scenes to report: trials of all three labels, a
+/// confusion matrix of three categories, every classifier and setting of the file, and no word of the paper.
 #[test]
 fn an_experiment_with_another_arm_and_three_categories_runs() {
     let folder = tempfile::tempdir().unwrap();

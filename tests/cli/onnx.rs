@@ -1,5 +1,5 @@
-//! ONNX models through the commands that use models: `score`, `classify` in batch and online, `evaluate`. The networks are those of
-//! the classifier's own tests; `classifier/tests/onnx/make.py` says what they compute.
+//! ONNX models through the commands that use models: `score`, `classify` in batch and online, `evaluate`. The networks
+//! are those of the classifier's own tests; `classifier/tests/onnx/make.py` says what they compute.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,15 +14,17 @@ fn network(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// Logarithms of the probabilities of leaf and trunk after two samples of these forces, by the weights of `linear.onnx`.
+/// Logarithms of the probabilities of leaf and trunk after two samples of these forces, by the weights of
+/// `linear.onnx`.
 fn expected(first_n: f64, second_n: f64) -> [f64; 2] {
     let odds = [0.25 + 0.5 * second_n, -0.5 + 3.0 * first_n - second_n];
     let sum = odds.map(f64::exp).iter().sum::<f64>().ln();
     odds.map(|own| own - sum)
 }
 
-/// Pins that a network is scored, classified and evaluated like any other model: scores are those of its formula, verdicts its best
-/// scores, the accuracy the share of those that are true, and the online scores of a contact end at those of its trial.
+/// Pins that a network is scored, classified and evaluated like any other model: scores are those of its formula,
+/// verdicts its best scores, the accuracy the share of those that are true, and the online scores of a contact end at
+/// those of its trial.
 #[test]
 fn a_network_is_a_model_like_any_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -69,8 +71,8 @@ fn a_network_is_a_model_like_any_other() {
     online_ends_where_score_does(&model, &recording, &trials);
 }
 
-/// Pins that a network that fails while it runs ends every command with exit status 2 and an error that names its file, what it
-/// gave or where it failed, and a remedy; online the frames before are answered.
+/// Pins that a network that fails while it runs ends every command with exit status 2 and an error that names its file,
+/// what it gave or where it failed, and a remedy; online the frames before are answered.
 #[test]
 fn a_network_that_fails_while_it_runs_is_an_error() {
     let folder = tempfile::tempdir().unwrap();

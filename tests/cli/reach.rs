@@ -66,8 +66,8 @@ fn the_report_agrees_with_the_recording() {
     assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
 }
 
-/// Pins that an animation is an SVG that moves and is not too large for a README, and that other formats are refused before
-/// anything is simulated.
+/// Pins that an animation is an SVG that moves and is not too large for a README, and that other formats are refused
+/// before anything is simulated.
 #[test]
 fn an_animation_moves() {
     let folder = tempfile::tempdir().unwrap();

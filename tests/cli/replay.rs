@@ -33,8 +33,8 @@ fn reaches_are_written_as_one_file() {
     }
 }
 
-/// Pins that options that do not fit together, missing files, files of another kind and numbers outside the list are refused
-/// with what is wrong, and that nothing is written then.
+/// Pins that options that do not fit together, missing files, files of another kind and numbers outside the list are
+/// refused with what is wrong, and that nothing is written then.
 #[test]
 fn bad_usage_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -59,8 +59,8 @@ fn bad_usage_is_refused() {
     assert!(!page.exists());
 }
 
-/// Pins that a touch model's verdicts are written into the page, that its own options change them, and that options which one of
-/// the two kinds of model would ignore are refused.
+/// Pins that a touch model's verdicts are written into the page, that its own options change them, and that options
+/// which one of the two kinds of model would ignore are refused.
 #[test]
 fn touch_models_judge_too() {
     let folder = tempfile::tempdir().unwrap();

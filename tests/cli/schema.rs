@@ -69,8 +69,8 @@ fn an_unknown_kind_is_refused() {
     underbrush!["schema", "robot"].refused(&["robot", "scene", "arm", "skin", "model"]);
 }
 
-/// Pins, by a judge that shares no code with schema or reader, that the model file of every classifier follows the schema, and
-/// that a file with a missing or wrong entry does not. The reader must judge all of them alike.
+/// Pins, by a judge that shares no code with schema or reader, that the model file of every classifier follows the
+/// schema, and that a file with a missing or wrong entry does not. The reader must judge all of them alike.
 #[test]
 fn model_files_follow_their_schema() {
     let schema = schema("model");

@@ -34,8 +34,8 @@ fn start(scene: &Path, out: &Path, shard: &str) -> Child {
         .unwrap()
 }
 
-/// Pins that parts that run at the same time, one of them twice and one killed and run again, make the set of one process,
-/// byte for byte, and that every part then has nothing to do.
+/// Pins that parts that run at the same time, one of them twice and one killed and run again, make the set of one
+/// process, byte for byte, and that every part then has nothing to do.
 #[test]
 fn processes_make_one_set_together() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,8 +92,8 @@ fn processes_make_one_set_together() {
     assert!(before == tree(&shared));
 }
 
-/// Pins what a part says when others are still to come, and that parts of another campaign, folders with other files, parts
-/// without reaches and options that do not apply are refused.
+/// Pins what a part says when others are still to come, and that parts of another campaign, folders with other files,
+/// parts without reaches and options that do not apply are refused.
 #[test]
 fn what_does_not_belong_into_the_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -50,7 +50,8 @@ fn classify_follows_the_thresholds_in_the_model() {
     }
     let table_csv = fixture().table_csv();
     let scores = table::scores(&underbrush!["score", path, table_csv, "--by", "viterbi"].success());
-    // The few trials of this test may all lie outside the band of the model: one that cuts them in half and quarters does not.
+    // The few trials of this test may all lie outside the band of the model: one that cuts them in half and quarters
+    // does not.
     let mut margins: Vec<f64> = scores
         .iter()
         .filter(|((model, _), _)| model == "leaf")

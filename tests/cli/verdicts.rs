@@ -21,8 +21,8 @@ fn touch_model(folder: &Path) -> PathBuf {
     path
 }
 
-/// Pins that a reach with verdicts is that of its campaign, and names its controller; that a set names the model's hash; and
-/// that it is made again with the same model only.
+/// Pins that a reach with verdicts is that of its campaign, and names its controller; that a set names the model's
+/// hash; and that it is made again with the same model only.
 #[test]
 fn a_set_with_verdicts_is_made_again_with_its_model() {
     let folder = tempfile::tempdir().unwrap();

@@ -90,8 +90,8 @@ fn listed<'a>(page: &'a str, heading: &str) -> BTreeSet<String> {
     rows.skip(2).map(str::to_string).collect()
 }
 
-/// Pins that `docs/arms.md` lists every key of arm and skin files with its type, unit, range, default and meaning as the
-/// reader of the files has them, and no other key.
+/// Pins that `docs/arms.md` lists every key of arm and skin files with its type, unit, range, default and meaning as
+/// the reader of the files has them, and no other key.
 #[test]
 fn the_page_lists_every_key() {
     let page = std::fs::read_to_string(docs().join("arms.md")).unwrap();
@@ -138,9 +138,9 @@ fn panda() -> PathBuf {
     docs().join("arms/panda")
 }
 
-/// Pins the kinematics of the Panda that ships with the page against Franka's published Denavit-Hartenberg parameters: at
-/// zero joint angles the flange is 88 mm in front of the base's axis and 926 mm above it (333 + 316 + 384 − 107), turned
-/// upside down.
+/// Pins the kinematics of the Panda that ships with the page against Franka's published Denavit-Hartenberg parameters:
+/// at zero joint angles the flange is 88 mm in front of the base's axis and 926 mm above it (333 + 316 + 384 − 107),
+/// turned upside down.
 #[test]
 fn the_pandas_flange_is_where_franka_says() {
     let arm = Arm::load(panda().join("panda.toml")).unwrap();

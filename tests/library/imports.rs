@@ -1,9 +1,10 @@
 //! Modules of a crate depend one way: reads the imports of every crate of the workspace and looks for circles.
 //!
 //! A module is a file together with the folder of its submodules. Two modules form a circle when each needs the other,
-//! directly or through a third, anywhere in their files. A parent may use its submodules and they may use what the parent
-//! itself defines; such a pair is one unit to its neighbours and is not a circle. Names are followed through re-exports
-//! to the module that defines them. Tests (`#[cfg(test)]`, `tests.rs`, `tests/`) may import whatever they like.
+//! directly or through a third, anywhere in their files. A parent may use its submodules and they may use what the
+//! parent itself defines; such a pair is one unit to its neighbours and is not a circle. Names are followed through
+//! re-exports to the module that defines them. Tests (`#[cfg(test)]`, `tests.rs`, `tests/`) may import whatever they
+//! like.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

@@ -33,8 +33,8 @@ impl Controller for Gradient {
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         assert_eq!(self.frames, 5 * self.calls + 1, "every frame is seen, before control");
         assert_eq!(self.seen_angle_rad, input.joint_angle_rad);
-        // Over a control period of 50 ms the mean velocity lies near the one at its end: of the same sign where the joint
-        // moves at all.
+        // Over a control period of 50 ms the mean velocity lies near the one at its end: of the same sign where the
+        // joint moves at all.
         if let Some(last) = &self.last_angle_rad {
             for (joint, last) in last.iter().enumerate() {
                 let mean_rad_per_s = (input.joint_angle_rad[joint] - last) * RATE_HZ;
@@ -62,8 +62,9 @@ impl Controller for Gradient {
     }
 }
 
-/// Pins that a controller from outside the crate runs a reach: it sees every frame, is then called at its own rate and told the
-/// joints' angles and velocities, reaches a goal in free space, names the recording, and starts afresh in every reach.
+/// Pins that a controller from outside the crate runs a reach: it sees every frame, is then called at its own rate and
+/// told the joints' angles and velocities, reaches a goal in free space, names the recording, and starts afresh in
+/// every reach.
 #[test]
 fn a_users_controller_runs_a_reach() {
     let text = "summary = \"Free space\"\ngoals = { count = 1, retries = 0, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n";
@@ -111,8 +112,8 @@ impl Controller for Miscounting {
     }
 }
 
-/// Pins that a controller that returns too few or too many equilibrium angles ends the reach by an error that names it, the
-/// number of angles and the number of joints.
+/// Pins that a controller that returns too few or too many equilibrium angles ends the reach by an error that names it,
+/// the number of angles and the number of joints.
 #[test]
 fn a_wrong_number_of_angles_is_an_error() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/leaf.toml");

@@ -32,7 +32,8 @@ fn plan(path: &Path, seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::load(path).unwrap(), None, seed).unwrap()
 }
 
-/// Pins that the four environments of the paper, the second outlier and the ten engineered scenes exist, five per category.
+/// Pins that the four environments of the paper, the second outlier and the ten engineered scenes exist, five per
+/// category.
 #[test]
 fn all_that_the_readers_are_told_of_are_there() {
     let names: Vec<String> = scenes()
@@ -123,8 +124,8 @@ fn contacts_at_start(plan: &ReachPlan) -> usize {
 
 /// Pins that the arm truly touches only leaves or foam in leaf scenes and only trunks or foam in trunk scenes, and
 /// that in the five scenes of a category it does touch that category. Pins that in 1,000 draws of every scene each
-/// goal is 6 cm or more from every trunk, roll and bottle, from its surface as an upright cylinder, and that every one of
-/// these draws finds its goals.
+/// goal is 6 cm or more from every trunk, roll and bottle, from its surface as an upright cylinder, and that every one
+/// of these draws finds its goals.
 #[test]
 fn goals_are_clear_of_trunks_and_rolls() {
     let nearest: Vec<(PathBuf, f64)> = scenes()

@@ -1,8 +1,8 @@
-//! Judges JSON values by a JSON Schema, for the keywords that this project's schemas use. It shares no code with schemars,
-//! which makes the schemas, nor with serde, which reads the files.
+//! Judges JSON values by a JSON Schema, for the keywords that this project's schemas use. It shares no code with
+//! schemars, which makes the schemas, nor with serde, which reads the files.
 //!
-//! It is written here because the validators on crates.io turn on features of crates under the physics engine, so that the
-//! tests would compile the engine a second time.
+//! It is written here because the validators on crates.io turn on features of crates under the physics engine, so that
+//! the tests would compile the engine a second time.
 
 use serde_json::Value;
 

@@ -76,8 +76,8 @@ fn cuboid(size_m: DVec3) -> BodyPart {
     part(BodyShape::Box { size_m }, Pose::IDENTITY)
 }
 
-/// A body that rests on another: the shapes, how far the upper one's centre is over the lower one's where they just touch,
-/// and the volume of their overlap at a depth.
+/// A body that rests on another: the shapes, how far the upper one's centre is over the lower one's where they just
+/// touch, and the volume of their overlap at a depth.
 struct Resting {
     name: &'static str,
     upper: BodyPart,

@@ -160,8 +160,8 @@ fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
     Ok(found)
 }
 
-/// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to its
-/// end. With `lost`, the loaded one has lost its joint velocities.
+/// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to
+/// its end. With `lost`, the loaded one has lost its joint velocities.
 fn restore(lost: bool) -> Result<[Vec<u8>; 2], CheckError> {
     let fault = |error: StateError| CheckError::Case(error.to_string());
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, 0)?;

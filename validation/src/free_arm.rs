@@ -151,8 +151,8 @@ pub fn alone(arm: Arm, physics: PhysicsOptions) -> Simulation {
     })
 }
 
-/// Energy of the joints' springs, which rest in the start posture, of the links and of the drives' reflected inertia, J,
-/// from joint angles and velocities alone.
+/// Energy of the joints' springs, which rest in the start posture, of the links and of the drives' reflected inertia,
+/// J, from joint angles and velocities alone.
 fn energy_j(arm: &Arm, joints: &[JointState], link_poses: &[Pose]) -> f64 {
     let velocity = DVector::from_iterator(joints.len(), joints.iter().map(|joint| joint.velocity_rad_per_s));
     let mut energy = 0.0;

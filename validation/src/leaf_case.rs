@@ -126,8 +126,8 @@ impl ClampedLeaf {
         Err(CheckError::Case("the leaf does not come to rest".into()))
     }
 
-    /// Plucks the leaf in the shape of a clamped beam's first mode, with a force in proportion to mass and mode during one
-    /// step, and returns the tip's displacement across the blade after each later step.
+    /// Plucks the leaf in the shape of a clamped beam's first mode, with a force in proportion to mass and mode during
+    /// one step, and returns the tip's displacement across the blade after each later step.
     pub fn pluck(&mut self, seconds: f64) -> Vec<f64> {
         let step_s = self.rig.physics().step_s;
         let push_m_per_s = 0.02;

@@ -51,8 +51,8 @@ const SECONDS: f64 = 1.3;
 pub const LOSS_FACTOR: f64 = 0.1;
 const HINGES: u32 = 8;
 
-/// Frequency, rad/s, and log decrement of a plucked leaf in an engine that is asked for steps of `step_s` and takes steps
-/// of `engine_step_s`.
+/// Frequency, rad/s, and log decrement of a plucked leaf in an engine that is asked for steps of `step_s` and takes
+/// steps of `engine_step_s`.
 fn pluck_in_steps(
     loss_factor: f64,
     rigidity_n_m2: f64,

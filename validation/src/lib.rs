@@ -4,10 +4,10 @@
 //! [`Comparison`]s: the closed-form value, the value found, the residual, the tolerance and where the tolerance comes
 //! from. The closed form is computed from what a scene or an arm file says, never from what the simulation made of it.
 //!
-//! Every case lists [`Falsification`]s: parameters of the simulated side that are wrong on purpose, with the comparisons
-//! that must notice. [`falsify`] runs them all and demands that every comparison of every check fails under at least one,
-//! because a comparison that cannot fail shows nothing. [`CHECKS`] is the one list of checks, [`SHORTFALLS`] the one list
-//! of tolerances that are not met.
+//! Every case lists [`Falsification`]s: parameters of the simulated side that are wrong on purpose, with the
+//! comparisons that must notice. [`falsify`] runs them all and demands that every comparison of every check fails under
+//! at least one, because a comparison that cannot fail shows nothing. [`CHECKS`] is the one list of checks,
+//! [`SHORTFALLS`] the one list of tolerances that are not met.
 
 mod check;
 mod comparison;

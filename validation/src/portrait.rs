@@ -69,8 +69,8 @@ fn roll() -> FoamRoll {
     }
 }
 
-/// The skin under the edge and the flat of a leaf, a trunk and a foam roll that are pressed with the same equilibrium angles over
-/// three seconds, each in the frame with the largest force.
+/// The skin under the edge and the flat of a leaf, a trunk and a foam roll that are pressed with the same equilibrium
+/// angles over three seconds, each in the frame with the largest force.
 ///
 /// # Errors
 /// When the arm's files are bad or nothing is touched.

@@ -141,8 +141,8 @@ impl PressedArm {
             .collect()
     }
 
-    /// Equilibrium angles that move the place on the forearm by `distance_m` across it and nowhere else if nothing is in
-    /// the way, with the least energy of the springs, rad.
+    /// Equilibrium angles that move the place on the forearm by `distance_m` across it and nowhere else if nothing is
+    /// in the way, with the least energy of the springs, rad.
     pub fn moving_rad(&self, distance_m: f64) -> Vec<f64> {
         let mut moved = self.posture_rad.clone();
         let start = self.arm.forward_kinematics(&moved)[self.forearm].transform_point(self.place_link);
@@ -208,8 +208,9 @@ impl PressedArm {
         DVec3::new(velocity.x, velocity.y, velocity.z)
     }
 
-    /// The normal force of the forearm's first contact, N, and the one that would balance the joints' springs and dampers, K (φ − q)
-    /// − D q̇ + Jᵀ (n − μ t) N = 0 in least squares, with the friction against the slip t. `None` without a contact that slips.
+    /// The normal force of the forearm's first contact, N, and the one that would balance the joints' springs and
+    /// dampers, K (φ − q) − D q̇ + Jᵀ (n − μ t) N = 0 in least squares, with the friction against the slip t. `None`
+    /// without a contact that slips.
     pub fn normal_force_n(&self, equilibrium_rad: &[f64], friction: f64) -> Option<(f64, f64)> {
         let report = self.report();
         let contact = report.contacts.iter().rfind(|contact| contact.link == self.forearm)?;

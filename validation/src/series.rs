@@ -178,8 +178,8 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
 /// Increase of force over displacement of the equilibrium point between two states, compared with arm and object in
 /// series. Position and direction of the contact are the means of the two states.
 ///
-/// The skin gives way, too. The overlap of the shapes is measured and subtracted from the push. Of the expected value, only
-/// the position of the contact is read from the simulation.
+/// The skin gives way, too. The overlap of the shapes is measured and subtracted from the push. Of the expected value,
+/// only the position of the contact is read from the simulation.
 fn series(
     name: &str,
     (pressed, [less, more]): &(PressedArm, [Pushed; 2]),

@@ -177,8 +177,8 @@ impl Pressed {
     }
 }
 
-/// A square of skin, 6 cm wide, bent about x with the given radius, one taxel in its middle at the origin, with `points`
-/// by `points` points on each taxel.
+/// A square of skin, 6 cm wide, bent about x with the given radius, one taxel in its middle at the origin, with
+/// `points` by `points` points on each taxel.
 fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> SkinPatch {
     let half = (0.03 / pitch_m).ceil() as i32;
     let places = (-half..=half).flat_map(|i| (-half..=half).map(move |j| [f64::from(i), f64::from(j)]));

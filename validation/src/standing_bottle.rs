@@ -107,8 +107,8 @@ impl Pushed {
         self.rig.step();
     }
 
-    /// The force, raised slowly from `from_n` at `rate_n_per_s`, at which the bottle has slid by 1 mm or leans by 0.1 rad, and
-    /// whether it leans.
+    /// The force, raised slowly from `from_n` at `rate_n_per_s`, at which the bottle has slid by 1 mm or leans by
+    /// 0.1 rad, and whether it leans.
     fn gives_way(&mut self, from_n: f64, rate_n_per_s: f64) -> (f64, bool) {
         let mut force_n = from_n;
         loop {

@@ -42,9 +42,9 @@ const PENALTY: Limits = Limits::new(1e-12, 1e6, "nats");
 /// Multinomial logistic regression: the log-posterior of each category is a weighted sum of the stream features of the
 /// contact so far ([`crate::stream_feature`]), up to normalization.
 ///
-/// The weights minimize the mean cross-entropy plus a quadratic penalty, by Newton's method. Each training contact is used
-/// at several times ([`crate::stream_feature::SAMPLE_COUNTS`]), so that scores are meaningful at any time. Categories are
-/// assumed to be separable by a linear function of the stream features.
+/// The weights minimize the mean cross-entropy plus a quadratic penalty, by Newton's method. Each training contact is
+/// used at several times ([`crate::stream_feature::SAMPLE_COUNTS`]), so that scores are meaningful at any time.
+/// Categories are assumed to be separable by a linear function of the stream features.
 ///
 /// ```
 /// use underbrush_classifier::baseline::Logistic;
@@ -86,8 +86,8 @@ pub struct Logistic {
 }
 
 impl Default for Logistic {
-    /// Taxel and region. Choice: a penalty of 0.001; between 0.0001 and 0.01 the accuracy on held-out reaches changes by
-    /// less than its confidence interval.
+    /// Taxel and region. Choice: a penalty of 0.001; between 0.0001 and 0.01 the accuracy on held-out reaches changes
+    /// by less than its confidence interval.
     fn default() -> Self {
         Logistic::with(TAXEL_AND_REGION)
     }

@@ -93,8 +93,8 @@ fn frequent_categories_have_no_advantage() {
     // one set come from one classifier and depend on each other, so the standard error is that of the mean over sets; 4
     // of them are allowed.
     //
-    // Nearest neighbours cannot halve their 5 votes: a vote for the rare category weighs as much as five for the other, so
-    // it wins with a single one, which it has with probability 1 − (5/6)⁵ = 0.598.
+    // Nearest neighbours cannot halve their 5 votes: a vote for the rare category weighs as much as five for the other,
+    // so it wins with a single one, which it has with probability 1 − (5/6)⁵ = 0.598.
     let draw = |number: u64, category: &str| {
         let mut rng = ChaCha8Rng::seed_from_u64(9000 + number);
         press(number, category, 1.0 + 5.0 * rng.random::<f64>(), 3, 12)

@@ -2,8 +2,8 @@
 //! compared with them.
 //!
 //! An [`Estimator`] holds the options of a classifier. Fitted to trials it gives a [`Classifier`], which scores trials,
-//! scores contacts while they last ([`Classifier::online_scorer`]) and is saved in a model file. A [`ClassifierKind`] is an entry
-//! in the list of classifiers, [`crate::registry::CLASSIFIERS`].
+//! scores contacts while they last ([`Classifier::online_scorer`]) and is saved in a model file. A [`ClassifierKind`]
+//! is an entry in the list of classifiers, [`crate::registry::CLASSIFIERS`].
 
 mod scorer;
 

@@ -7,8 +7,8 @@ use underbrush_recording::Sample;
 use crate::error::ModelError;
 use crate::feature::SampleFault;
 
-/// Scores several contacts at once, sample by sample: [`OnlineScorer::begin`] a contact, [`OnlineScorer::push`] its samples,
-/// [`OnlineScorer::advance`] after those of one frame, then read the [`OnlineScorer::scores`].
+/// Scores several contacts at once, sample by sample: [`OnlineScorer::begin`] a contact, [`OnlineScorer::push`] its
+/// samples, [`OnlineScorer::advance`] after those of one frame, then read the [`OnlineScorer::scores`].
 ///
 /// After k samples of a contact its scores equal [`super::Classifier::scores_after`] k samples of a trial, bit for bit.
 pub trait OnlineScorer: Debug + Send {
@@ -28,8 +28,8 @@ pub trait OnlineScorer: Debug + Send {
     /// Processes the samples pushed since the last call.
     fn advance(&mut self);
 
-    /// Writes the scores of a contact, one per category, in nats. Valid after [`OnlineScorer::advance`], if the contact's last
-    /// sample had an influence.
+    /// Writes the scores of a contact, one per category, in nats. Valid after [`OnlineScorer::advance`], if the
+    /// contact's last sample had an influence.
     ///
     /// # Errors
     /// [`ModelError`] if the classifier runs code of others and that fails, as a network in a file may.

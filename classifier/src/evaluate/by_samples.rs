@@ -30,7 +30,8 @@ pub struct AccuracyBySamples {
     pub by_touch: Option<AccuracyByTouch>,
     /// 95 % bootstrap interval of the accuracy over whole reaches; `None` if a trial names no reach.
     pub interval_by_reach: Option<Interval>,
-    /// Number of trials that lasted this long, so that the contact was still there (all trials where `samples` is `None`).
+    /// Number of trials that lasted this long, so that the contact was still there (all trials where `samples` is
+    /// `None`).
     pub lasting: usize,
     /// Fraction of these with the right verdict; `None` if there are none.
     pub accuracy_of_lasting: Option<f64>,

@@ -28,8 +28,8 @@ pub struct Accuracy {
     /// Fraction of trials with the right verdict. Uncertain counts as wrong, and so does outlier unless the trial is of
     /// category outlier. No verdict is right for a trial of category block.
     pub accuracy: f64,
-    /// The accuracy of always naming the most frequent category: the fraction of trials that belong to it. Blocks are not
-    /// considered, because no verdict is right for them.
+    /// The accuracy of always naming the most frequent category: the fraction of trials that belong to it. Blocks are
+    /// not considered, because no verdict is right for them.
     pub majority_baseline: f64,
     /// The unweighted mean recall over the classifier's categories. Always giving the same verdict reaches
     /// 1 / (number of categories), however the trials are distributed. Categories without trials, and those that the
@@ -38,8 +38,8 @@ pub struct Accuracy {
 }
 
 /// Accuracy by whether an object truly pressed during at least one sample of a trial
-/// ([`underbrush_recording::Trial::touched`]). A sensor also reports forces where nothing touches it; such a trial contains
-/// nothing to recognize, whatever its label.
+/// ([`underbrush_recording::Trial::touched`]). A sensor also reports forces where nothing touches it; such a trial
+/// contains nothing to recognize, whatever its label.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyByTouch {
     /// Trials that an object touched; `None` if there are none, as in the other fields.

@@ -17,7 +17,8 @@ use crate::hmm::TrainingHistory;
 /// Evaluates a given classifier on trials; those without ground truth are skipped.
 ///
 /// # Errors
-/// [`EvaluateError`] if no trial has ground truth, a trial lacks a feature, or the decision does not fit the categories.
+/// [`EvaluateError`] if no trial has ground truth, a trial lacks a feature, or the decision does not fit the
+/// categories.
 pub fn evaluate(
     classifier: &dyn Classifier,
     trials: &[Trial],
@@ -29,8 +30,8 @@ pub fn evaluate(
 
 /// Cross-validation (paper, section V-A: two folds): each fold is tested with a classifier fitted on the others.
 ///
-/// Trials without a category, blocks and outliers are left out. Folds run in parallel; the result does not depend on the
-/// number of threads.
+/// Trials without a category, blocks and outliers are left out. Folds run in parallel; the result does not depend on
+/// the number of threads.
 ///
 /// # Errors
 /// [`EvaluateError`] if a category is too small for the folds, or fitting or scoring fails.

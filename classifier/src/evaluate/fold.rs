@@ -12,11 +12,11 @@ use crate::estimator::is_trained;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FoldBy {
-    /// Nothing: trials are assigned by position within their category, first half and second half, without shuffling (the
-    /// authors' way). Trials of one reach, even of one contact, can end up in different folds.
+    /// Nothing: trials are assigned by position within their category, first half and second half, without shuffling
+    /// (the authors' way). Trials of one reach, even of one contact, can end up in different folds.
     Position,
-    /// Whole reaches, so that no classifier is tested on a reach that it was fitted on. The index of a reach must be unique
-    /// in the table.
+    /// Whole reaches, so that no classifier is tested on a reach that it was fitted on. The index of a reach must be
+    /// unique in the table.
     Reach,
 }
 

@@ -29,9 +29,9 @@ pub struct Prediction {
 impl Prediction {
     /// Whether the verdict is right. For a foreign object (category outlier) the right verdict is [`Verdict::Outlier`].
     ///
-    /// No verdict is right for a foam block. It is not an outlier, because the paper defines an outlier as "an object which does
-    /// not normally belong to the environment in question" (section V-D), and the leaves stand in these blocks (section
-    /// IV-A). It is not a leaf or a trunk either.
+    /// No verdict is right for a foam block. It is not an outlier, because the paper defines an outlier as "an object
+    /// which does not normally belong to the environment in question" (section V-D), and the leaves stand in these
+    /// blocks (section IV-A). It is not a leaf or a trunk either.
     pub fn is_correct(&self) -> bool {
         is_right(&self.category, &self.verdict)
     }

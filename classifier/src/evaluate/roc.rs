@@ -29,8 +29,8 @@ pub struct RocCurve {
 }
 
 impl RocCurve {
-    /// The curve for the scores of positives and negatives, which may be infinite. `None` if there are no positives or no
-    /// negatives, or if a score is NaN.
+    /// The curve for the scores of positives and negatives, which may be infinite. `None` if there are no positives or
+    /// no negatives, or if a score is NaN.
     pub fn of(positives: &[f64], negatives: &[f64]) -> Option<Self> {
         let mut scored: Vec<(f64, bool)> = Vec::with_capacity(positives.len() + negatives.len());
         scored.extend(positives.iter().map(|score| (*score, true)));
@@ -85,17 +85,17 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
 
 /// Outliers against the categories that classifiers are fitted on ([`is_trained`]); blocks are left out.
 ///
-/// A trial is called an outlier if its margin is at most a threshold and at least `uncertain_below` nats (paper, section
-/// V-D). The threshold increases along the curve, so the smallest margins are called outliers first. A margin below
-/// `uncertain_below` is uncertain and never an outlier, so the curve ends where all other trials are called outliers, and
-/// continues straight to (1, 1).
+/// A trial is called an outlier if its margin is at most a threshold and at least `uncertain_below` nats (paper,
+/// section V-D). The threshold increases along the curve, so the smallest margins are called outliers first. A margin
+/// below `uncertain_below` is uncertain and never an outlier, so the curve ends where all other trials are called
+/// outliers, and continues straight to (1, 1).
 ///
 /// [`RocPoint::threshold`] is the largest margin that is called an outlier, in nats: the curve passes through every
-/// [`crate::decision::Rule::OutlierBand`] with this `uncertain_below`. A trial that no category admits counts as a margin
-/// of 0.
+/// [`crate::decision::Rule::OutlierBand`] with this `uncertain_below`. A trial that no category admits counts as a
+/// margin of 0.
 ///
-/// `judge` gives the priors; its rule is not used. This is for evaluation only: thresholds are never chosen on outliers.
-/// `None` if the evaluation contains no outliers, or nothing else.
+/// `judge` gives the priors; its rule is not used. This is for evaluation only: thresholds are never chosen on
+/// outliers. `None` if the evaluation contains no outliers, or nothing else.
 pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
     let scores = |counts: &dyn Fn(&str) -> bool| -> Vec<f64> {
         let pool = evaluation.predictions.iter();

@@ -15,8 +15,8 @@ pub const NOTHING: &str = "nothing";
 /// What counts as the truth for a taxel's verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StreamTruth {
-    /// The object that presses hardest on the taxel in this frame. A taxel that nothing presses on (crosstalk, creep) has
-    /// no truth.
+    /// The object that presses hardest on the taxel in this frame. A taxel that nothing presses on (crosstalk, creep)
+    /// has no truth.
     Object,
     /// The single category of the environment, whatever presses, as in the paper's engineered reaches (section V-B).
     Environment(Category),
@@ -65,8 +65,8 @@ pub struct StreamFrame {
     pub by_verdict: Vec<usize>,
     /// Whether an object of each of [`Stream::truths`] truly presses on the patch.
     pub touched: Vec<bool>,
-    /// Mean number of samples used (Fig. 9) over the taxels in contact: how many samples of its contact had arrived when a
-    /// taxel's current verdict was first given, or 0 while it is uncertain. 0 without contact.
+    /// Mean number of samples used (Fig. 9) over the taxels in contact: how many samples of its contact had arrived
+    /// when a taxel's current verdict was first given, or 0 while it is uncertain. 0 without contact.
     pub mean_samples_used: f64,
     /// Mean number of samples since contact over the taxels in contact. 0 without contact.
     pub mean_samples_since_contact: f64,
@@ -88,8 +88,8 @@ pub struct StreamContact {
 pub struct Stream {
     /// The categories that an object of the recording can have: [`Category::BUILT_IN`], then further ones that occur.
     pub truths: Vec<Category>,
-    /// Names of the verdicts: the classifier's categories in alphabetical order, uncertain, outlier; with a touch model also
-    /// [`NOTHING`].
+    /// Names of the verdicts: the classifier's categories in alphabetical order, uncertain, outlier; with a touch model
+    /// also [`NOTHING`].
     pub verdicts: Vec<String>,
     /// The frames.
     pub frames: Vec<StreamFrame>,
@@ -135,8 +135,8 @@ impl Stream {
         (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64)
     }
 
-    /// Classifier time per 100 taxels in contact, s (Fig. 8): the total time of frames with contact over the total number of
-    /// taxels in contact.
+    /// Classifier time per 100 taxels in contact, s (Fig. 8): the total time of frames with contact over the total
+    /// number of taxels in contact.
     pub fn seconds_per_100_taxels(&self) -> Option<f64> {
         let with_contact = self
             .frames

@@ -17,7 +17,8 @@ pub(super) struct OneNumber {
 }
 
 impl OneNumber {
-    /// `push` gives the number from the one before, 0 at first, and the force of a sample; `scores` those of leaf and trunk.
+    /// `push` gives the number from the one before, 0 at first, and the force of a sample; `scores` those of leaf and
+    /// trunk.
     pub(super) fn new(push: fn(f64, f64) -> f64, scores: fn(f64) -> [f64; 2]) -> Self {
         let number = 0.0;
         OneNumber { number, push, scores }
@@ -302,8 +303,8 @@ fn wilson_intervals_match_published_figures() {
     assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
 }
 
-/// Pins that the bootstrap over reaches accounts for dependence within them: in each of 20 reaches, all 50 trials are right
-/// or all are wrong. The accuracy has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
+/// Pins that the bootstrap over reaches accounts for dependence within them: in each of 20 reaches, all 50 trials are
+/// right or all are wrong. The accuracy has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
 #[test]
 fn clusters_widen_the_interval() {
     let rows: Vec<_> = (0..20)

@@ -1,30 +1,32 @@
 //! Thresholds chosen on training data, without any outlier, for a given false-positive rate and outlier prior.
 //!
-//! The scores are those of whole trials held out by cross-validation, so that the choice reflects how wrong a classifier is
-//! on contacts that it was not fitted on. Group the folds by reach, because contacts of one reach resemble each other.
+//! The scores are those of whole trials held out by cross-validation, so that the choice reflects how wrong a
+//! classifier is on contacts that it was not fitted on. Group the folds by reach, because contacts of one reach
+//! resemble each other.
 //!
-//! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For every category c, at most a
-//! fraction α of the held-out trials of other categories may be classified as c with a margin above the threshold. The
-//! threshold is the smallest margin with this property. The fraction for k of n trials is counted as (k + 1) / (n + 1).
+//! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For every category c, at
+//! most a fraction α of the held-out trials of other categories may be classified as c with a margin above the
+//! threshold. The threshold is the smallest margin with this property. The fraction for k of n trials is counted as
+//! (k + 1) / (n + 1).
 //!
 //! **The uncertain threshold** limits false alarms. Without a model of outliers, nothing can be said about how many
-//! outliers are found, only about how many known contacts are wrongly called outliers. Let π be the prior probability of
-//! an outlier: of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known contacts falls into the
-//! band between the thresholds, there are at most as many false alarms as outliers as long as β (1 − π) ≤ π. The uncertain
-//! threshold is the smallest margin for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1) / (n + 1),
-//! weighted by the priors of eq. 3. A low outlier prior makes the band narrow, as in the paper; smaller margins are
-//! uncertain.
+//! outliers are found, only about how many known contacts are wrongly called outliers. Let π be the prior probability
+//! of an outlier: of N contacts, Nπ are outliers and N(1 − π) are not. If a fraction β of the known contacts falls into
+//! the band between the thresholds, there are at most as many false alarms as outliers as long as β (1 − π) ≤ π. The
+//! uncertain threshold is the smallest margin for which β ≤ π / (1 − π), where β is the mean over categories of (k + 1)
+//! / (n + 1), weighted by the priors of eq. 3. A low outlier prior makes the band narrow, as in the paper; smaller
+//! margins are uncertain.
 //!
 //! # What is not guaranteed
 //!
 //! The rates hold on the held-out trials, because they were counted there. For new contacts there is no guarantee:
 //!
-//! * Counting (k + 1) / (n + 1) bounds the probability of a mistake on a new trial only if that trial and the n held-out
-//!   ones are exchangeable and scored by the same model (Vovk, Gammerman, Shafer 2005, "Algorithmic learning in a
-//!   random world", section 2.2). Here the scores of several folds, and so of several models, are pooled, and the
+//! * Counting (k + 1) / (n + 1) bounds the probability of a mistake on a new trial only if that trial and the n
+//!   held-out ones are exchangeable and scored by the same model (Vovk, Gammerman, Shafer 2005, "Algorithmic learning
+//!   in a random world", section 2.2). Here the scores of several folds, and so of several models, are pooled, and the
 //!   thresholds are then used with yet another model, fitted on all trials.
-//! * Trials are clustered: one contact activates several taxels, and one reach makes many contacts. The n trials carry less
-//!   information than n independent ones, and the rate on a new reach may be far from α.
+//! * Trials are clustered: one contact activates several taxels, and one reach makes many contacts. The n trials carry
+//!   less information than n independent ones, and the rate on a new reach may be far from α.
 //! * The margins are those of whole trials. A margin grows with the number of samples, so the same thresholds, applied
 //!   online after each sample, leave a contact uncertain most of the time; trials of the paper's length may never reach
 //!   them. [`super::HeldOut::choose_thresholds`] measures this on the held-out trials
@@ -42,7 +44,8 @@ use crate::decision::{Choice, Decision, DecisionError, Judge, Rule};
 /// The rates that thresholds must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ThresholdTargets {
-    /// The largest fraction of held-out trials of other categories that may be classified as a category; between 0 and 1.
+    /// The largest fraction of held-out trials of other categories that may be classified as a category; between 0
+    /// and 1.
     pub false_positive_rate: f64,
     /// The expected fraction of contacts that are outliers; at least 0 and below 1/2.
     pub outlier_prior: f64,
@@ -65,8 +68,8 @@ pub struct ChosenThresholds {
     pub uncertain: f64,
     /// Fraction of all trials that are called outliers, although none is one.
     pub outlier: f64,
-    /// The effect of the same thresholds on the same trials when applied after each sample, as online. `None` if the scores
-    /// after each sample are not known.
+    /// The effect of the same thresholds on the same trials when applied after each sample, as online. `None` if the
+    /// scores after each sample are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample_by_sample: Option<Rates>,
 }
@@ -219,8 +222,8 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
     Ok(threshold)
 }
 
-/// The smallest margin such that few enough known trials lie between it and `category_above`, or `category_above` itself
-/// if one trial is already too many.
+/// The smallest margin such that few enough known trials lie between it and `category_above`, or `category_above`
+/// itself if one trial is already too many.
 fn uncertain_below(
     margins: &[HeldOutMargin],
     categories: &[String],

@@ -232,8 +232,8 @@ impl TouchEvaluation {
         known.iter().fold(TouchTally::default(), |sum, tally| sum.plus(tally))
     }
 
-    /// Mean over the true categories of the share of contacts for which the likeliest category is right; `None` unless every
-    /// category has a contact.
+    /// Mean over the true categories of the share of contacts for which the likeliest category is right; `None` unless
+    /// every category has a contact.
     pub fn balanced_accuracy(&self, categories: usize, likeliest: impl Fn(&JudgedContact) -> usize) -> Option<f64> {
         let share = |category: usize| {
             let own = self.contacts.iter().filter(|contact| contact.category == category);
@@ -248,8 +248,8 @@ impl TouchEvaluation {
             .map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
     }
 
-    /// Mean difference of probability and frequency of the likeliest class, weighted by the counts of the bins (Naeini et al.
-    /// 2015); `None` without any taxel frame.
+    /// Mean difference of probability and frequency of the likeliest class, weighted by the counts of the bins (Naeini
+    /// et al. 2015); `None` without any taxel frame.
     pub fn expected_calibration_error(&self) -> Option<f64> {
         let count: usize = self.calibration.iter().map(|bin| bin.count).sum();
         let difference = |bin: &CalibrationBin| (bin.probability - bin.true_count as f64).abs();

@@ -23,8 +23,8 @@ pub struct TouchFigures {
     pub spurious_called_nothing: Option<f64>,
     /// Share of the taxel frames that a known category truly presses on that are called nothing.
     pub touches_lost: Option<f64>,
-    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole contact; `None`
-    /// without such contacts.
+    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole
+    /// contact; `None` without such contacts.
     pub contacts_at_end: Option<Accuracy>,
     /// The same by the first ten samples, or the whole contact if it is shorter.
     pub contacts_after_tenth_second: Option<Accuracy>,
@@ -59,8 +59,8 @@ pub struct TruthFigures {
     pub called_unknown: Option<f64>,
 }
 
-/// Shares of the taxel frames of a reach that a known category presses on, on average over reaches, each of which counts the same.
-/// This is what limits of risk are about ([`crate::touch::RiskLimits`]).
+/// Shares of the taxel frames of a reach that a known category presses on, on average over reaches, each of which
+/// counts the same. This is what limits of risk are about ([`crate::touch::RiskLimits`]).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ReachFigures {
     /// Number of reaches. One without such taxel frames counts as one without bad verdicts.
@@ -94,8 +94,8 @@ pub struct RightWithin {
     pub share: f64,
 }
 
-/// Contacts with objects of no known category against those with known ones, by the distance from the usual contacts, over taxel
-/// frames. Foam blocks are left out: they belong to the environment.
+/// Contacts with objects of no known category against those with known ones, by the distance from the usual contacts,
+/// over taxel frames. Foam blocks are left out: they belong to the environment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OutlierFigures {
     /// Taxel frames that an unknown object presses on.
@@ -180,8 +180,8 @@ fn first_right(until_right: &[usize], contacts: usize) -> Vec<RightWithin> {
     counts.filter_map(within).collect()
 }
 
-/// The curve of contacts with unknown objects against those with known ones, by taxel frames and without foam blocks; `None` unless
-/// there are both.
+/// The curve of contacts with unknown objects against those with known ones, by taxel frames and without foam blocks;
+/// `None` unless there are both.
 pub fn outlier_curve<'a>(distances: impl Iterator<Item = &'a TouchDistance> + Clone) -> Option<RocCurve> {
     let by_taxel = |is_known: bool| -> Vec<f64> {
         let own = distances.clone().filter(|own| own.is_known == is_known);
@@ -264,7 +264,8 @@ mod tests {
                 distance(1.0, 30, Category::LEAF),
                 distance(6.0, 1, Category::TRUNK),
             ],
-            // The first reach has 3 of 20 called another category and 1 unknown, the second 1 of 10, the third no contact.
+            // The first reach has 3 of 20 called another category and 1 unknown, the second 1 of 10, the third no
+            // contact.
             reaches: vec![tally(12, 4, 4, 0, 1), tally(6, 3, 1, 2, 0), tally(0, 0, 0, 0, 0)],
             ..TouchEvaluation::default()
         };
@@ -303,7 +304,8 @@ mod tests {
             [0.25, 0.25, 0.5, 0.75, 0.75]
         );
         assert_eq!(figures.median_samples_until_right, Some(3));
-        // Of 31 known taxel frames one is farther away than the two outlier frames at 5, and all are farther than the one at 0.5.
+        // Of 31 known taxel frames one is farther away than the two outlier frames at 5, and all are farther than the
+        // one at 0.5.
         let outliers = figures.outliers.unwrap();
         assert_eq!(outliers.taxel_frames, 3);
         assert!(

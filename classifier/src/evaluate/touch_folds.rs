@@ -151,12 +151,12 @@ pub fn check_folds(folds: usize, reaches: usize) -> Result<(), TouchFoldsError> 
     Ok(())
 }
 
-/// Cross-validates touch models. Reach i belongs to part i modulo `folds`, and each part is judged by a model of the others, which
-/// `fit` makes from its rows of `examples`. These are the rows of all reaches, in their order.
+/// Cross-validates touch models. Reach i belongs to part i modulo `folds`, and each part is judged by a model of the
+/// others, which `fit` makes from its rows of `examples`. These are the rows of all reaches, in their order.
 ///
 /// # Errors
-/// What `refused` makes of a [`TouchFoldsError`], if there are too few folds, reaches or categories; also if a reach cannot be read,
-/// and the errors of `fit`.
+/// What `refused` makes of a [`TouchFoldsError`], if there are too few folds, reaches or categories; also if a reach
+/// cannot be read, and the errors of `fit`.
 pub fn cross_validate_touch<R: ReadReaches>(
     folds: usize,
     examples: &TouchExamples,

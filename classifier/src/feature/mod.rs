@@ -1,7 +1,7 @@
 //! Features: the numbers that a classifier uses of each sample.
 //!
-//! [`FEATURES`] lists all of them, with name, unit and how each is read. A [`FeatureSet`] is an ordered choice from that
-//! list. All classifiers read samples through [`FeatureSet::read`], which checks them.
+//! [`FEATURES`] lists all of them, with name, unit and how each is read. A [`FeatureSet`] is an ordered choice from
+//! that list. All classifiers read samples through [`FeatureSet::read`], which checks them.
 
 mod error;
 mod list;

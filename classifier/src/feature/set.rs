@@ -99,8 +99,8 @@ impl FeatureSet {
         self.iter().filter(|feature| feature.of_region)
     }
 
-    /// Reads the features of one sample into `values`, which has [`FeatureSet::dimension`] places. Every classifier reads
-    /// its samples here. Nothing is allocated.
+    /// Reads the features of one sample into `values`, which has [`FeatureSet::dimension`] places. Every classifier
+    /// reads its samples here. Nothing is allocated.
     ///
     /// # Errors
     /// [`SampleFault`] if the sample lacks a feature, or one is NaN or infinite.

@@ -2,8 +2,9 @@
 
 use super::filter::{STREAMS, ScoreKind, Weights};
 use super::scorer::Scorer;
-use super::tile::{Tile, vectorized};
+use super::tile::Tile;
 use crate::feature::FeatureError;
+use crate::vector::vectorized;
 
 /// Filters of a fixed number of streams under several models of the same features.
 ///

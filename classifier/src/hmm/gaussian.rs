@@ -124,7 +124,8 @@ impl Gaussians {
 mod tests {
     use super::*;
 
-    /// Pins a bivariate density against its closed form with the correlation written out, in every way of evaluating it.
+    /// Pins a bivariate density against its closed form with the correlation written out, in every way of evaluating
+    /// it.
     #[test]
     fn log_density_matches_the_textbook_formula() {
         let (s1, s2, rho) = (0.5, 2.0, 0.3);

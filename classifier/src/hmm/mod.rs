@@ -1,8 +1,8 @@
 //! Hidden Markov models with one full-covariance Gaussian per state.
 //!
 //! [`HmmParameters`] are the numbers as they appear in a file. [`GaussianHmm::new`] checks them, so that every model is
-//! sound. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole sequences,
-//! and [`RunningScore`] follows a stream sample by sample with the same code.
+//! sound. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole
+//! sequences, and [`RunningScore`] follows a stream sample by sample with the same code.
 
 mod bank;
 mod covariance;

@@ -57,8 +57,8 @@ impl GaussianHmm {
     /// Checks parameters.
     ///
     /// # Errors
-    /// [`ParameterError`] if sizes disagree, a number is not finite, a probability is outside 0 … 1, a row does not sum to 1
-    /// within 1e-6, or a covariance is not symmetric and positive definite.
+    /// [`ParameterError`] if sizes disagree, a number is not finite, a probability is outside 0 … 1, a row does not sum
+    /// to 1 within 1e-6, or a covariance is not symmetric and positive definite.
     pub fn new(parameters: HmmParameters) -> Result<Self, ParameterError> {
         let states = parameters.initial.len();
         if states == 0 {

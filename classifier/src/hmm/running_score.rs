@@ -2,8 +2,9 @@
 
 use super::filter::{STREAMS, ScoreKind, Weights};
 use super::scorer::Scorer;
-use super::tile::{Tile, vectorized};
+use super::tile::Tile;
 use crate::feature::FeatureError;
+use crate::vector::vectorized;
 
 /// The score of one contact under one model while samples arrive.
 ///

@@ -2,8 +2,9 @@
 
 use super::filter::{FilterTables, STREAMS, ScoreKind, Weights};
 use super::model::GaussianHmm;
-use super::tile::{Tile, vectorized};
+use super::tile::Tile;
 use crate::feature::{FeatureError, Observations};
+use crate::vector::vectorized;
 
 /// A model together with what scoring prepares from it, once.
 ///

@@ -7,8 +7,8 @@ use super::train::{check_sequences, largest_observation};
 use super::training_error::TrainingError;
 use crate::feature::Observations;
 
-/// An initial model for Baum-Welch. State j of N gets the mean and covariance of the j-th of N equal time slices, pooled
-/// over all sequences (the authors' recipe).
+/// An initial model for Baum-Welch. State j of N gets the mean and covariance of the j-th of N equal time slices,
+/// pooled over all sequences (the authors' recipe).
 ///
 /// Slice j of T samples contains the samples from ⌊jT/N⌋ up to but not including ⌊(j+1)T/N⌋, and at least one. In a
 /// sequence shorter than N, neighbouring slices share samples, so that every sequence contributes to every state.

@@ -6,8 +6,8 @@ mod scaled;
 
 use self::linear::LinearModel;
 use super::model::GaussianHmm;
-use super::tile::vectorized;
 use crate::feature::Observations;
+use crate::vector::vectorized;
 
 /// Expected counts under one model, summed over sequences (Rabiner 1989, section III-C; the paper's reference [14]).
 pub(super) struct Statistics {
@@ -21,13 +21,13 @@ pub(super) struct Statistics {
     pub(super) occupancy: Vec<f64>,
     /// N × D: expected sum of deviations from the model's mean.
     pub(super) first: Vec<f64>,
-    /// N × D × D: expected sum of products of those deviations. They are taken about the old mean, which is close to the
-    /// new one, so that little precision is lost when the square of the new deviation is subtracted.
+    /// N × D × D: expected sum of products of those deviations. They are taken about the old mean, which is close to
+    /// the new one, so that little precision is lost when the square of the new deviation is subtracted.
     pub(super) second: Vec<f64>,
 }
 
-/// If a state's expected number of samples or departures is below this, the tiny terms that the fast pass drops matter, and
-/// everything is counted again in log space.
+/// If a state's expected number of samples or departures is below this, the tiny terms that the fast pass drops matter,
+/// and everything is counted again in log space.
 const FEW: f64 = 1e-12;
 
 impl Statistics {
@@ -44,7 +44,8 @@ impl Statistics {
 
     /// Expected counts over all sequences. The error is the index of a sequence that the model rules out.
     ///
-    /// Uses the scaled pass (`scaled.rs`) where it can show that its result is exact, and log space (`exact.rs`) elsewhere.
+    /// Uses the scaled pass (`scaled.rs`) where it can show that its result is exact, and log space (`exact.rs`)
+    /// elsewhere.
     pub(super) fn collect(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
         let statistics = Self::collect_scaled(model, sequences)?;
         let few = |&count: &f64| count < FEW;

@@ -1,5 +1,7 @@
-//! Arithmetic on four numbers at a time, which the compiler turns into vector instructions. Results have the same bits on
-//! every processor, because no operations are fused and every sum has a fixed order.
+//! Arithmetic on four numbers at a time, which the compiler turns into vector instructions. Results have the same bits
+//! on every processor, because no operations are fused and every sum has a fixed order.
+
+use crate::vector::parts;
 
 /// Four numbers: one for each of four states or streams.
 pub(super) type Tile = [f64; WIDTH];
@@ -7,26 +9,13 @@ pub(super) type Tile = [f64; WIDTH];
 /// Numbers in a tile.
 pub(super) const WIDTH: usize = 4;
 
-/// Runs `work` with AVX2 instructions if the processor has them. Everything that `work` calls must be inlined into it.
-#[inline(always)]
-pub(super) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
-    #[cfg(test)]
-    if tests::BASELINE_ONLY.get() {
-        return work();
-    }
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Some(avx2) = fearless_simd::Level::new().as_avx2() {
-        return fearless_simd::Simd::vectorize(avx2, work);
-    }
-    work()
-}
-
 /// Number of tiles needed for this many states.
 pub(super) fn tiles_for(states: usize) -> usize {
     states.div_ceil(WIDTH)
 }
 
-/// Arranges `outer` rows of one number per state in tiles, padded with `padding`. `value` maps row and state to a number.
+/// Arranges `outer` rows of one number per state in tiles, padded with `padding`. `value` maps row and state to a
+/// number.
 pub(super) fn tiled(outer: usize, states: usize, padding: f64, value: impl Fn(usize, usize) -> f64) -> Vec<Tile> {
     let tiles = tiles_for(states);
     let lane = |row: usize, state: usize| if state < states { value(row, state) } else { padding };
@@ -116,16 +105,6 @@ pub(super) fn exp2_fraction(x: f64) -> f64 {
     (four(8) * fourth + four(4)) * fourth + four(0)
 }
 
-/// Mantissa (1 … 2) and exponent of a positive number that is not subnormal.
-#[inline(always)]
-pub(super) fn parts(x: f64) -> (f64, f64) {
-    let bits = x.to_bits();
-    let mantissa = f64::from_bits(bits & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000);
-    // The exponent's bits, placed in the mantissa of 2^52, give 2^52 + exponent + bias as a float.
-    let exponent = f64::from_bits((bits >> 52) | 0x4330_0000_0000_0000) - 4_503_599_627_371_519.0;
-    (mantissa, exponent)
-}
-
 /// 2^x to about one unit in the last place, for x from −1022 to 1023.
 #[inline(always)]
 pub(super) fn exp2(x: f64) -> f64 {
@@ -180,15 +159,8 @@ pub(super) fn logarithm(x: f64) -> (f64, f64) {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use std::cell::Cell;
-
+mod tests {
     use super::*;
-
-    thread_local! {
-        /// Whether this thread uses only instructions that every processor has.
-        pub(in crate::hmm) static BASELINE_ONLY: Cell<bool> = const { Cell::new(false) };
-    }
 
     /// Pins exp2 against the standard library over its range, and that powers of two and exponents are exact.
     #[test]

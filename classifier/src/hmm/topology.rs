@@ -45,10 +45,11 @@ const LEFT_TO_RIGHT_5: [[f64; 5]; 5] = [
 impl Topology {
     /// The N × N initial transition probabilities.
     ///
-    /// For 5 left-to-right states this is the authors' own matrix. For other numbers it generalizes their pattern for 10 and
-    /// 20 states. Self-transitions have probability 0.1 in the first 60 % of the states, 0.2 up to 85 %, then 0.3, 0.4 in
-    /// the second to last and 1 in the last. The rest is divided among the later states in proportion to 0.25, 0.20, 0.15,
-    /// then 0.05 for each farther one (below 15 states), or 0.35, 0.25, then 0.015 for each farther one (from 15 states).
+    /// For 5 left-to-right states this is the authors' own matrix. For other numbers it generalizes their pattern for
+    /// 10 and 20 states. Self-transitions have probability 0.1 in the first 60 % of the states, 0.2 up to 85 %, then
+    /// 0.3, 0.4 in the second to last and 1 in the last. The rest is divided among the later states in proportion to
+    /// 0.25, 0.20, 0.15, then 0.05 for each farther one (below 15 states), or 0.35, 0.25, then 0.015 for each farther
+    /// one (from 15 states).
     ///
     /// Choice: the authors publish ranges for these weights; the values within the ranges and the limit of 15 are ours.
     pub fn transitions(self, states: usize) -> Vec<Vec<f64>> {

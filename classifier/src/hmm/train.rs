@@ -18,8 +18,8 @@ pub struct TrainingOptions {
     /// Training stops when the log-likelihood increases by less than this fraction of its absolute value; 0 runs all
     /// iterations.
     pub tolerance: f64,
-    /// The smallest eigenvalue of a covariance (for one feature, the smallest variance), in squares of the features' units
-    /// after scaling. 0 disables the floor: this is exact maximum likelihood, which fails with
+    /// The smallest eigenvalue of a covariance (for one feature, the smallest variance), in squares of the features'
+    /// units after scaling. 0 disables the floor: this is exact maximum likelihood, which fails with
     /// [`TrainingError::SingularCovariance`] if a state settles on repeated samples.
     pub variance_floor: f64,
 }
@@ -78,7 +78,8 @@ const EMPTY_OCCUPANCY: f64 = 1e-250;
 /// Trains a model by Baum-Welch (expectation maximization), starting from `start`. Initial and transition probabilities
 /// that are zero stay zero.
 ///
-/// The covariances of `start` are first raised to the variance floor. After that the likelihood decreases only by rounding.
+/// The covariances of `start` are first raised to the variance floor. After that the likelihood decreases only by
+/// rounding.
 ///
 /// # Errors
 /// [`TrainingError`].
@@ -205,8 +206,8 @@ fn maximize(
     Ok(GaussianHmm::new(parameters)?)
 }
 
-/// Replaces `row` by `counts` divided by their sum. Keeps the row if there are no counts, as for an empty state or one that
-/// is only reached at the last sample.
+/// Replaces `row` by `counts` divided by their sum. Keeps the row if there are no counts, as for an empty state or one
+/// that is only reached at the last sample.
 fn normalize(counts: &[f64], row: &mut [f64]) {
     let sum: f64 = counts.iter().sum();
     if sum >= EMPTY_OCCUPANCY {

@@ -23,7 +23,8 @@ pub struct TrainingReport {
 }
 
 impl HmmClassifier {
-    /// Trains one model per category by `recipe`, in parallel. The result is the same to the bit for any number of threads.
+    /// Trains one model per category by `recipe`, in parallel. The result is the same to the bit for any number of
+    /// threads.
     ///
     /// Trials without a category, blocks and outliers are skipped.
     ///

@@ -71,8 +71,8 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Made by [`HmmClassifier::train`], [`HmmClassifier::train_from`], [`HmmClassifier::new`] or read from a model file; all
-/// of them check it.
+/// Made by [`HmmClassifier::train`], [`HmmClassifier::train_from`], [`HmmClassifier::new`] or read from a model file;
+/// all of them check it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HmmClassifier {
     features: FeatureSet,

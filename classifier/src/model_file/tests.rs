@@ -47,8 +47,8 @@ fn fitted(name: &str) -> Model {
     Model::new(estimator.fit(&trials().iter().collect::<Vec<_>>()).unwrap())
 }
 
-/// Pins that every classifier of the list gives the same bits after it was saved and loaded, and the same text when it is
-/// saved again.
+/// Pins that every classifier of the list gives the same bits after it was saved and loaded, and the same text when it
+/// is saved again.
 #[test]
 fn every_classifier_is_saved_and_loaded_bit_for_bit() {
     for kind in CLASSIFIERS {
@@ -66,8 +66,8 @@ fn every_classifier_is_saved_and_loaded_bit_for_bit() {
     }
 }
 
-/// Pins that files without the key `classifier` are hidden Markov models, that the key may name them, and that an unknown
-/// name is refused with the known ones.
+/// Pins that files without the key `classifier` are hidden Markov models, that the key may name them, and that an
+/// unknown name is refused with the known ones.
 #[test]
 fn the_tag_names_the_classifier() {
     let text = fitted("hmm").save_string().unwrap();
@@ -101,8 +101,8 @@ fn each_number(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Pins that in the files of all classifiers a number out of range, a number that is text, and a list that lost its last
-/// entry are refused by an error that names the field.
+/// Pins that in the files of all classifiers a number out of range, a number that is text, and a list that lost its
+/// last entry are refused by an error that names the field.
 #[test]
 fn damaged_files_are_refused_by_field() {
     for kind in CLASSIFIERS.into_iter().filter(|kind| kind.name != "hmm") {

@@ -52,7 +52,8 @@ pub const STREAM_FEATURES: [(&str, &[&Feature]); 27] = [
 pub const TAXEL_AND_REGION: FeatureSet =
     FeatureSet::new([&FORCE, &MOTION, &AREA, &REGION_MAX_FORCE, &REGION_FORCE_SUM]);
 
-/// Numbers of samples after which classifiers are fitted and evaluated before a contact ends, spaced by about a factor of 2.
+/// Numbers of samples after which classifiers are fitted and evaluated before a contact ends, spaced by about a factor
+/// of 2.
 pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
 
 /// The stream features that can be computed from some features of each sample.

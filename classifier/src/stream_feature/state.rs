@@ -4,9 +4,9 @@ use underbrush_recording::Sample;
 
 use super::STREAM_FEATURES;
 
-/// Values well below a knee pass unchanged, up to a factor; values above it are compressed logarithmically. Choice: forces
-/// near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two samples at
-/// 100 Hz, and for slopes over motion the stiffness of the softest leaves.
+/// Values well below a knee pass unchanged, up to a factor; values above it are compressed logarithmically. Choice:
+/// forces near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two
+/// samples at 100 Hz, and for slopes over motion the stiffness of the softest leaves.
 const FORCE_KNEE_N: f64 = 0.1;
 const MOTION_KNEE_M: f64 = 1e-4;
 const FORCE_RATE_KNEE_N_PER_S: f64 = 10.0;
@@ -123,7 +123,8 @@ impl StreamFeatures {
         self.mean_share += (share - self.mean_share) / count;
     }
 
-    /// All stream features after the samples so far, in the order of [`STREAM_FEATURES`]; zeros before the first sample.
+    /// All stream features after the samples so far, in the order of [`STREAM_FEATURES`]; zeros before the first
+    /// sample.
     pub fn values(&self) -> [f64; STREAM_FEATURES.len()] {
         let count = self.count.max(1.0);
         let per_second = |sum: f64| {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::compress::{compress, compress_count};
+use super::compress::{COUNT_KNEE, PLAIN, compress, knees, names};
 
 /// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,7 +13,8 @@ pub struct Measure {
     pub force_n: f64,
     /// The largest of them, N.
     pub largest_force_n: f64,
-    /// How far the skin moved along its outward normal since the last frame, m: what it touches must have given way by that.
+    /// How far the skin moved along its outward normal since the last frame, m: what it touches must have given way by
+    /// that.
     pub press_m: f64,
     /// How far the skin moved sideways since the last frame, m.
     pub slide_m: f64,
@@ -25,48 +26,11 @@ pub struct Measure {
     pub center_world: DVec3,
 }
 
-/// Names of the features of a region, in order.
-pub const REGION_FEATURES: [&str; 30] = [
-    "samples",
-    "force",
-    "largest force so far",
-    "mean force",
-    "first force",
-    "taxel force",
-    "largest taxel force so far",
-    "taxels",
-    "most taxels so far",
-    "extent",
-    "press",
-    "largest press so far",
-    "path of press",
-    "path of slide",
-    "path on the skin",
-    "distance on the skin",
-    "distance in the world",
-    "stiffness at the largest force",
-    "slope of force over press",
-    "correlation of force and press",
-    "recent slope of force over press",
-    "slope of force over time",
-    "recent roughness",
-    "largest step of force",
-    "force over largest force",
-    "work",
-    "variation of force",
-    "speed of press at first",
-    "rise of force at first",
-    "share of the strongest taxel",
-];
-
-/// Number of features of a region.
-pub const REGION_FEATURE_COUNT: usize = REGION_FEATURES.len();
-
 /// Number of features that describe a contact: see [`Course::description`].
 pub const DESCRIPTION_COUNT: usize = 5;
 
-/// Values well below a knee are unchanged, up to a factor; values above it are compressed logarithmically. Choices: a contact
-/// force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
+/// Values well below a knee are unchanged, up to a factor; values above it are compressed logarithmically. Choices: a
+/// contact force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
 const FORCE_KNEE_N: f64 = 0.1;
 const MOTION_KNEE_M: f64 = 5e-4;
 const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
@@ -75,10 +39,54 @@ const SPEED_KNEE_M_PER_S: f64 = 0.01;
 const WORK_KNEE_J: f64 = 1e-4;
 /// Averages of the recent past forget with this time, s; a tenth of a second is the time in which a verdict is wanted.
 const RECENT_S: f64 = 0.1;
-/// What describes a contact is a mean that forgets with this time, s. Choice: from 0.3 to 5 s outliers are found equally well.
+/// What describes a contact is a mean that forgets with this time, s. Choice: from 0.3 to 5 s outliers are found
+/// equally well.
 const DESCRIBED_S: f64 = 1.0;
 /// How many samples count as the beginning.
 const FIRST_SAMPLES: f64 = 5.0;
+
+/// The features of a region and their knees.
+const FEATURES: [(&str, f64); 30] = [
+    ("samples", COUNT_KNEE),
+    ("force", FORCE_KNEE_N),
+    ("largest force so far", FORCE_KNEE_N),
+    ("mean force", FORCE_KNEE_N),
+    ("first force", FORCE_KNEE_N),
+    ("taxel force", FORCE_KNEE_N),
+    ("largest taxel force so far", FORCE_KNEE_N),
+    ("taxels", COUNT_KNEE),
+    ("most taxels so far", COUNT_KNEE),
+    ("extent", MOTION_KNEE_M),
+    ("press", MOTION_KNEE_M),
+    ("largest press so far", MOTION_KNEE_M),
+    ("path of press", MOTION_KNEE_M),
+    ("path of slide", MOTION_KNEE_M),
+    ("path on the skin", MOTION_KNEE_M),
+    ("distance on the skin", MOTION_KNEE_M),
+    ("distance in the world", MOTION_KNEE_M),
+    ("stiffness at the largest force", STIFFNESS_KNEE_N_PER_M),
+    ("slope of force over press", STIFFNESS_KNEE_N_PER_M),
+    ("correlation of force and press", PLAIN),
+    ("recent slope of force over press", STIFFNESS_KNEE_N_PER_M),
+    ("slope of force over time", RATE_KNEE_N_PER_S),
+    ("recent roughness", PLAIN),
+    ("largest step of force", FORCE_KNEE_N),
+    ("force over largest force", PLAIN),
+    ("work", WORK_KNEE_J),
+    ("variation of force", FORCE_KNEE_N),
+    ("speed of press at first", SPEED_KNEE_M_PER_S),
+    ("rise of force at first", RATE_KNEE_N_PER_S),
+    ("share of the strongest taxel", PLAIN),
+];
+
+/// Names of the features of a region, in order.
+pub const REGION_FEATURES: [&str; FEATURES.len()] = names(&FEATURES);
+
+/// Number of features of a region.
+pub const REGION_FEATURE_COUNT: usize = FEATURES.len();
+
+/// The knees of the features of a region.
+pub(super) const REGION_KNEES: [f64; FEATURES.len()] = knees(&FEATURES);
 
 /// Running statistics of a contact region.
 #[derive(Clone, Copy, Debug, Default)]
@@ -114,8 +122,8 @@ pub struct Course {
     time_squares: f64,
     force_press: f64,
     force_time: f64,
-    /// Means of force, taxel force, taxels and extent in the last second, as features, weighted by force; and the sum of the
-    /// weights.
+    /// Means of force, taxel force, taxels and extent in the last second, as features, weighted by force; and the sum
+    /// of the weights.
     described: [f64; 4],
     described_weight_n: f64,
     /// The same of the steps in the recent past.
@@ -207,12 +215,10 @@ impl Course {
             extent_m,
             ..
         } = self.now;
-        let now = [
-            compress(force_n, FORCE_KNEE_N),
-            compress(largest_force_n, FORCE_KNEE_N),
-            compress_count(taxels),
-            compress(extent_m, MOTION_KNEE_M),
-        ];
+        let now = compress(
+            [force_n, largest_force_n, taxels, extent_m],
+            &[FORCE_KNEE_N, FORCE_KNEE_N, COUNT_KNEE, MOTION_KNEE_M],
+        );
         self.described_weight_n = kept * self.described_weight_n + force_n;
         let share = force_n / self.described_weight_n.max(f64::MIN_POSITIVE);
         for (mean, now) in self.described.iter_mut().zip(now) {
@@ -220,54 +226,57 @@ impl Course {
         }
     }
 
-    /// What describes the contact regardless of how it was brought about: how strong it is, altogether and at its strongest taxel,
-    /// how many taxels it covers and how far it is spread out, in the last second; and how far its object gave way so far.
+    /// What describes the contact regardless of how it was brought about: how strong it is, altogether and at its
+    /// strongest taxel, how many taxels it covers and how far it is spread out, in the last second; and how far its
+    /// object gave way so far.
     pub fn description(&self) -> [f64; DESCRIPTION_COUNT] {
         let [force, taxel_force, taxels, extent] = self.described;
-        let press = compress(self.largest_press_m, MOTION_KNEE_M);
+        let [press] = compress([self.largest_press_m], &[MOTION_KNEE_M]);
         [force, taxel_force, taxels, extent, press]
     }
 
     /// The features of the contact so far, in the order of [`REGION_FEATURES`].
     pub fn features(&self) -> [f64; REGION_FEATURE_COUNT] {
-        let force = |newtons: f64| compress(newtons, FORCE_KNEE_N);
-        let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
-        let stiffness = |slope: f64| compress(slope, STIFFNESS_KNEE_N_PER_M);
+        compress(self.values(), &REGION_KNEES)
+    }
+
+    /// The features before they are compressed.
+    pub(super) fn values(&self) -> [f64; REGION_FEATURE_COUNT] {
         let square = MOTION_KNEE_M * MOTION_KNEE_M;
         let per_time = |value: f64, time_s: f64| if time_s > 0.0 { value / time_s } else { 0.0 };
         let deviation_n = (self.force_squares.max(0.0) / self.count.max(1.0)).sqrt();
         let correlation = self.force_press
             / (self.force_squares.max(1e-6) * (self.press_squares + self.count * 1e-2 * square)).sqrt();
         [
-            compress_count(self.count),
-            force(self.now.force_n),
-            force(self.largest_force_n),
-            force(self.mean[0]),
-            force(self.first_force_n),
-            force(self.now.largest_force_n),
-            force(self.largest_taxel_force_n),
-            compress_count(self.now.taxels),
-            compress_count(self.most_taxels),
-            motion(self.now.extent_m),
-            motion(self.press_m),
-            motion(self.largest_press_m),
-            motion(self.press_path_m),
-            motion(self.slide_path_m),
-            motion(self.skin_path_m),
-            motion(self.now.center_link.distance(self.first_link)),
-            motion(self.now.center_world.distance(self.first_world)),
-            stiffness(self.largest_force_n / (self.press_at_largest_m.max(0.0) + MOTION_KNEE_M)),
-            stiffness(self.force_press / (self.press_squares + self.count * square)),
+            self.count,
+            self.now.force_n,
+            self.largest_force_n,
+            self.mean[0],
+            self.first_force_n,
+            self.now.largest_force_n,
+            self.largest_taxel_force_n,
+            self.now.taxels,
+            self.most_taxels,
+            self.now.extent_m,
+            self.press_m,
+            self.largest_press_m,
+            self.press_path_m,
+            self.slide_path_m,
+            self.skin_path_m,
+            self.now.center_link.distance(self.first_link),
+            self.now.center_world.distance(self.first_world),
+            self.largest_force_n / (self.press_at_largest_m.max(0.0) + MOTION_KNEE_M),
+            self.force_press / (self.press_squares + self.count * square),
             correlation,
-            stiffness(self.recent_force_press / (self.recent_press_squares + square)),
-            compress(per_time(self.force_time, self.time_squares), RATE_KNEE_N_PER_S),
+            self.recent_force_press / (self.recent_press_squares + square),
+            per_time(self.force_time, self.time_squares),
             self.roughness,
-            force(self.largest_step_n),
+            self.largest_step_n,
             self.now.force_n / self.largest_force_n.max(f64::MIN_POSITIVE),
-            compress(self.work_j, WORK_KNEE_J),
-            force(deviation_n),
-            compress(per_time(self.first_press_m, self.first_s), SPEED_KNEE_M_PER_S),
-            compress(per_time(self.first_rise_n, self.first_s), RATE_KNEE_N_PER_S),
+            self.work_j,
+            deviation_n,
+            per_time(self.first_press_m, self.first_s),
+            per_time(self.first_rise_n, self.first_s),
             self.now.largest_force_n / self.now.force_n.max(f64::MIN_POSITIVE),
         ]
     }

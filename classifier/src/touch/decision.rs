@@ -6,18 +6,19 @@ use underbrush_recording::Limits;
 
 use crate::error::{Fault, check_limits};
 
-/// Costs of verdicts, relative to that of a wrong one, and two limits.
+/// The cost of an uncertain verdict, relative to that of a wrong one, and two limits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TouchDecision {
     /// A reading is called nothing if the probability that nothing presses on the taxel is above this.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub nothing_above: f64,
-    /// A contact is called unknown if at most this share of contacts with known categories is as unusual. It is the share of
-    /// false alarms.
+    /// A contact is called unknown if at most this share of contacts with known categories is as unusual. So this is
+    /// also the share of false alarms.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub unknown_share: f64,
-    /// What it costs not to decide, relative to a wrong category. A category is called if its probability is above 1 minus this.
+    /// What it costs not to decide, relative to a wrong category. A category is called if its probability is above 1
+    /// minus this.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub cost_of_uncertain: f64,
 }
@@ -26,9 +27,9 @@ pub struct TouchDecision {
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 impl Default for TouchDecision {
-    /// Choices: one false alarm in a hundred, and a wrong category is five times as bad as none. On the development seeds 3000 to
-    /// 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many are uncertain as at ten times.
-    /// `nothing_above` is chosen in training.
+    /// Choices: one false alarm in a hundred, and a wrong category is five times as bad as none. On the development
+    /// seeds 3000 to 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many are uncertain
+    /// as when a wrong category is ten times as bad. `nothing_above` is chosen in training.
     fn default() -> Self {
         TouchDecision {
             nothing_above: 0.5,
@@ -45,7 +46,7 @@ pub enum Touch {
     Nothing,
     /// The known category of this index.
     Category(usize),
-    /// One of the known categories, but which one is not sure yet.
+    /// One of the known categories, but it is not sure yet which one.
     Uncertain,
     /// Something unlike all known categories.
     Unknown,
@@ -64,8 +65,8 @@ impl Touch {
 }
 
 impl TouchDecision {
-    /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known contacts
-    /// that are as unusual.
+    /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known
+    /// contacts that are as unusual.
     pub fn of_region(&self, probabilities: &[f64], share_beyond: f64) -> Touch {
         if share_beyond <= self.unknown_share {
             return Touch::Unknown;

@@ -14,7 +14,7 @@ use crate::trial::TrialError;
 
 /// Contacts are used after these numbers of samples, so that verdicts are learned for the beginning of a contact, too.
 const EARLY_SAMPLES: [usize; 6] = [1, 2, 3, 5, 10, 20];
-/// Apart from that, one frame of so many is used.
+/// Apart from these, every frame whose index is a multiple of this is used.
 const EVERY: usize = 10;
 
 /// A taxel in contact in one frame.
@@ -23,7 +23,7 @@ pub(super) struct TaxelExample {
     pub(super) features: [f64; TAXEL_FEATURE_COUNT],
     /// Whether an object presses on it.
     pub(super) is_touched: bool,
-    /// Whether the frame is one that is used anyway, so that these rows are a fair sample of all frames.
+    /// Whether the frame is used whatever happens in it. Such rows are a fair sample of all frames.
     pub(super) is_regular: bool,
 }
 
@@ -46,7 +46,8 @@ pub(super) struct Examples {
 }
 
 impl Examples {
-    /// The rows of a recording. Contacts with categories that are not trained count as touched, and have no region rows.
+    /// The rows of a recording. Contacts with categories that are not trained count as touched, and have no region
+    /// rows.
     pub(super) fn of(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
         let mut tracker = SkinTracker::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
         let mut examples = Examples::default();

@@ -14,8 +14,8 @@ use super::rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
 
 impl TouchExamples {
-    /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model itself is
-    /// then fitted to all. The result is the same for any number of threads.
+    /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model
+    /// itself is then fitted to all. The result is the same for any number of threads.
     ///
     /// # Errors
     /// [`ModelError::NoCategories`] if no known category touches the patch, or the recordings are fewer than two.
@@ -26,7 +26,8 @@ impl TouchExamples {
     /// The same, with a decision that keeps to the allowed shares of bad verdicts in new reaches.
     ///
     /// # Errors
-    /// Those of [`TouchExamples::fit`]; also [`ModelError::BadOption`] for shares out of range, and [`ModelError::FewReaches`].
+    /// Those of [`TouchExamples::fit`]; also [`ModelError::BadOption`] for shares out of range, and
+    /// [`ModelError::FewReaches`].
     pub fn fit_within(&self, limits: &RiskLimits) -> Result<TouchModel, ModelError> {
         limits.check(self.reaches.len())?;
         let categories = self.categories();

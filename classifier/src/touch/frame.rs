@@ -2,9 +2,10 @@
 
 use underbrush_recording::{Frame, Pose, SkinLayout};
 
+use super::compress::compress;
 use super::motion::Motion;
 use super::region::{Region, RegionTracker};
-use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
+use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES, TaxelCourse};
 use crate::trial::{PatchImage, TrialError};
 
 /// Follows taxels and regions of one patch. Nothing is allocated after the first frames.
@@ -82,11 +83,17 @@ impl SkinTracker {
 
     /// The features of a taxel in contact, which belongs to this region; `None` without contact.
     pub fn taxel_features(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
+        let values = self.taxel_values(taxel, region)?;
+        Some(compress(values, &TAXEL_KNEES))
+    }
+
+    /// The same before they are compressed.
+    pub(super) fn taxel_values(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
         let forces = self
             .regions
             .neighbours(taxel)
             .map(|other| self.image.sensed_force_n(other));
         let strongest_n = forces.fold(0.0, f64::max);
-        Some(self.courses[taxel].as_ref()?.features(&region.course, strongest_n))
+        Some(self.courses[taxel].as_ref()?.values(&region.course, strongest_n))
     }
 }

@@ -1,4 +1,5 @@
-//! What networks say of reaches that they were not fitted to, to calibrate probabilities and to choose limits.
+//! The scores of networks on reaches that they were not fitted to. Probabilities are calibrated, and limits chosen, by
+//! them.
 
 use std::collections::BTreeMap;
 
@@ -7,8 +8,8 @@ use super::networks::{category_network, class, touched_network};
 use super::risk::Lapse;
 use super::rows::TouchExamples;
 
-/// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 % that a
-/// controller should lose at most.
+/// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 %
+/// that a controller should lose at most.
 const LOST_SHARE: f64 = 0.015;
 
 /// What networks say of held-out reaches.
@@ -77,8 +78,8 @@ pub(super) struct Judged {
     weight: f64,
 }
 
-/// The factor of the scores with the smallest cross-entropy, by golden-section search over its logarithm: the cross-entropy is
-/// convex in the factor.
+/// The factor that gives the scores the smallest cross-entropy. It is found by golden-section search over its
+/// logarithm, because the cross-entropy is convex in the factor.
 pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
     let entropy = |log_factor: f64| -> f64 {
         let of = |row: &&Judged| {
@@ -101,7 +102,8 @@ pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
     (0.5 * (low + high)).exp()
 }
 
-/// The cost of an uncertain verdict above which a region is called another category than its own; `None` if it never is.
+/// The cost of an uncertain verdict above which a region is called another category than its own; `None` if it never
+/// is.
 pub(super) fn wrong_above(region: &Judged, sharpness: f64) -> Option<f64> {
     let mut probabilities: Vec<f64> = region.scores.iter().map(|score| score * sharpness).collect();
     softmax(&mut probabilities);
@@ -125,7 +127,7 @@ pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegi
     regions.iter().filter_map(lapse).collect()
 }
 
-/// The probability of nothing that is exceeded by the allowed share of true contacts.
+/// The probability of nothing that only the allowed share of true contacts exceeds.
 pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
     let touched = taxels.iter().filter(|taxel| taxel.class == 1);
     let mut nothing: Vec<f64> = touched

@@ -1,12 +1,13 @@
-//! What touches the skin: a verdict for each taxel and each contact region, in every frame, that a controller can act on.
+//! What touches the skin: a verdict for each taxel and each contact region, in every frame, that a controller can act
+//! on.
 //!
-//! A taxel that senses a force is touched or has a spurious reading. A region of touched taxels is pressed by something of a
-//! known category, such as leaf or trunk, or by something unknown. All of this is told as probabilities; a decision with costs
-//! stands on top ([`TouchDecision`]).
+//! A taxel that senses a force is touched or has a spurious reading. A region of touched taxels is pressed by something
+//! of a known category, such as leaf or trunk, or by something unknown. The answers are probabilities. A decision with
+//! costs turns them into verdicts ([`TouchDecision`]).
 //!
-//! The paper's hidden Markov models see forces and how far a contact has travelled. Here the motion of the skin along its own
-//! normal counts as well: how far an object gives way under a force is what tells a leaf from a trunk, at any stiffness or speed
-//! of the arm.
+//! The paper's hidden Markov models see forces and how far a contact has travelled. Here the motion of the skin along
+//! its own normal counts as well: how far an object gives way under a force is what tells a leaf from a trunk, at any
+//! stiffness or speed of the arm.
 //!
 //! | step | where |
 //! |---|---|
@@ -19,6 +20,7 @@ mod compress;
 mod course;
 mod decision;
 mod example;
+mod feature_rows;
 mod fit;
 mod frame;
 mod held_out;

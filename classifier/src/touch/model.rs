@@ -9,6 +9,7 @@ use underbrush_recording::limits::{self, Limits};
 
 use super::course::{Course, REGION_FEATURE_COUNT};
 use super::decision::TouchDecision;
+use super::feature_rows::FeatureRows;
 use super::network::{Network, softmax};
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
@@ -53,11 +54,14 @@ pub(super) struct Calibrated {
 }
 
 impl Calibrated {
-    /// Writes the probabilities of the classes. Nothing is allocated.
-    pub(super) fn probabilities<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
-        self.network.scores(features, classes);
-        classes.iter_mut().for_each(|score| *score *= self.sharpness);
-        softmax(classes);
+    /// Writes the probabilities of the classes for one row after the other. Nothing is allocated if there is room for
+    /// them.
+    pub(super) fn probabilities<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
+        self.network.scores_of(rows, classes);
+        for classes in classes.chunks_exact_mut(self.network.shape().1) {
+            classes.iter_mut().for_each(|score| *score *= self.sharpness);
+            softmax(classes);
+        }
     }
 }
 
@@ -72,25 +76,8 @@ impl TouchModel {
         &self.options
     }
 
-    /// The probability that nothing presses on a taxel with these features.
-    pub fn nothing(&self, features: &[f64; TAXEL_FEATURE_COUNT]) -> f64 {
-        let mut classes = [0.0; 2];
-        self.touched.probabilities(features, &mut classes);
-        classes[0]
-    }
-
-    /// Writes the probabilities of the known categories for a touched region with this course, and returns the share of contacts
-    /// with known categories that are as unusual.
-    ///
-    /// # Panics
-    /// If there are not as many places as categories.
-    pub fn region(&self, course: &Course, probabilities: &mut [f64]) -> f64 {
-        assert_eq!(
-            probabilities.len(),
-            self.categories.len(),
-            "one place for each category"
-        );
-        self.category.probabilities(&course.features(), probabilities);
+    /// The share of contacts with known categories that are as unusual as a region with this course.
+    pub fn share_beyond(&self, course: &Course) -> f64 {
         self.usual.share_beyond(self.distance(course))
     }
 

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Number of hidden units. Choice: with 24 the accuracy on held-out reaches is within its error of that with 48.
 pub const HIDDEN: usize = 24;
 
-/// Passes over the training rows, rows in a batch, and the largest step of a weight. Choices, common for networks of this size;
-/// the step falls to zero along half a cosine.
+/// Passes over the training rows, rows in a batch, and the largest step of a weight. Choices, common for networks of
+/// this size; the step falls to zero along half a cosine.
 const PASSES: usize = 30;
 const BATCH: usize = 64;
 const STEP: f64 = 3e-3;
@@ -21,7 +21,7 @@ const SMALLEST: f64 = 1e-8;
 /// Weight of half the squared norm of the weights beside the mean cross-entropy, nats.
 const PENALTY: f64 = 1e-3;
 /// Standardized inputs are clamped to this, so that a single outlying number does not dominate.
-const MAX_DEVIATIONS: f64 = 5.0;
+pub(super) const MAX_DEVIATIONS: f64 = 5.0;
 
 /// A row that a network is fitted to.
 #[derive(Clone, Debug)]
@@ -38,11 +38,11 @@ pub struct Row<const INPUTS: usize> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "NetworkFile", into = "NetworkFile")]
 pub struct Network {
-    mean: Vec<f64>,
-    scale: Vec<f64>,
-    hidden: Vec<[f64; HIDDEN]>,
-    output: Vec<[f64; HIDDEN]>,
-    output_constant: Vec<f64>,
+    pub(super) mean: Vec<f64>,
+    pub(super) scale: Vec<f64>,
+    pub(super) hidden: Vec<[f64; HIDDEN]>,
+    pub(super) output: Vec<[f64; HIDDEN]>,
+    pub(super) output_constant: Vec<f64>,
 }
 
 /// A network in a model file.
@@ -102,7 +102,8 @@ impl Network {
         (self.mean.len(), self.output.len())
     }
 
-    /// Whether all numbers are finite and all rows have the lengths that belong together, for this many features and classes.
+    /// Whether all numbers are finite and all rows have the lengths that belong together, for this many features and
+    /// classes.
     pub fn is_sound(&self, inputs: usize, classes: usize) -> bool {
         let lengths = [self.mean.len(), self.scale.len(), self.hidden.len()];
         let outputs = [self.output.len(), self.output_constant.len()];
@@ -113,14 +114,6 @@ impl Network {
             && numbers
                 .chain(self.hidden.iter().chain(&self.output).flatten())
                 .all(|number| number.is_finite())
-    }
-
-    /// Writes the log-odds of each class, up to a common constant, to `classes`. Nothing is allocated.
-    pub fn scores<const INPUTS: usize>(&self, features: &[f64; INPUTS], classes: &mut [f64]) {
-        let units = self.units(&self.standardized(features));
-        for (class, score) in classes.iter_mut().enumerate() {
-            *score = self.score(&units, class);
-        }
     }
 
     /// The hidden units.
@@ -180,7 +173,8 @@ impl Network {
         network
     }
 
-    /// Random weights of the size that keeps the signal's variance (He et al. 2015), and the standardization of the rows.
+    /// Random weights of the size that keeps the signal's variance (He et al. 2015), and the standardization of the
+    /// rows.
     fn unfitted<const INPUTS: usize>(rows: &[Row<INPUTS>], classes: usize, random: &mut ChaCha8Rng) -> Self {
         let count = rows.len().max(1) as f64;
         let mut mean = vec![0.0; INPUTS];

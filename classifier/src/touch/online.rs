@@ -4,9 +4,12 @@ use std::sync::Arc;
 
 use underbrush_recording::{Frame, SkinLayout};
 
+use super::course::{REGION_FEATURE_COUNT, REGION_KNEES};
 use super::decision::Touch;
+use super::feature_rows::FeatureRows;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
+use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};
 use crate::trial::TrialError;
 
 /// What touches a taxel in contact.
@@ -39,15 +42,20 @@ pub struct RegionTouch {
     pub touch: Touch,
 }
 
-/// Tells what touches each taxel and each region of a patch, in every frame. Nothing is allocated after the first frames.
+/// Tells what touches each taxel and each region of a patch, in every frame. Nothing is allocated after the first
+/// frames.
 #[derive(Clone, Debug)]
 pub struct TouchClassifier {
     model: Arc<TouchModel>,
     tracker: SkinTracker,
     taxels: Vec<TaxelTouch>,
     regions: Vec<RegionTouch>,
-    /// Of each region in turn.
+    /// The features of this frame's regions, and of the taxels of one region after the other.
+    region_features: FeatureRows<REGION_FEATURE_COUNT>,
+    taxel_features: FeatureRows<TAXEL_FEATURE_COUNT>,
+    /// Probabilities of the categories for each region in turn, and of nothing and a touch for each taxel in turn.
     probabilities: Vec<f64>,
+    touched: Vec<f64>,
 }
 
 impl TouchClassifier {
@@ -62,7 +70,10 @@ impl TouchClassifier {
         Ok(TouchClassifier {
             taxels: Vec::with_capacity(count),
             regions: Vec::with_capacity(count),
+            region_features: FeatureRows::with_capacity(count),
+            taxel_features: FeatureRows::with_capacity(count),
             probabilities: Vec::with_capacity(count * model.categories().len()),
+            touched: Vec::with_capacity(count * 2),
             tracker,
             model,
         })
@@ -74,46 +85,58 @@ impl TouchClassifier {
     /// [`TrialError::BadFrame`] if the frame does not fit the skin or holds NaN or infinity.
     pub fn update(&mut self, frame: &Frame) -> Result<(), TrialError> {
         self.tracker.update(frame)?;
-        let TouchClassifier {
-            model,
-            tracker,
-            taxels,
-            regions,
-            probabilities,
-        } = self;
-        taxels.clear();
-        regions.clear();
-        probabilities.clear();
-        for (index, region) in tracker.regions().iter().enumerate() {
-            let first = probabilities.len();
-            probabilities.resize(first + model.categories().len(), 0.0);
-            let share_beyond = model.region(&region.course, &mut probabilities[first..]);
-            let of_region = model.decision.of_region(&probabilities[first..], share_beyond);
-            let mut touched = 0;
-            for &taxel in tracker.taxels(region) {
-                let Some(features) = tracker.taxel_features(taxel, region) else {
-                    continue;
-                };
-                let nothing = model.nothing(&features);
+        self.region_features.clear();
+        self.taxel_features.clear();
+        for region in self.tracker.regions() {
+            self.region_features.push(&region.course.values());
+            for &taxel in self.tracker.taxels(region) {
+                if let Some(values) = self.tracker.taxel_values(taxel, region) {
+                    self.taxel_features.push(&values);
+                }
+            }
+        }
+        self.region_features.compress(&REGION_KNEES);
+        self.taxel_features.compress(&TAXEL_KNEES);
+        self.model
+            .category
+            .probabilities(&self.region_features, &mut self.probabilities);
+        self.model
+            .touched
+            .probabilities(&self.taxel_features, &mut self.touched);
+        self.decide();
+        Ok(())
+    }
+
+    /// From the probabilities of this frame to its verdicts.
+    fn decide(&mut self) {
+        self.taxels.clear();
+        self.regions.clear();
+        let model = &self.model;
+        let mut touched = self.touched.chunks_exact(2);
+        for (index, region) in self.tracker.regions().iter().enumerate() {
+            let share_beyond = model.share_beyond(&region.course);
+            let of_region = model.decision.of_region(self.probabilities(index), share_beyond);
+            let mut touched_taxels = 0;
+            for (&taxel, touched) in self.tracker.taxels(region).iter().zip(&mut touched) {
+                let nothing = touched[0];
                 let is_nothing = nothing > model.decision.nothing_above;
-                touched += usize::from(!is_nothing);
-                taxels.push(TaxelTouch {
+                touched_taxels += usize::from(!is_nothing);
+                self.taxels.push(TaxelTouch {
                     taxel,
-                    samples: tracker.samples(taxel),
+                    samples: self.tracker.samples(taxel),
                     region: index,
                     nothing,
                     touch: if is_nothing { Touch::Nothing } else { of_region },
                 });
             }
-            regions.push(RegionTouch {
+            self.regions.push(RegionTouch {
                 contact: region.contact,
                 samples: region.course.samples(),
-                taxels: [tracker.taxels(region).len(), touched],
+                taxels: [self.tracker.taxels(region).len(), touched_taxels],
                 share_beyond,
-                touch: if touched == 0 { Touch::Nothing } else { of_region },
+                touch: if touched_taxels == 0 { Touch::Nothing } else { of_region },
             });
         }
-        Ok(())
     }
 
     /// The model.
@@ -136,7 +159,8 @@ impl TouchClassifier {
         &self.regions
     }
 
-    /// Probabilities of the known categories for a region, if something touches it, in the order of [`TouchModel::categories`].
+    /// Probabilities of the known categories for a region, if something touches it, in the order of
+    /// [`TouchModel::categories`].
     pub fn probabilities(&self, region: usize) -> &[f64] {
         let count = self.model.categories().len();
         &self.probabilities[region * count..][..count]

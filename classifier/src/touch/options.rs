@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::trial::TrialOptions;
 
-/// The patch, and the force from which on a taxel is in contact.
+/// The patch, and the force above which a taxel is in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TouchOptions {

@@ -7,8 +7,8 @@ use super::course::{Course, Measure};
 use super::motion::Motion;
 use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
 
-/// A region of a frame continues the region of the last frame that pressed on the same taxels. Where none did, it continues one
-/// that pressed on a neighbour, with this weight.
+/// A region of a frame continues the region of the last frame that pressed on the same taxels. Where none did, it
+/// continues one that pressed on a neighbour, with this weight.
 const NEIGHBOUR_WEIGHT: f64 = 0.1;
 
 /// Taxels that touch each other and are in contact.
@@ -61,7 +61,8 @@ impl RegionTracker {
         })
     }
 
-    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`; `motion` is the patch's since the last frame.
+    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`; `motion` is the patch's since
+    /// the last frame.
     pub fn update(&mut self, image: &PatchImage, motion: &Motion, time_s: f64) {
         std::mem::swap(&mut self.regions, &mut self.before);
         std::mem::swap(&mut self.region_of, &mut self.region_before);
@@ -119,8 +120,8 @@ impl RegionTracker {
         }
     }
 
-    /// Gives each region the course of the region that it continues. If several continue the same one, all have its course, and
-    /// the one with the most votes keeps its number.
+    /// Gives each region the course of the region that it continues. If several continue the same one, all have its
+    /// course, and the one with the most votes keeps its number.
     fn continue_contacts(&mut self, image: &PatchImage) {
         self.heirs.clear();
         self.heirs.resize(self.before.len(), (usize::MAX, 0.0));

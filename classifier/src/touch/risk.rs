@@ -1,16 +1,17 @@
 //! Limits of verdicts that also hold in new reaches, by conformal risk control.
 //!
-//! The taxel frames of one reach are alike, so a share over all frames tells little about the next reach. Whole reaches that are
-//! drawn in the same way are exchangeable. For these, Angelopoulos et al., "Conformal risk control" (ICLR 2024, theorem 1), show: if
-//! each reach has a loss from 0 to 1 that does not fall when a limit is raised, and the limit is so low that the losses L of n
-//! held-out reaches satisfy
+//! The taxel frames of one reach are alike, so a share over all frames tells little about the next reach. Whole reaches
+//! that are drawn in the same way are exchangeable. For these, Angelopoulos et al., "Conformal risk control" (ICLR
+//! 2024, theorem 1), show: if each reach has a loss from 0 to 1 that does not fall when a limit is raised, and the
+//! limit is so low that the losses L of n held-out reaches satisfy
 //!
 //! > (ΣL + 1) / (n + 1) ≤ α,
 //!
 //! then the loss of a new reach is at most α on average. The loss is a share of the reach's touched taxel frames here.
 //!
-//! The theorem assumes one model that was fitted to none of the n reaches. Here each reach is judged by a model that was fitted to
-//! the other fold, and the final model is fitted to all reaches. So the bound is not proven here; docs/results.md has measurements.
+//! The theorem assumes one model that was fitted to none of the n reaches. Here each reach is judged by a model that
+//! was fitted to the other fold, and the final model is fitted to all reaches. So the bound is not proven here;
+//! docs/results.md has measurements.
 
 use super::decision::TouchDecision;
 use crate::error::ModelError;
@@ -18,11 +19,11 @@ use crate::error::ModelError;
 /// Largest allowed shares of the taxel frames of a new reach that a known category presses on, on average over reaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RiskLimits {
-    /// The share whose region is called another known category. The largest cost of an uncertain verdict that keeps to it is
-    /// chosen, so that as few verdicts as possible are uncertain.
+    /// The share whose region is called another known category. The largest cost of an uncertain verdict that keeps to
+    /// it is chosen, so that as few verdicts as possible are uncertain.
     pub wrong: Option<f64>,
-    /// The share whose region is called unknown. The largest share of false alarms that keeps to it is chosen, so that as many
-    /// unknown objects as possible are found.
+    /// The share whose region is called unknown. The largest share of false alarms that keeps to it is chosen, so that
+    /// as many unknown objects as possible are found.
     pub false_alarms: Option<f64>,
 }
 
@@ -31,7 +32,7 @@ pub struct RiskLimits {
 pub(super) struct Lapse {
     /// The verdict is bad if the limit is above this.
     pub(super) above: f64,
-    /// The region's part of the touched taxel frames of its reach.
+    /// The region's share of the touched taxel frames of its reach.
     pub(super) share: f64,
 }
 
@@ -58,8 +59,9 @@ impl RiskLimits {
         Ok(())
     }
 
-    /// The decision with the limits that keep to the allowed shares. `wrong` and `false_alarms` have the regions of all `reaches`
-    /// held-out reaches, with limits on the cost of an uncertain verdict and on the share of false alarms.
+    /// The decision with the limits that keep to the allowed shares. `wrong` and `false_alarms` hold regions of the
+    /// `reaches` held-out reaches: the first with limits on the cost of an uncertain verdict, the second with limits on
+    /// the share of false alarms.
     pub(super) fn over(
         &self,
         decision: TouchDecision,
@@ -96,7 +98,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Pins the rule against its definition: at the limit the losses satisfy the bound, and just above it they do not.
+        /// Pins the rule against its definition: at the limit the losses satisfy the bound, and just above it they do
+        /// not.
         #[test]
         fn limits_are_the_largest_that_keep_to_the_bound(
             lapses in prop::collection::vec(prop::collection::vec((0.01..0.99f64, 0.0..1.0f64), 0..20), 19..60),
@@ -118,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Pins that the mean loss of a new reach is at most the allowed share, and not much less, for reaches whose losses are drawn
-    /// alike: 4,000 draws, of which the mean is known to a hundredth.
+    /// Pins that the mean loss of a new reach is at most the allowed share, and not much less, for reaches whose losses
+    /// are drawn alike: 4,000 draws, of which the mean is known to a hundredth.
     #[test]
     fn new_reaches_keep_to_the_allowed_share() {
         use rand::{RngExt, SeedableRng};

@@ -10,7 +10,7 @@ use super::example::Examples;
 use super::options::TouchOptions;
 use crate::trial::TrialError;
 
-/// Reaches are divided into so many parts; each is judged by a model of the others.
+/// Number of parts into which reaches are divided. Each part is judged by a model that is fitted to the others.
 pub(super) const FOLDS: usize = 2;
 
 /// Rows of all recordings that a model is fitted to.
@@ -30,7 +30,7 @@ pub struct TouchRows {
     pub untouched_taxels: usize,
     /// Rows of touched regions, by category.
     pub regions: BTreeMap<String, usize>,
-    /// The recordings are divided into so many parts, each of which is held out once to calibrate probabilities.
+    /// Number of parts into which the recordings are divided. Each is held out once, to calibrate probabilities.
     pub held_out_parts: usize,
 }
 
@@ -43,7 +43,8 @@ impl TouchExamples {
         }
     }
 
-    /// Adds a recording with ground truth. The order of recordings has an influence on the fit, through rounding and folds.
+    /// Adds a recording with ground truth. The order of the recordings changes the fit, because folds and rounding
+    /// depend on it.
     ///
     /// # Errors
     /// [`TrialError`] if the patch is unknown or has no grid, or a frame does not fit.
@@ -52,7 +53,7 @@ impl TouchExamples {
         Ok(())
     }
 
-    /// The rows of the recordings whose positions `keeps` returns true for, in the order in which they were added.
+    /// The rows of those recordings for whose position `keeps` returns true, in the order in which they were added.
     pub fn some(&self, keeps: impl Fn(usize) -> bool) -> TouchExamples {
         let reaches = self.reaches.iter().enumerate();
         let kept = reaches
@@ -98,8 +99,8 @@ impl TouchExamples {
         self.reaches.iter().flat_map(|reach| &reach.regions)
     }
 
-    /// The fold of each reach. Reaches that touch the same categories are dealt out in turn, so that every fold has some of them in
-    /// whatever order they come.
+    /// The fold of each reach. Reaches that touch the same categories go to the folds in turn, so that every fold has
+    /// some of them, whatever their order is.
     pub(super) fn folds<'a>(&'a self) -> Vec<usize> {
         let mut dealt: BTreeMap<BTreeSet<&'a str>, usize> = BTreeMap::new();
         let fold = |reach: &'a Arc<Examples>| {

@@ -1,30 +1,7 @@
 //! What one taxel has felt since its contact began, to tell a touch from a spurious reading.
 
-use super::compress::{compress, compress_count};
+use super::compress::{COUNT_KNEE, PLAIN, knees, names};
 use super::course::Course;
-
-/// Names of the features of a taxel, in order.
-pub const TAXEL_FEATURES: [&str; 16] = [
-    "samples",
-    "force",
-    "first force",
-    "largest force so far",
-    "mean force",
-    "deviation of force",
-    "recent change of force",
-    "force over largest force",
-    "share of the region's strongest taxel",
-    "force of the strongest neighbour",
-    "taxels in the region",
-    "force in the region",
-    "way of the skin",
-    "way of the skin in the region's contact",
-    "recent change of the region's force",
-    "slope of force over press",
-];
-
-/// Number of features of a taxel.
-pub const TAXEL_FEATURE_COUNT: usize = TAXEL_FEATURES.len();
 
 /// As for regions; changes of a steady reading are noise of some millinewtons.
 const FORCE_KNEE_N: f64 = 0.05;
@@ -32,6 +9,35 @@ const CHANGE_KNEE_N: f64 = 0.002;
 const MOTION_KNEE_M: f64 = 5e-4;
 const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 const RECENT_SHARE: f64 = 0.1;
+
+/// The features of a taxel and their knees.
+const FEATURES: [(&str, f64); 16] = [
+    ("samples", COUNT_KNEE),
+    ("force", FORCE_KNEE_N),
+    ("first force", FORCE_KNEE_N),
+    ("largest force so far", FORCE_KNEE_N),
+    ("mean force", FORCE_KNEE_N),
+    ("deviation of force", CHANGE_KNEE_N),
+    ("recent change of force", CHANGE_KNEE_N),
+    ("force over largest force", PLAIN),
+    ("share of the region's strongest taxel", PLAIN),
+    ("force of the strongest neighbour", FORCE_KNEE_N),
+    ("taxels in the region", COUNT_KNEE),
+    ("force in the region", FORCE_KNEE_N),
+    ("way of the skin", MOTION_KNEE_M),
+    ("way of the skin in the region's contact", MOTION_KNEE_M),
+    ("recent change of the region's force", PLAIN),
+    ("slope of force over press", STIFFNESS_KNEE_N_PER_M),
+];
+
+/// Names of the features of a taxel, in order.
+pub const TAXEL_FEATURES: [&str; FEATURES.len()] = names(&FEATURES);
+
+/// Number of features of a taxel.
+pub const TAXEL_FEATURE_COUNT: usize = FEATURES.len();
+
+/// The knees of the features of a taxel.
+pub(super) const TAXEL_KNEES: [f64; FEATURES.len()] = knees(&FEATURES);
 
 /// Running statistics of a taxel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,31 +83,28 @@ impl TaxelCourse {
         self.force_press += press_deviation * (force_n - self.mean_n);
     }
 
-    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], within its region.
-    pub fn features(&self, region: &Course, strongest_neighbour_n: f64) -> [f64; TAXEL_FEATURE_COUNT] {
-        let force = |newtons: f64| compress(newtons, FORCE_KNEE_N);
-        let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
+    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], within its region, before they
+    /// are compressed.
+    pub(super) fn values(&self, region: &Course, strongest_neighbour_n: f64) -> [f64; TAXEL_FEATURE_COUNT] {
+        let share = |part: f64, whole: f64| part / whole.max(f64::MIN_POSITIVE);
         let now = region.now();
         [
-            compress_count(self.count),
-            force(self.last_n),
-            force(self.first_n),
-            force(self.largest_n),
-            force(self.mean_n),
-            compress((self.squares.max(0.0) / self.count.max(1.0)).sqrt(), CHANGE_KNEE_N),
-            compress(self.change_n, CHANGE_KNEE_N),
-            self.last_n / self.largest_n.max(f64::MIN_POSITIVE),
-            self.last_n / now.largest_force_n.max(f64::MIN_POSITIVE),
-            force(strongest_neighbour_n),
-            compress_count(now.taxels),
-            force(now.force_n),
-            motion(self.way_m),
-            motion(region.way_m()),
+            self.count,
+            self.last_n,
+            self.first_n,
+            self.largest_n,
+            self.mean_n,
+            (self.squares.max(0.0) / self.count.max(1.0)).sqrt(),
+            self.change_n,
+            share(self.last_n, self.largest_n),
+            share(self.last_n, now.largest_force_n),
+            strongest_neighbour_n,
+            now.taxels,
+            now.force_n,
+            self.way_m,
+            region.way_m(),
             region.roughness(),
-            compress(
-                self.force_press / (self.press_squares + self.count * MOTION_KNEE_M * MOTION_KNEE_M),
-                STIFFNESS_KNEE_N_PER_M,
-            ),
+            self.force_press / (self.press_squares + self.count * MOTION_KNEE_M * MOTION_KNEE_M),
         ]
     }
 }

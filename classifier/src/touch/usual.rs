@@ -1,7 +1,7 @@
 //! What contacts of a known category look like, to tell those of an unknown one.
 //!
-//! A few features describe a contact ([`super::Course::description`]). Each known category has a normal distribution of them. A
-//! contact is unusual if it is far from all of these in the distance of Mahalanobis (1936).
+//! A few features describe a contact ([`super::Course::description`]). Each known category has a normal distribution of
+//! them. A contact is unusual if it is far from all of these in the distance of Mahalanobis (1936).
 
 use nalgebra::{SMatrix, SVector};
 use schemars::JsonSchema;
@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use super::course::DESCRIPTION_COUNT;
 
-/// Added to the variances, so that a feature that hardly varies does not decide alone. The features are logarithms, so this is
-/// an error of a tenth in each.
+/// Added to the variances, so that a feature that hardly varies does not decide alone. The features are logarithms, so
+/// this is an error of a tenth in each.
 const VARIANCE: f64 = 0.01;
-/// Quantiles of the distances of known contacts, evenly spaced in logarithm of the share beyond: 10^0 to 10^-3.
+/// Number of quantiles that are kept of the distances of known contacts. The shares beyond them are evenly spaced on a
+/// logarithmic scale, from 10^0 to 10^-3.
 const QUANTILES: usize = 31;
 
 /// The usual contacts of one category.
@@ -30,12 +31,14 @@ struct Normal {
 #[serde(deny_unknown_fields)]
 pub struct Usual {
     normals: Vec<Normal>,
-    /// Distances that are exceeded by the shares 10^(-0.1 k) of contacts with known categories, in reaches that were held out.
+    /// Distances that are exceeded by the shares 10^(-0.1 k) of contacts with known categories, in reaches that were
+    /// held out.
     distances: Vec<f64>,
 }
 
 impl Usual {
-    /// Fits the normal distributions to the descriptions of contacts, a list for each category. No distances are known so far.
+    /// Fits the normal distributions to the descriptions of contacts, a list for each category. No distances are known
+    /// so far.
     pub(super) fn fit(categories: &[Vec<[f64; DESCRIPTION_COUNT]>]) -> Self {
         let normal = |rows: &Vec<[f64; DESCRIPTION_COUNT]>| {
             let count = rows.len().max(1) as f64;
@@ -70,7 +73,7 @@ impl Usual {
         let last = distances.len().saturating_sub(1) as f64;
         let quantile = |index: usize| {
             let share = 1.0 - 10f64.powf(-0.1 * index as f64);
-            // In a table as long as this the nearest one is near enough.
+            // The list is so long that the nearest distance is accurate enough.
             distances.get((share * last).round() as usize).copied().unwrap_or(0.0)
         };
         self.distances = (0..QUANTILES).map(quantile).collect();
@@ -90,7 +93,8 @@ impl Usual {
         self.normals.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt()
     }
 
-    /// The share of contacts with known categories that are farther away than this. 0.001 is the smallest share told.
+    /// The share of contacts with known categories that are farther away than this. The smallest share that is told is
+    /// 0.001.
     pub fn share_beyond(&self, distance: f64) -> f64 {
         let above = self.distances.partition_point(|other| *other < distance);
         if above == 0 {

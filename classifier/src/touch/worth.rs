@@ -10,8 +10,9 @@ use super::networks::{category_network, class, touched_network};
 use super::rows::{FOLDS, TouchExamples};
 use super::taxel::TAXEL_FEATURES;
 
-/// What a feature is worth: how much worse the probabilities on held-out reaches are if its values are shuffled among the rows
-/// (Breiman 2001). A feature that others can stand in for is worth little by this measure, even if it tells much by itself.
+/// What a feature is worth: how much worse the probabilities on held-out reaches are if its values are shuffled among
+/// the rows (Breiman 2001). A feature that others can stand in for is worth little by this measure, even if it tells
+/// much by itself.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeatureWorth {
     /// The network: `touched` (nothing against a touch) or `category`.
@@ -20,13 +21,14 @@ pub struct FeatureWorth {
     pub feature: &'static str,
     /// How much the mean negative log-probability of the true class rises, nats.
     pub log_loss_rise_nats: f64,
-    /// How much the mean share of right classes over the true classes falls.
+    /// How much the balanced accuracy falls: the mean over the true classes of the share of rows that get the right
+    /// class.
     pub balanced_accuracy_fall: f64,
 }
 
 impl TouchExamples {
-    /// What each feature is worth, the most valuable first within each network. Every reach is judged by networks that were fitted
-    /// to other reaches. Empty if there are fewer reaches than folds.
+    /// What each feature is worth, the most valuable first within each network. Every reach is judged by networks that
+    /// were fitted to other reaches. Empty if there are fewer reaches than folds.
     pub fn feature_worth(&self) -> Vec<FeatureWorth> {
         let categories = self.categories();
         if categories.is_empty() || self.reach_count() < FOLDS {
@@ -143,8 +145,8 @@ impl Losses {
 mod tests {
     use super::*;
 
-    /// Pins that shuffling the feature that decides brings the accuracy down to chance, and that a feature that says nothing is
-    /// worth nothing.
+    /// Pins that shuffling the feature that decides brings the accuracy down to chance, and that a feature that says
+    /// nothing is worth nothing.
     #[test]
     fn the_feature_that_decides_is_worth_the_accuracy() {
         const ROWS: usize = 4000;

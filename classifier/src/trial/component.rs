@@ -18,8 +18,8 @@ pub(super) struct Component {
     pub(super) force_n: f64,
     /// The sum of the taxels' forces, N.
     pub(super) force_sum_n: f64,
-    /// Ground truth: the object of the strongest taxel that has one. Because of crosstalk, a taxel that touches nothing can
-    /// also sense a force.
+    /// Ground truth: the object of the strongest taxel that has one. Because of crosstalk, a taxel that touches nothing
+    /// can also sense a force.
     pub(super) object: Option<u16>,
     /// Ground truth: whether an object presses on any of its taxels.
     pub(super) touched: bool,

@@ -19,8 +19,8 @@ pub struct PatchImage {
 }
 
 impl PatchImage {
-    /// An image of the named patch, or of the skin's first, with no taxel in contact yet. A taxel is in contact while it
-    /// senses more than `threshold_n`.
+    /// An image of the named patch, or of the skin's first, with no taxel in contact yet. A taxel is in contact while
+    /// it senses more than `threshold_n`.
     ///
     /// # Errors
     /// [`TrialError::UnknownPatch`], [`TrialError::NoPatch`] for a skin without any, or [`TrialError::BadOption`] for a

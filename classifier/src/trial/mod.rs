@@ -25,25 +25,26 @@ pub enum Labels {
     /// From the object that touched the skin during most of its samples; none if nothing did.
     Contact,
     /// From the environment: if the clutter contains a single category apart from foam blocks, every trial is of that
-    /// category, even where nothing touched the taxel. The paper's models were trained this way (section IV-B), because a
-    /// robot does not know what touches a taxel. In mixed clutter the same as [`Labels::Contact`].
+    /// category, even where nothing touched the taxel. The paper's models were trained this way (section IV-B), because
+    /// a robot does not know what touches a taxel. In mixed clutter the same as [`Labels::Contact`].
     Environment,
 }
 
 /// How trials are cut from a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrialOptions {
-    /// Name of the patch; the skin's first if `None`. The paper classifies on the forearm only, which is Cody's first patch.
+    /// Name of the patch; the skin's first if `None`. The paper classifies on the forearm only, which is Cody's first
+    /// patch.
     pub patch: Option<String>,
     /// A taxel is in contact while its sensed force is above this, N.
     ///
-    /// Choice: 0.03 N, because the authors' threshold is not published. It is far above the noise (2 mN) and low enough for
-    /// the touch of a leaf, and gives about as many trials per reach as the paper counts.
+    /// Choice: 0.03 N, because the authors' threshold is not published. It is far above the noise (2 mN) and low enough
+    /// for the touch of a leaf, and gives about as many trials per reach as the paper counts.
     pub threshold_n: f64,
     /// Trials with fewer samples are left out.
     pub min_samples: usize,
-    /// Whether the first and last column of the grid are neighbours when components are formed; `None` takes it from the
-    /// layout. The authors' code does not wrap, although their sleeve is closed.
+    /// Whether the first and last column of the grid are neighbours when components are formed; `None` takes it from
+    /// the layout. The authors' code does not wrap, although their sleeve is closed.
     pub wrap: Option<bool>,
     /// Components of successive frames belong to the same contact only if their centres are at most this far apart, m.
     ///
@@ -71,9 +72,10 @@ impl Default for TrialOptions {
 impl TrialOptions {
     /// Trials like those on which the paper's models were trained.
     ///
-    /// The category is the environment's (section IV-B). Trials have at least 20 samples (0.2 s): the recipe divides every
-    /// trial into as many equal time slices as a model has states, up to 20, and a slice needs at least one sample. The
-    /// paper does not state this, but with shorter trials a reach would have several times as many as it counts.
+    /// The category is the environment's (section IV-B). Trials have at least 20 samples (0.2 s): the recipe divides
+    /// every trial into as many equal time slices as a model has states, up to 20, and a slice needs at least one
+    /// sample. The paper does not state this, but with shorter trials a reach would have several times as many as it
+    /// counts.
     pub fn paper() -> Self {
         TrialOptions {
             min_samples: 20,

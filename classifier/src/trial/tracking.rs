@@ -10,8 +10,8 @@ use super::{TrialError, TrialOptions};
 
 /// One trial for each connected component, tracked from the start to the end of its contact (section IV-C).
 ///
-/// Force is the largest force among its taxels in each frame. Motion is the length of the path of its centre in the world
-/// frame since the trial started.
+/// Force is the largest force among its taxels in each frame. Motion is the length of the path of its centre in the
+/// world frame since the trial started.
 ///
 /// Components are associated with those of the previous frame by the distance between their centres in the world frame:
 /// nearest pair first, each used once, and none farther apart than [`TrialOptions::association_distance_m`]. Hence:

@@ -4,9 +4,9 @@ use glam::DVec3;
 
 /// The length of a contact's path in the world frame since the contact started.
 ///
-/// The paper (section IV-C) describes motion as how far "the 3D position of the contact area" travels and gives no formula:
-/// either the path length or the distance from the start may be meant. Choice: the path length, which is closer to
-/// "travel". The two gave tables within a few percentage points of each other.
+/// The paper (section IV-C) describes motion as how far "the 3D position of the contact area" travels and gives no
+/// formula: either the path length or the distance from the start may be meant. Choice: the path length, which is
+/// closer to "travel". The two gave tables within a few percentage points of each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Travel {
     last_world: DVec3,

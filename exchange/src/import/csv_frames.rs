@@ -19,7 +19,8 @@ struct Columns {
     reach: Option<usize>,
 }
 
-/// The line, from 1, of a row. The parser counts from where it began to look for the row, so line breaks before it are added.
+/// The line, from 1, of a row. The parser counts from where it began to look for the row, so line breaks before it are
+/// added.
 fn line_of(text: &[u8], position: &csv::Position) -> usize {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));

@@ -19,8 +19,8 @@ fn broken(path: &Path, cause: impl ToString) -> InputError {
     InputError::new(path, "HDF5", cause.to_string(), "a readable HDF5 file", remedy)
 }
 
-/// The groups that a pattern with `*` stands for, each with the group's path; the file's root if there is no `*`. Groups
-/// that end in a number are in its order, as `demo_2` before `demo_10`.
+/// The groups that a pattern with `*` stands for, each with the group's path; the file's root if there is no `*`.
+/// Groups that end in a number are in its order, as `demo_2` before `demo_10`.
 fn reaches(path: &Path, mapping: &Mapping, file: &File) -> Result<Vec<String>, InputError> {
     let from = &mapping.force.from;
     let Some((parent, _)) = from.split_once('*') else {

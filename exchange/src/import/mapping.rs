@@ -43,7 +43,8 @@ struct MappingFile {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TimeTable {
-    /// Where the times are: a column of a CSV file, or a dataset of an HDF5 file. Not for MCAP, whose messages have a time.
+    /// Where the times are: a column of a CSV file, or a dataset of an HDF5 file. Not for MCAP, whose messages have a
+    /// time.
     pub(super) from: Option<String>,
     /// Unit of these times: `s` (default), `ms`, `us` or `ns`.
     unit: Option<String>,
@@ -57,9 +58,10 @@ pub(super) struct TimeTable {
 pub(super) struct ForceTable {
     /// Topic of the messages; only for MCAP.
     pub(super) topic: Option<String>,
-    /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. HDF5: a dataset with a
-    /// row for each frame and a column for each taxel; `*` in place of a group's name takes each such group as a reach. MCAP: the
-    /// field of the message that holds the list of forces, `data` for the arrays of `std_msgs`.
+    /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. HDF5: a
+    /// dataset with a row for each frame and a column for each taxel; `*` in place of a group's name takes each such
+    /// group as a reach. MCAP: the field of the message that holds the list of forces, `data` for the arrays of
+    /// `std_msgs`.
     pub(super) from: String,
     /// Number of taxels; only for CSV. HDF5 and MCAP say it themselves.
     pub(super) taxels: Option<u32>,
@@ -112,7 +114,8 @@ pub fn mapping_schema() -> Schema {
     schemars::schema_for!(MappingFile)
 }
 
-/// How many of a unit of time make a second. Times are divided by this number, because 1000 is exact in binary and 0.001 is not.
+/// How many of a unit of time make a second. Times are divided by this number, because 1000 is exact in binary and
+/// 0.001 is not.
 const PER_SECOND: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 /// Newtons by unit: standard gravity is 9.80665 m/s² (CGPM 1901), a pound 0.45359237 kg (1959).
 const NEWTONS: [(&str, f64); 6] = [
@@ -152,7 +155,8 @@ impl Mapping {
     /// Reads a mapping file.
     ///
     /// # Errors
-    /// [`ExchangeError::Input`] with line and field for what is not allowed; [`ExchangeError::Disk`] if it cannot be read.
+    /// [`ExchangeError::Input`] with line and field for what is not allowed; [`ExchangeError::Disk`] if it cannot be
+    /// read.
     pub fn load(path: &Path) -> Result<Self, ExchangeError> {
         let text = fs::read_to_string(path).map_err(|source| match source.kind() {
             std::io::ErrorKind::NotFound => {

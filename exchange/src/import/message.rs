@@ -18,7 +18,8 @@ pub(super) enum Decoder {
 /// What was found, and what is allowed.
 type Fault = (String, String);
 
-/// The decoder for messages of an encoding and a schema; `from` is the field with the numbers. An error says what is allowed.
+/// The decoder for messages of an encoding and a schema; `from` is the field with the numbers. An error says what is
+/// allowed.
 pub(super) fn decoder(encoding: &str, schema: &str, from: &str) -> Result<Decoder, String> {
     match (encoding, schema) {
         ("cdr", "std_msgs/msg/Float64MultiArray" | "std_msgs/msg/Float32MultiArray") if from == "data" => {

@@ -53,8 +53,8 @@ fn opened(path: &Path) -> Result<File, ExchangeError> {
 /// Cuts trials from a file. Its extension tells the format: `.csv`, `.h5` or `.hdf5`, `.mcap`.
 ///
 /// # Errors
-/// [`ExchangeError::Input`] with the line of the mapping, or of the file (a row of HDF5, a message of MCAP), for what is
-/// missing there or not allowed, and if no trial is found; [`ExchangeError::Disk`] if the file cannot be read.
+/// [`ExchangeError::Input`] with the line of the mapping, or of the file (a row of HDF5, a message of MCAP), for what
+/// is missing there or not allowed, and if no trial is found; [`ExchangeError::Disk`] if the file cannot be read.
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError> {
     let mut cutter = Cutter::new(path, mapping);
     let extension = path

@@ -4,8 +4,8 @@ use std::io::{self, Read};
 
 use super::{Channel, MAGIC, Schema, code};
 
-/// Bytes of the longest record, and of the largest chunk before compression. Choice: chunks have some megabytes; a damaged
-/// length must not take all memory.
+/// Bytes of the longest record, and of the largest chunk before compression. Choice: chunks have some megabytes; a
+/// damaged length must not take all memory.
 const LONGEST: u64 = 1 << 28;
 
 /// What is wrong with a file.

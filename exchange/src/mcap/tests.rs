@@ -68,8 +68,8 @@ fn messages_come_back() {
     }
 }
 
-/// Pins, by following it as a viewer does, that the summary leads to every chunk, every index of messages and the facts, and
-/// counts what is there.
+/// Pins, by following it as a viewer does, that the summary leads to every chunk, every index of messages and the
+/// facts, and counts what is there.
 #[test]
 fn the_summary_leads_to_everything() {
     let bytes = example();

@@ -5,7 +5,8 @@ use std::io;
 
 use super::{Channel, MAGIC, Map, Schema, code};
 
-/// Uncompressed bytes at which a chunk ends. Choice: as other writers do, so that a viewer reads little to jump in time.
+/// Uncompressed bytes at which a chunk ends. Choice: as other writers do, so that a viewer reads little to jump in
+/// time.
 const BYTES_PER_CHUNK: usize = 1 << 20;
 /// Level of zstd.
 const ZSTD_LEVEL: i32 = 3;
@@ -227,7 +228,8 @@ impl Writer {
         Ok(())
     }
 
-    /// Ends the file with its summary, without which readers would have to read all of it, or refuse it. Returns its bytes.
+    /// Ends the file with its summary, without which readers would have to read all of it, or refuse it. Returns its
+    /// bytes.
     pub(crate) fn finish(mut self) -> io::Result<Vec<u8>> {
         self.end_chunk()?;
         let mut out = self.out;

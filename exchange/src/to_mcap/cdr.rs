@@ -1,4 +1,5 @@
-//! The message `sensor_msgs/msg/JointState` of ROS 2 in CDR, the encoding of its middleware (little-endian, OMG CDR 1.0).
+//! The message `sensor_msgs/msg/JointState` of ROS 2 in CDR, the encoding of its middleware (little-endian, OMG CDR
+//! 1.0).
 
 /// The definition of the message with those that it refers to, as MCAP wants it for the encoding `ros2msg`.
 pub(super) const JOINT_STATE: &str = "\

@@ -8,7 +8,8 @@ use super::foxglove::{
     TriangleListPrimitive,
 };
 
-/// The names of the frames of all bodies: that of the link, or kind and index of the object and the number of the body in it.
+/// The names of the frames of all bodies: that of the link, or kind and index of the object and the number of the body
+/// in it.
 pub(super) fn frame_names(recording: &Recording) -> Vec<String> {
     let mut bodies_of = vec![0; recording.objects.len()];
     let name = |body: &Body| match &body.owner {
@@ -37,8 +38,8 @@ fn color(category: Option<Category>) -> Color {
     Color { r, g, b, a: 1.0 }
 }
 
-/// The triangles of the convex hull of a few points: those with all points on one side. Points in the plane of a face give
-/// triangles that overlap, which looks the same.
+/// The triangles of the convex hull of a few points: those with all points on one side. Points in the plane of a face
+/// give triangles that overlap, which looks the same.
 fn hull_triangles(points: &[DVec3]) -> Vec<DVec3> {
     let mut corners = Vec::new();
     for (first, &a) in points.iter().enumerate() {

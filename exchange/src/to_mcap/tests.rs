@@ -114,8 +114,8 @@ fn joints_and_forces_come_back_exactly() {
     assert!((10..80).contains(&pressed), "{pressed} frames with force");
 }
 
-/// Pins that the poses of all bodies can be followed from the transforms, that all are sent again from time to time, and
-/// that shapes and goals are in the scene.
+/// Pins that the poses of all bodies can be followed from the transforms, that all are sent again from time to time,
+/// and that shapes and goals are in the scene.
 #[test]
 fn poses_shapes_and_goals_come_back() {
     let recording = reach("foliage", 0, FRAMES_BETWEEN_ALL + 30);
@@ -160,8 +160,8 @@ fn poses_shapes_and_goals_come_back() {
     assert_eq!(goals.iter().map(place).collect::<Vec<_>>(), [0.0, 0.1, 0.2, 0.1 * 3.0]);
 }
 
-/// Pins that the file names its schemas as Foxglove and ROS 2 do, without references in them, and has the same bytes each
-/// time.
+/// Pins that the file names its schemas as Foxglove and ROS 2 do, without references in them, and has the same bytes
+/// each time.
 #[test]
 fn the_file_has_known_schemas() {
     let recording = reach("foliage", 1, 30);

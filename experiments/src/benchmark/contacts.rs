@@ -1,10 +1,10 @@
-//! Contacts of taxels with what a model says of them.
+//! Contacts of taxels, with what a model says about them.
 
 use underbrush_recording::Category;
 
 use super::frozen::MOMENTS;
 
-/// Moments of a contact: [`MOMENTS`], and its end.
+/// Number of moments at which a contact is judged: [`MOMENTS`] and its end.
 pub(super) const JUDGED_MOMENTS: usize = MOMENTS.len() + 1;
 
 /// What a contact is, or is said to be.
@@ -16,7 +16,8 @@ pub(super) enum Class {
     Leaf,
     /// A trunk.
     Trunk,
-    /// Anything else: in truth an object foreign to the foliage, as an answer another category of the model.
+    /// Anything else. As the truth this is an object foreign to the foliage; as an answer it is another category of the
+    /// model.
     Other,
 }
 
@@ -54,8 +55,9 @@ pub(super) struct Contact {
 pub(super) struct Moment {
     /// What the model says in this frame.
     pub(super) answer: Answer,
-    /// What it said in the last frame so far in which anything pressed, or else in this frame. A taxel goes on reading for a while
-    /// after a touch, and what a model says of these frames is no answer about the object.
+    /// What it said in the latest frame in which something pressed. If nothing has pressed yet, this is what it says in
+    /// this frame. A taxel still senses a force for a while after a touch, and what a model says then is no answer
+    /// about the object.
     pub(super) while_pressed: Answer,
     /// What truly presses in this frame.
     pub(super) pressing: Pressing,
@@ -64,7 +66,7 @@ pub(super) struct Moment {
 /// What presses on a taxel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pressing {
-    /// This.
+    /// Nothing, or an object of this class.
     Known(Class),
     /// A foam block, which belongs to the environment.
     Block,
@@ -76,7 +78,7 @@ pub(super) struct OpenContact {
     samples: usize,
     moments: [Moment; JUDGED_MOMENTS],
     while_pressed: Option<Answer>,
-    /// Frames in which a leaf, a trunk, a foam block, and anything else presses.
+    /// Numbers of frames in which a leaf, a trunk, a foam block and anything else pressed.
     pressed: [usize; 4],
 }
 

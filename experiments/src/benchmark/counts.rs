@@ -11,11 +11,12 @@ const CLASSES: [Class; 3] = [Class::Nothing, Class::Leaf, Class::Trunk];
 pub(super) enum Balanced {
     /// Contacts with leaves and trunks, by which of the two is likelier.
     LeafOrTrunk,
-    /// What presses at that moment on taxels that are still in contact, or nothing, by the likeliest class of all.
+    /// Taxels that are still in contact, by the likeliest of all classes. The truth is what presses at that moment, or
+    /// nothing.
     WithNothing,
 }
 
-/// Right answers and contacts of each class in a reach, at one moment.
+/// Numbers of right answers and of contacts of each class in a reach, at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counts([[usize; 2]; CLASSES.len()]);
 

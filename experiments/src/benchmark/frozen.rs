@@ -1,7 +1,7 @@
 //! What never changes in the benchmark: scenes, seeds, numbers of reaches, and at which moments contacts are judged.
 //!
-//! `experiments/benchmarks` is a link to the folder `benchmarks` of the repository, so that the package of this crate contains
-//! the files.
+//! `experiments/benchmarks` is a link to the folder `benchmarks` of the repository, so that the package of this crate
+//! contains the files.
 
 use std::collections::BTreeMap;
 
@@ -23,8 +23,8 @@ pub(super) const WATER_BOTTLE: &str = "water-bottle";
 
 /// Scenes in which verdicts are judged.
 pub(super) const VERDICTS_SCENES: &[&str] = &["leaf", "trunk", "mixed", FOAM_ROLL, WATER_BOTTLE];
-/// Arm, speed and sensor of the track transfer: name and scene. The first is as in training. All scenes but the one with another arm
-/// are called `mixed`, so that clutter and goals are the same.
+/// Arm, speed and sensor of the track transfer: name and scene. The first is as in training. All scenes but the one
+/// with another arm are called `mixed`, so that clutter and goals are the same.
 pub(super) const SETTINGS: &[(&str, &str)] = &[
     ("as-trained", "mixed"),
     ("half-stiffness", "half-stiffness/mixed"),

@@ -1,12 +1,14 @@
-//! The benchmark `incidental-contact-1`: three tracks with frozen scenes, seeds and figures (`benchmarks/` describes them).
+//! The benchmark `incidental-contact-1`: three tracks with frozen scenes, seeds and figures (`benchmarks/` describes
+//! them).
 //!
-//! A row of its table depends on the entry and the data alone. The data are sets that [`crate::dataset::Campaign`] makes, on one
-//! machine or many, so a row is the same to the byte wherever they were made.
+//! A row of its table depends only on the entry and the data. The data are sets that [`crate::dataset::Campaign`]
+//! makes, on one machine or many, so a row is the same to the byte wherever they were made.
 
 mod contacts;
 mod counts;
 mod frozen;
 mod judged_model;
+mod ranked;
 mod reaching;
 mod resampled;
 mod row;
@@ -50,7 +52,7 @@ pub enum Entry {
 /// A controller that is judged.
 #[derive(Clone, Default)]
 pub struct EnteredController {
-    /// One that ships; the scene's if not given.
+    /// A controller that comes with the program. If it is not given, the scene's is used.
     pub kind: Option<ControllerKind>,
     /// A user's own. Finished reaches are found by its name, so one that has changed needs another name or folder.
     pub own: Option<MakeController>,
@@ -60,7 +62,7 @@ pub struct EnteredController {
 
 /// Reaches on which an entry is judged.
 pub struct TestSet {
-    /// Its name, also that of its folder.
+    /// Its name, which is also the name of its folder.
     pub name: String,
     /// The reaches.
     pub campaign: Campaign,

@@ -14,11 +14,11 @@ pub struct Reaching {
     pub goals: usize,
     /// Share of the goals that were reached.
     pub reached: Estimate,
-    /// Time spent on all goals, for each goal that was reached, s.
+    /// Time spent on all goals, divided by the number of goals that were reached, s.
     pub seconds_for_each: Estimate,
-    /// The largest force on a trunk in a reach, mean over reaches, N; 0 where none was touched.
+    /// Mean over reaches of the largest force on a trunk, N. A reach that touches no trunk counts as 0.
     pub trunk_peak_n: Estimate,
-    /// Impulse on all leaves in a reach, mean over reaches, N s.
+    /// Mean over reaches of the impulse on all leaves, N s.
     pub leaf_impulse_n_s: Estimate,
     /// The largest force on a trunk in any reach, N.
     pub largest_on_trunk_n: f64,

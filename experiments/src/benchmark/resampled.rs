@@ -11,10 +11,10 @@ const RESAMPLES: usize = 1000;
 /// A number with its 95 % interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// From all reaches; `None` if they do not determine it, as a mean over nothing.
+    /// The statistic of all reaches; `None` if they do not determine it, such as a mean over nothing.
     pub value: Option<f64>,
-    /// Ends of the 95 % interval (percentile bootstrap over whole reaches); `None` without a value, or if fewer than half of
-    /// the resamples determine it.
+    /// Ends of the 95 % interval (percentile bootstrap over whole reaches); `None` without a value, or if fewer than
+    /// half of the resamples determine it.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -25,25 +25,38 @@ impl Estimate {
         Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
     }
 
+    /// The same for a statistic that depends only on how often each reach was drawn.
+    pub(super) fn of_times(reaches: usize, statistic: impl Fn(&[usize]) -> Option<f64> + Sync) -> Self {
+        Estimate::of_draws(&[reaches], |drawn| {
+            let mut times = vec![0; reaches];
+            drawn[0].iter().for_each(|reach| times[*reach] += 1);
+            statistic(&times)
+        })
+    }
+
     /// The same for a statistic of several groups of reaches. Each group is resampled on its own.
     pub(super) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
-        let all: Vec<Vec<&R>> = groups.iter().map(|own| own.iter().collect()).collect();
+        let sizes: Vec<usize> = groups.iter().map(|own| own.len()).collect();
+        Estimate::of_draws(&sizes, |drawn| {
+            let taken = groups.iter().zip(drawn);
+            let taken = taken.map(|(own, drawn)| drawn.iter().map(|reach| &own[*reach]).collect());
+            statistic(&taken.collect::<Vec<Vec<&R>>>())
+        })
+    }
+
+    /// The same for groups of these sizes, and a statistic of the indices that were drawn from each group.
+    fn of_draws(sizes: &[usize], statistic: impl Fn(&[Vec<usize>]) -> Option<f64> + Sync) -> Self {
+        let all: Vec<Vec<usize>> = sizes.iter().map(|size| (0..*size).collect()).collect();
         let Some(value) = statistic(&all) else {
             return Estimate::default();
         };
         let resample = |number: usize| {
             // A stream for each resample, so that threads may take them in any order.
             let mut rng = ChaCha8Rng::seed_from_u64(number as u64);
-            let taken: Vec<Vec<&R>> = (groups.iter())
-                .map(|own| {
-                    let draws = 0..own.len();
-                    // A range of 64 bits gives the same draws on every platform.
-                    draws
-                        .map(|_| &own[rng.random_range(0..own.len() as u64) as usize])
-                        .collect()
-                })
-                .collect();
-            statistic(&taken)
+            // A range of 64 bits gives the same draws on every platform.
+            let mut draw = |size: usize| rng.random_range(0..size as u64) as usize;
+            let draws = |size: &usize| (0..*size).map(|_| draw(*size)).collect();
+            statistic(&sizes.iter().map(draws).collect::<Vec<Vec<usize>>>())
         };
         let mut values: Vec<f64> = (0..RESAMPLES).into_par_iter().filter_map(resample).collect();
         values.sort_by(f64::total_cmp);
@@ -63,7 +76,8 @@ mod tests {
         (!own.is_empty()).then(|| own.iter().copied().sum::<f64>() / own.len() as f64)
     }
 
-    /// Pins that the interval of a mean is the one that the normal distribution gives, within the error of 1000 resamples.
+    /// Pins that the interval of a mean is the one that the normal distribution gives, within the error of 1000
+    /// resamples.
     #[test]
     fn the_interval_of_a_mean_is_that_of_the_normal_distribution() {
         let values: Vec<f64> = (0..400).map(|index| f64::from(index % 20)).collect();

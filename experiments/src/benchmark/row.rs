@@ -72,11 +72,11 @@ pub struct SceneRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Figures {
-    /// Of track 1.
+    /// The figures of track 1.
     Verdicts(Verdicts),
-    /// Of track 2.
+    /// The figures of track 2.
     Transfer(Transfer),
-    /// Of track 3.
+    /// The figures of track 3.
     Reaching(Reaching),
 }
 

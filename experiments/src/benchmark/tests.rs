@@ -31,8 +31,8 @@ fn drawn(path: &str) -> (ReachPlan, String) {
     (plan, text)
 }
 
-/// Pins that the frozen scenes draw what they drew when the benchmark was published, with the same options of physics and sensor.
-/// Defaults of scene files may change later; then the files must say what they were.
+/// Pins that the frozen scenes draw what they drew when the benchmark was published, with the same options of physics
+/// and sensor. Defaults of scene files may change later; then the files must say what they were.
 #[test]
 fn frozen_scenes_draw_what_they_drew() {
     let mut text = String::new();
@@ -71,8 +71,8 @@ fn answer(likeliest: Class) -> Answer {
     }
 }
 
-/// Pins which frame of a contact stands for each moment, that shorter contacts keep their last answer, that answers after the end of
-/// the touch are kept apart, and that the truth of a contact is what pressed most often.
+/// Pins which frame of a contact stands for each moment, that shorter contacts keep their last answer, that answers
+/// after the end of the touch are kept apart, and that the truth of a contact is what pressed most often.
 #[test]
 fn moments_are_those_samples_of_the_contact() {
     let mut open = OpenContact::default();

@@ -23,8 +23,8 @@ pub struct TransferTo {
     pub contacts: [usize; 2],
     /// Balanced accuracy over contacts with leaves and trunks at their end, by which of the two is likelier.
     pub leaf_or_trunk: Estimate,
-    /// How much it differs from that of the first setting; without value for that one. Reaches through the same clutter are resampled
-    /// together.
+    /// Its difference from the accuracy at the first setting; without a value for the first setting itself. Reaches
+    /// through the same clutter are resampled together.
     pub difference: Estimate,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn figures(settings: &[Vec<Vec<Contact>>]) -> Transfer {
             leaf_or_trunk: Estimate::of(here, |own| Counts::balanced_accuracy(own, balanced)),
             difference: match &counts[0] {
                 _ if place == 0 => Estimate::default(),
-                // Its clutter is another one.
+                // Its clutter is different, so reaches cannot be paired.
                 usual if name == OTHER_ARM => Estimate::of_groups(&[usual, here], |groups| {
                     let [usual, here] = [0, 1].map(|group| Counts::balanced_accuracy(&groups[group], balanced));
                     Some(here? - usual?)

@@ -1,11 +1,11 @@
 //! Track 1: what a contact is, by the number of samples since it began, with outliers that are unseen in training.
 
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::RocCurve;
 
 use super::contacts::{Class, Contact, JUDGED_MOMENTS};
 use super::counts::{Balanced, Counts};
 use super::frozen::{FOAM_ROLL, MOMENTS, WATER_BOTTLE};
+use super::ranked::Ranked;
 use super::resampled::Estimate;
 
 /// The figures of the track.
@@ -20,27 +20,27 @@ pub struct Verdicts {
 /// How many contacts are judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ContactCounts {
-    /// In which nothing ever pressed.
+    /// Contacts in which nothing ever pressed.
     pub nothing: usize,
-    /// With leaves.
+    /// Contacts with leaves.
     pub leaf: usize,
-    /// With trunks.
+    /// Contacts with trunks.
     pub trunk: usize,
-    /// With the foam roll.
+    /// Contacts with the foam roll.
     pub foam_roll: usize,
-    /// With the water bottle.
+    /// Contacts with the water bottle.
     pub water_bottle: usize,
 }
 
-/// The figures at one moment of the contacts. A contact that is shorter counts with the last answer to it.
+/// The figures at one moment of the contacts. A contact that ended earlier counts with the last answer to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictsAt {
     /// Samples since the contact began; `None` at its end.
     pub samples: Option<usize>,
     /// Balanced accuracy over contacts with leaves and trunks, by which of the two is likelier.
     pub leaf_or_trunk: Estimate,
-    /// Balanced accuracy over the taxels that are still in contact, by the likeliest of nothing, leaf and trunk, against what presses
-    /// at that moment. Without value at the end of contacts, when nothing presses as a rule.
+    /// Balanced accuracy over the taxels that are still in contact, by the likeliest of nothing, leaf and trunk,
+    /// against what presses at that moment. There is no value at the end of contacts, when as a rule nothing presses.
     pub nothing_leaf_or_trunk: Estimate,
     /// Area under the ROC curve of contacts with the foam roll against those with leaves and trunks in all scenes.
     pub foam_roll_area: Estimate,
@@ -90,7 +90,8 @@ fn accuracy(reaches: &[(String, Vec<Contact>)], moment: usize, balanced: Balance
     Estimate::of(&counts, |own| Counts::balanced_accuracy(own, balanced))
 }
 
-/// How unlike the training data the foreign objects of a scene are found, against leaves and trunks in all scenes.
+/// How well the foreign objects of a scene are told from leaves and trunks in all scenes, by how unlike the training
+/// data the model finds them.
 fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estimate {
     let unlike = |(own, contacts): &(String, Vec<Contact>)| -> [Vec<f64>; 2] {
         let of = |is_wanted: &dyn Fn(Class) -> bool| {
@@ -105,9 +106,7 @@ fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estim
         ]
     };
     let reaches: Vec<[Vec<f64>; 2]> = reaches.iter().map(unlike).collect();
-    Estimate::of(&reaches, |own| {
-        let [foreign, known] =
-            [0, 1].map(|side| own.iter().flat_map(|reach| &reach[side]).copied().collect::<Vec<f64>>());
-        RocCurve::of(&foreign, &known).map(|curve| curve.area)
+    Ranked::of(&reaches).map_or_else(Estimate::default, |ranked| {
+        Estimate::of_times(reaches.len(), |times| ranked.area(times))
     })
 }

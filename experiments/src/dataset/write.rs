@@ -21,7 +21,8 @@ pub enum Written {
     Before(Dataset),
 }
 
-/// How often it is tried to enter a shared folder while another process assembles the set. Choice: short beside a reach.
+/// How often it is tried to enter a shared folder while another process assembles the set. Choice: short beside a
+/// reach.
 const WAIT: Duration = Duration::from_secs(1);
 
 impl Campaign {
@@ -39,9 +40,9 @@ impl Campaign {
         Ok(Written::New(writer.finish()?))
     }
 
-    /// Runs what is missing of one part of the campaign, in a folder that all parts share. The part that finishes last makes
-    /// the data set of the whole campaign there; `None` means that others are still to come. [`Campaign::shard`] must not be
-    /// given.
+    /// Runs what is missing of one part of the campaign, in a folder that all parts share. The part that finishes last
+    /// makes the data set of the whole campaign there; `None` means that others are still to come. [`Campaign::shard`]
+    /// must not be given.
     pub fn write_shared(
         &self,
         out: &Path,
@@ -83,8 +84,9 @@ impl Campaign {
     }
 }
 
-/// Says what is doubtful, and draws all reaches once. An impossible draw is refused before anything is written. What it left
-/// behind could not be resumed, because a corrected scene makes another plan. A draw costs a thousandth of its reach.
+/// Says what is doubtful, and draws all reaches once. An impossible draw is refused before anything is written. What it
+/// left behind could not be resumed, because a corrected scene makes another plan. A draw costs a thousandth of its
+/// reach.
 fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), ExperimentError> {
     say_doubts(plans.iter().map(|plan| &plan.arm), progress);
     jobs.par_iter()

@@ -168,7 +168,8 @@ pub struct TestScene {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictSection {
-    /// A scene in which the arm touches every category, relative to this file. Its reaches are other ones than those of `general`.
+    /// A scene in which the arm touches every category, relative to this file. Its reaches are other ones than those of
+    /// `general`.
     pub scene: String,
     /// Number of reaches.
     pub reaches: u64,

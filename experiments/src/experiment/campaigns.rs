@@ -1,5 +1,5 @@
-//! Several independent campaigns, from successive seeds: mean and spread of the cross-validation table, the trial counts
-//! and the comparison of classifiers.
+//! Several independent campaigns, from successive seeds: mean and spread of the cross-validation table, the trial
+//! counts and the comparison of classifiers.
 
 use std::collections::BTreeMap;
 
@@ -139,8 +139,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
-/// Runs the campaign of one seed, unless it is cached, and caches it where [`run`] finds it. So campaigns can be run on other
-/// machines.
+/// Runs the campaign of one seed, unless it is cached, and caches it where [`run`] finds it. So campaigns can be run on
+/// other machines.
 ///
 /// # Errors
 /// Those of its stages, or a file that cannot be written.

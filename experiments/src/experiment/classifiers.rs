@@ -47,8 +47,8 @@ pub struct Speed {
     pub all_contacts: Vec<AccuracyBySamples>,
 }
 
-/// Folds of whole reaches. This is stricter than the paper's folds by position, which can put trials of one contact on both
-/// sides.
+/// Folds of whole reaches. This is stricter than the paper's folds by position, which can put trials of one contact on
+/// both sides.
 const FOLDS: Folds = Folds {
     count: 2,
     by: FoldBy::Reach,

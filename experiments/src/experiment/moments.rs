@@ -59,7 +59,8 @@ pub struct Moment {
     pub patch: usize,
     /// Verdict by taxel of that patch.
     pub verdicts: BTreeMap<usize, Verdict>,
-    /// Taxels of that patch that an object truly presses on; the others in contact are spurious readings, creep or crosstalk.
+    /// Taxels of that patch that an object truly presses on; the others in contact are spurious readings, creep or
+    /// crosstalk.
     pub pressed: BTreeSet<usize>,
     /// Name of the scene.
     pub scene: String,

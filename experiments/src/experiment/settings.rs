@@ -83,7 +83,8 @@ impl Folded {
     }
 }
 
-/// The fold of a reach in a campaign of `reaches` of each scene, of which the first `counts` are used; `None` for the others.
+/// The fold of a reach in a campaign of `reaches` of each scene, of which the first `counts` are used; `None` for the
+/// others.
 fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
     let mut index = reach;
     for (reaches, count) in reaches.iter().zip(counts) {

@@ -50,8 +50,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
-/// All cells of some recipes, in parallel, each with the evaluation behind it. There are component cells only where there
-/// are component trials.
+/// All cells of some recipes, in parallel, each with the evaluation behind it. There are component cells only where
+/// there are component trials.
 pub fn evaluate(
     experiment: &Experiment,
     trials: &Trials,

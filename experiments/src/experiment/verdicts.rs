@@ -17,8 +17,8 @@ use crate::training;
 
 /// Reaches are judged by networks that were fitted to the other parts of so many.
 const FOLDS: usize = 3;
-/// The reaches of the mixed scene have indices from here on, so that none of them is among the test reaches, which are drawn
-/// from 0.
+/// The reaches of the mixed scene have indices from here on, so that none of them is among the test reaches, which are
+/// drawn from 0.
 const FIRST_INDEX: u64 = 1000;
 /// The verdicts, if the experiment asks for them.
 #[derive(Serialize)]
@@ -31,8 +31,8 @@ pub struct Outcome {
 /// Figures over whole reaches that were held out. Shares are from 0 to 1.
 #[derive(Serialize)]
 pub struct Verdicts {
-    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole contact: mean over the
-    /// categories of the share that is right.
+    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole
+    /// contact: mean over the categories of the share that is right.
     pub touched_balanced_accuracy: Option<f64>,
     /// The same by the first ten samples, or the whole contact if it is shorter.
     pub first_tenth_second_balanced_accuracy: Option<f64>,

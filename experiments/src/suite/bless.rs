@@ -6,10 +6,11 @@ use super::statistics::{margin, margin_with_one_more};
 use super::{Bound, SceneBound, Suite};
 use crate::error::ExperimentError;
 
-/// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as it is.
+/// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as
+/// it is.
 ///
-/// A bound keeps its sides; one without any gets those of its metric. The false-alarm probability of the suite is shared
-/// equally among the sides of all means and shares.
+/// A bound keeps its sides; one without any gets those of its metric. The false-alarm probability of the suite is
+/// shared equally among the sides of all means and shares.
 ///
 /// # Errors
 /// When a metric was measured in fewer than two reaches, so that it cannot be bounded.

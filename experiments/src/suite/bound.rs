@@ -12,8 +12,8 @@ use toml::Spanned;
 
 use super::metric::METRICS;
 
-/// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. Without either of the first two it is bounded
-/// by the next `--bless`.
+/// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. Without either of the first two it is
+/// bounded by the next `--bless`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,

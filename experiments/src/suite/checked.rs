@@ -20,11 +20,12 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Runs the suites in these files, with this seed instead of each file's if one is given. With `bless`, bounds from what is
-    /// found are written into the files, and the results are held against them.
+    /// Runs the suites in these files, with this seed instead of each file's if one is given. With `bless`, bounds from
+    /// what is found are written into the files, and the results are held against them.
     ///
     /// # Errors
-    /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a file cannot be written, or a metric cannot be bounded.
+    /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a file cannot be written, or a metric cannot be
+    /// bounded.
     pub fn of(
         paths: &[PathBuf],
         seed: Option<u64>,

@@ -33,12 +33,14 @@ pub struct SuiteFile {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelSection {
-    /// Model file of any classifier, relative to the suite file. A touch model has its own patch, threshold and decision.
+    /// Model file of any classifier, relative to the suite file. A touch model has its own patch, threshold and
+    /// decision.
     pub file: String,
     /// Patch of skin that is classified; the first if not given.
     #[serde(default)]
     pub patch: Option<String>,
-    /// A taxel is in contact where its sensed force is above this, N; as for `underbrush train` and `classify` if not given.
+    /// A taxel is in contact where its sensed force is above this, N; as for `underbrush train` and `classify` if not
+    /// given.
     #[serde(default)]
     pub threshold_n: Option<f64>,
     /// Rule to use instead of the model's own: `"argmax"`, `{ uncertain_below = { margin = NATS } }` or
@@ -58,8 +60,8 @@ pub struct BlessSection {
 }
 
 impl Default for BlessSection {
-    /// Choices: a program that draws its random numbers anew is refused once in a hundred times; and a largest value, for which
-    /// there is no such theory, may grow by half.
+    /// Choices: a program that draws its random numbers anew is refused once in a hundred times; and a largest value,
+    /// for which there is no such theory, may grow by half.
     fn default() -> Self {
         BlessSection {
             false_alarm: 0.01,

@@ -252,7 +252,8 @@ fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f
     share_of_row(stream, row, verdict)
 }
 
-/// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` for an empty row or if the model never says so.
+/// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` for an empty row or if the model never
+/// says so.
 fn share_of_row(stream: &Stream, row: usize, verdict: &str) -> Option<f64> {
     let column = stream.verdicts.iter().position(|name| name == verdict)?;
     let row = &stream.taxel_frames[row];

@@ -1,8 +1,8 @@
 //! Regression suites: scenes, a controller and a model, with bounds on what a run of them gives.
 //!
-//! A suite file ([`mod@file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which bounds.
-//! [`Suite::run`] runs it and holds every metric against its bounds; [`bless::text`] writes bounds from what was found, with a
-//! margin that `statistics` derives.
+//! A suite file ([`mod@file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which
+//! bounds. [`Suite::run`] runs it and holds every metric against its bounds; [`bless::text`] writes bounds from what
+//! was found, with a margin that `statistics` derives.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

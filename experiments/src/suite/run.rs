@@ -23,8 +23,8 @@ struct OneReach {
 }
 
 impl Suite {
-    /// Runs all reaches, in parallel, and holds every metric against its bounds. The result does not depend on the number of
-    /// threads.
+    /// Runs all reaches, in parallel, and holds every metric against its bounds. The result does not depend on the
+    /// number of threads.
     ///
     /// # Errors
     /// When a reach cannot be run or judged, or the user ends the run. A broken bound is a result, not an error.

@@ -1,20 +1,20 @@
 //! The margin of a blessed bound.
 //!
-//! A suite runs the same seeds again and again, so the same program finds the same numbers, bit for bit. The margin is for
-//! programs that should be equally good but draw or round otherwise. Their reaches are other draws of the same scenes. If
-//! values of reaches are independent and roughly normal, with standard deviation s over n reaches, then the mean of n new
-//! reaches differs from the mean of the n blessed ones by more than t s √(1/n + 1/n) with probability α, where t is the
-//! 1 − α quantile of Student's t distribution with n − 1 degrees of freedom (the prediction interval for a future mean; for
-//! example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
+//! A suite runs the same seeds again and again, so the same program finds the same numbers, bit for bit. The margin is
+//! for programs that should be equally good but draw or round otherwise. Their reaches are other draws of the same
+//! scenes. If values of reaches are independent and roughly normal, with standard deviation s over n reaches, then the
+//! mean of n new reaches differs from the mean of the n blessed ones by more than t s √(1/n + 1/n) with probability α,
+//! where t is the 1 − α quantile of Student's t distribution with n − 1 degrees of freedom (the prediction interval for
+//! a future mean; for example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
 
 use crate::accuracy::Spread;
 
-/// Smallest margin, relative to the mean. Choice: differences of one per cent are not worth a failure, however little the
-/// reaches of a pinned scene vary.
+/// Smallest margin, relative to the mean. Choice: differences of one per cent are not worth a failure, however little
+/// the reaches of a pinned scene vary.
 const SMALLEST_MARGIN: f64 = 0.01;
 
-/// The margin on one side of the mean of these values, one per reach, which reaches of another seed exceed with probability
-/// `probability`. `None` for fewer than two values.
+/// The margin on one side of the mean of these values, one per reach, which reaches of another seed exceed with
+/// probability `probability`. `None` for fewer than two values.
 pub fn margin(values: &[f64], probability: f64) -> Option<f64> {
     let spread = Spread::of(values);
     let deviation = spread.standard_deviation?;
@@ -24,8 +24,8 @@ pub fn margin(values: &[f64], probability: f64) -> Option<f64> {
     Some(margin.max(SMALLEST_MARGIN * spread.mean.abs()))
 }
 
-/// The same with one more reach of the value `other`, for values that are counted, such as goals. Few reaches say little of
-/// what is rare: after 24 goals that were all reached, the next one may well be missed.
+/// The same with one more reach of the value `other`, for values that are counted, such as goals. Few reaches say
+/// little of what is rare: after 24 goals that were all reached, the next one may well be missed.
 pub fn margin_with_one_more(values: &[f64], other: f64, probability: f64) -> Option<f64> {
     match values.len() {
         0 | 1 => None,
@@ -52,8 +52,8 @@ fn student_t_quantile(probability: f64, degrees: usize) -> f64 {
     high
 }
 
-/// The probability that Student's t is at most `t` ≥ 0, by the finite series for whole degrees of freedom (Abramowitz and
-/// Stegun, equations 26.7.3 and 26.7.4).
+/// The probability that Student's t is at most `t` ≥ 0, by the finite series for whole degrees of freedom (Abramowitz
+/// and Stegun, equations 26.7.3 and 26.7.4).
 fn student_t_probability(t: f64, degrees: usize) -> f64 {
     let angle = (t / (degrees as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
@@ -99,8 +99,8 @@ mod tests {
         }
     }
 
-    /// Pins the promise of the margin: of 20000 pairs of means of 12 normal values, the second lies above the first by more than
-    /// the margin in 5 % within four standard errors (0.6 %).
+    /// Pins the promise of the margin: of 20000 pairs of means of 12 normal values, the second lies above the first by
+    /// more than the margin in 5 % within four standard errors (0.6 %).
     #[test]
     fn new_means_exceed_the_margin_as_often_as_promised() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
@@ -118,8 +118,8 @@ mod tests {
         assert!((share - 0.05).abs() < 0.006, "{share}");
     }
 
-    /// Pins that equal values still leave a margin: one per cent for a force, and for counted values that of one more reach
-    /// that differs; and that one value alone has none.
+    /// Pins that equal values still leave a margin: one per cent for a force, and for counted values that of one more
+    /// reach that differs; and that one value alone has none.
     #[test]
     fn equal_values_leave_a_margin() {
         assert_eq!(margin(&[2.0; 8], 0.01), Some(0.02));

@@ -112,8 +112,8 @@ fn the_statement_on_states_names_them() {
     assert_eq!(statement(&[2, 4, 8, 16]), "4, 8 and 16 states are better than 2");
 }
 
-/// Pins mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three campaigns
-/// against numbers worked out by hand.
+/// Pins mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three
+/// campaigns against numbers worked out by hand.
 #[test]
 fn campaigns_have_mean_and_spread() {
     let one = |accuracy: f64| campaign(vec![cell(10, accuracy)], &[("some", accuracy + 1.0)]);
@@ -144,8 +144,8 @@ fn campaigns_have_mean_and_spread() {
     assert!(of(&[]).unwrap().is_none());
 }
 
-/// Pins that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or doubled
-/// name is an error that says which.
+/// Pins that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or
+/// doubled name is an error that says which.
 #[test]
 fn campaigns_are_matched_by_name() {
     let first = campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0), ("other", 90.0)]);

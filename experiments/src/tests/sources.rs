@@ -22,7 +22,8 @@ fn side_by_side(root: &Path) -> Folders {
 }
 
 /// Pins what decides cached results: a change in this crate or in the classifier changes their hash, also a new file; a
-/// change in the report or the simulator does not. What decides data changes with the simulator, and not with the classifier.
+/// change in the report or the simulator does not. What decides data changes with the simulator, and not with the
+/// classifier.
 #[test]
 fn each_hash_follows_its_sources() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,8 +7,8 @@ use crate::definition::TableOneUnit::{self, Component, Taxel};
 const FORCE: FeatureSet = FeatureSet::FORCE;
 const FORCE_AND_MOTION: FeatureSet = FeatureSet::FORCE_AND_MOTION;
 
-/// Table I of Bhattacharjee, Kapusta, Rehg, Kemp 2013: two-fold cross-validation accuracy in per cent, by unit, features
-/// and number of hidden states, in the order in which it is printed.
+/// Table I of Bhattacharjee, Kapusta, Rehg, Kemp 2013: two-fold cross-validation accuracy in per cent, by unit,
+/// features and number of hidden states, in the order in which it is printed.
 pub const TABLE_ONE_PAPER: [(TableOneUnit, FeatureSet, usize, f64); 12] = [
     (Component, FORCE, 5, 61.76),
     (Component, FORCE, 10, 72.22),

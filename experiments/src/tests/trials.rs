@@ -38,7 +38,8 @@ fn trials_that_nothing_touched_are_counted() {
     assert_eq!(counts, [(0, 0), (0, 0), (2, 1), (1, 1)]);
 }
 
-/// Pins that trials of a minimum length keep their order and are numbered from zero, and that a label replaces a category.
+/// Pins that trials of a minimum length keep their order and are numbered from zero, and that a label replaces a
+/// category.
 #[test]
 fn longer_trials_are_numbered_anew() {
     let lengths = [1, 3, 2, 3];

@@ -98,8 +98,8 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
     (recording, contacts)
 }
 
-/// Pins which limit goes with which verdict: that of its category if it has one, that of unknown things, or the usual one; and
-/// that a spurious reading is no contact.
+/// Pins which limit goes with which verdict: that of its category if it has one, that of unknown things, or the usual
+/// one; and that a spurious reading is no contact.
 #[test]
 fn each_verdict_has_its_limit() {
     let allowed = AllowedForces {
@@ -119,9 +119,9 @@ fn each_verdict_has_its_limit() {
     }
 }
 
-/// Pins, for models that always say the same, what reaches the controller inside in a whole reach: contacts on the model's patch
-/// above its threshold have the verdict's limit, or are missing if they are nothing; all others are as they were; and a verdict
-/// of uncertain changes no bit of the reach.
+/// Pins, for models that always say the same, what reaches the controller inside in a whole reach: contacts on the
+/// model's patch above its threshold have the verdict's limit, or are missing if they are nothing; all others are as
+/// they were; and a verdict of uncertain changes no bit of the reach.
 #[test]
 fn contacts_get_the_limits_of_their_verdicts() {
     let (plain, usual) = run(None);
@@ -150,8 +150,8 @@ fn contacts_get_the_limits_of_their_verdicts() {
     assert!(!contacts.is_empty() && !contacts.iter().any(|contact| judged(&contact)));
 }
 
-/// Pins that the same reach with verdicts is the same bit for bit, and starts afresh each time; and that a limit on trunks makes
-/// another reach than none.
+/// Pins that the same reach with verdicts is the same bit for bit, and starts afresh each time; and that a limit on
+/// trunks makes another reach than none.
 #[test]
 fn reaches_with_verdicts_repeat() {
     let verdicts = always(Touch::Category(1));

@@ -1,4 +1,5 @@
-//! A reach as a picture that moves: moments in a loop, as an SVG with SMIL animations, which browsers also play in `<img>`.
+//! A reach as a picture that moves: moments in a loop, as an SVG with SMIL animations, which browsers also play in
+//! `<img>`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -19,8 +19,8 @@ struct Knot {
 
 /// The outline of a blade as the `d` of a path; `to_pixels` projects a point onto the picture.
 ///
-/// Between two hinges each edge is a cubic whose direction at a hinge is the mean of the directions of the two pieces that
-/// meet there, as on the replay page. A projected Bézier curve is the curve of the projected points.
+/// Between two hinges each edge is a cubic whose direction at a hinge is the mean of the directions of the two pieces
+/// that meet there, as on the replay page. A projected Bézier curve is the curve of the projected points.
 pub fn path(blade: &Blade, to_pixels: impl Fn(DVec3) -> DVec2) -> String {
     let knots = knots(blade);
     let lengths: Vec<f64> = blade.pieces.iter().map(|piece| piece.length_m).collect();

@@ -73,7 +73,8 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, size
     entries
 }
 
-/// Writes the legend, starting at `top`, and returns its height, px. `sized` says that a taxel's mark grows with its force.
+/// Writes the legend, starting at `top`, and returns its height, px. `sized` says that a taxel's mark grows with its
+/// force.
 pub fn legend(
     svg: &mut String,
     (snapshot, looks, sized): (&Snapshot, &CategoryLooks, bool),

@@ -70,8 +70,8 @@ pub fn draw(
     svg_document(WIDTH, height, FONT, caption, &body)
 }
 
-/// The view of each panel: arm, objects, goal and workspace at all these moments, rounded out to 10 cm. Both panels have the
-/// same scale and the same x axis.
+/// The view of each panel: arm, objects, goal and workspace at all these moments, rounded out to 10 cm. Both panels
+/// have the same scale and the same x axis.
 fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<View> {
     let mut points: Vec<(DVec3, f64)> = snapshots.iter().flat_map(extent).collect();
     for (x, y) in [(0, 0), (1, 1)] {

@@ -169,8 +169,8 @@ fn numbers(path: &str) -> Vec<f64> {
     path.split(split).filter_map(|word| word.parse().ok()).collect()
 }
 
-/// Pins that the outline of a leaf passes both edges of every hinge and is smooth there, and that an upright leaf is as wide as
-/// it is.
+/// Pins that the outline of a leaf passes both edges of every hinge and is smooth there, and that an upright leaf is as
+/// wide as it is.
 #[test]
 fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     let (panel, foot) = (&PANELS[0], DVec3::new(0.4, 0.0, 0.0));
@@ -206,8 +206,8 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     assert!((width - 50.0).abs() < 0.2, "{width} px");
 }
 
-/// Pins that an animation moves what moves, keeps still what does not, shows the taxels only while they feel something, and is
-/// well-formed.
+/// Pins that an animation moves what moves, keeps still what does not, shows the taxels only while they feel something,
+/// and is well-formed.
 #[test]
 fn an_animation_shows_the_moments_in_turn() {
     let (mut first, layout) = moment([0.8, 0.0, 0.2], [0.7, -0.2, -0.3]);

@@ -1,5 +1,5 @@
-//! The sections of the report: one file for each experiment in the list `for_each_experiment`, with its sentences, tables
-//! and charts. `add` shows the experiment's outcome.
+//! The sections of the report: one file for each experiment in the list `for_each_experiment`, with its sentences,
+//! tables and charts. `add` shows the experiment's outcome.
 
 use crate::report::Report;
 

@@ -15,8 +15,8 @@ use crate::replay_links;
 use crate::report::Report;
 use crate::style::{FIRST, INK, OUTLIER};
 
-/// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on fewer
-/// than one in ten.
+/// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
+/// fewer than one in ten.
 const FAILING_UNCERTAIN_SHARE: f64 = 0.9;
 
 /// Adds the section.
@@ -233,8 +233,8 @@ fn area_style(name: &str, looks: &CategoryLooks) -> Style {
     }
 }
 
-/// Categories with a strip: outliers, those with a label, and all others that the patch touches, but for the foam blocks
-/// on which objects stand. Outliers come first.
+/// Categories with a strip: outliers, those with a label, and all others that the patch touches, but for the foam
+/// blocks on which objects stand. Outliers come first.
 fn strips(reach: &Classified, labels: &[&str]) -> Vec<Category> {
     let shown = |category: &Category| {
         let touched = || reach.stream.frames.iter().any(|frame| touches(reach, frame, *category));

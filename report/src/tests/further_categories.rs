@@ -20,7 +20,8 @@ fn looks() -> CategoryLooks {
     CategoryLooks::of(LABELS)
 }
 
-/// An outlier reach of two frames: first a trunk and a foam block press, then a reed. Both times, two taxels are called reeds.
+/// An outlier reach of two frames: first a trunk and a foam block press, then a reed. Both times, two taxels are called
+/// reeds.
 fn reach(truths: Vec<Category>) -> Classified {
     let verdicts = ["leaf", "reed", "trunk", "uncertain", "outlier"]
         .map(str::to_owned)
@@ -65,8 +66,8 @@ fn has(svg: &str, colour: &str) -> bool {
     values.into_iter().any(|(_, value)| value == colour)
 }
 
-/// Pins that the chart of an outlier reach has a strip for a further category that presses, in its own colour, and one for
-/// each label and for outliers, but none for foam blocks; and that without it the strips are those of the paper.
+/// Pins that the chart of an outlier reach has a strip for a further category that presses, in its own colour, and one
+/// for each label and for outliers, but none for foam blocks; and that without it the strips are those of the paper.
 #[test]
 fn the_outlier_chart_has_a_strip_for_it() {
     let strips = |truths, labels: &[&str]| -> Vec<String> {
@@ -89,8 +90,8 @@ fn the_outlier_chart_has_a_strip_for_it() {
     assert!(has(&svg, looks().look("reed").colour), "{svg}");
 }
 
-/// Pins that the frames of outlier reaches have a column for a further category, also where only a later reach has it, and
-/// that a verdict on it stands in its own column.
+/// Pins that the frames of outlier reaches have a column for a further category, also where only a later reach has it,
+/// and that a verdict on it stands in its own column.
 #[test]
 fn the_table_of_frames_has_a_column_for_it() {
     let online = Online {

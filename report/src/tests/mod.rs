@@ -20,8 +20,8 @@ mod further_categories;
 mod sentences;
 mod unrolled_skin;
 
-/// A small experiment with every kind of section. Eight reaches of a scene are enough for two contacts of each category,
-/// whatever the physics makes of a single reach.
+/// A small experiment with every kind of section. Eight reaches of a scene are enough for two contacts of each
+/// category, whatever the physics makes of a single reach.
 const EXPERIMENT: &str = r#"title = "A small experiment"
 states = [5]
 recipes = ["authors", "modern"]
@@ -191,7 +191,8 @@ fn a_report_is_whole() {
             None => assert!(folder.path().join(&link).exists(), "{link}"),
         }
     }
-    // Figures that show reaches link to them: moments, verdicts over time and outliers, engineered reaches, example trials.
+    // Figures that show reaches link to them: moments, verdicts over time and outliers, engineered reaches, example
+    // trials.
     let pages = ["replay-engineered.html", "replay-training.html", "replay.html"];
     assert_eq!(replayed, BTreeSet::from(pages.map(String::from)));
     assert_eq!(faults(&html), Vec::<&str>::new());

@@ -29,8 +29,8 @@ fn compared(key: &CellKey, accuracy: f64, published: Option<f64>) -> Compared<'_
     }
 }
 
-/// Pins the agreement with published cells against differences worked out by hand, and that cells below the majority baseline
-/// are named with it.
+/// Pins the agreement with published cells against differences worked out by hand, and that cells below the majority
+/// baseline are named with it.
 #[test]
 fn the_page_says_how_cells_agree() {
     let keys = [key(5), key(10), key(20)];
@@ -63,8 +63,8 @@ fn the_page_says_how_cells_agree() {
     assert_eq!(without, "All 1 cells are at or above the majority baseline.");
 }
 
-/// Pins that the page says when the chosen thresholds leave nearly all taxel frames uncertain, and only then. The share is
-/// weighted by frames: 3 · 100 % and 1 · 80 % are 95 %.
+/// Pins that the page says when the chosen thresholds leave nearly all taxel frames uncertain, and only then. The share
+/// is weighted by frames: 3 · 100 % and 1 · 80 % are 95 %.
 #[test]
 fn the_page_says_when_its_rule_fails() {
     let row = |rule: &str, taxel_frames, uncertain: f64| Detection {
@@ -129,7 +129,8 @@ fn the_page_counts_trials_that_nothing_touched() {
     assert!(text.contains(expected) && !text.contains("NaN"), "{text}");
 }
 
-/// Pins that classifiers with the same features are compared with each other, and the same method with and without a feature.
+/// Pins that classifiers with the same features are compared with each other, and the same method with and without a
+/// feature.
 #[test]
 fn classifiers_are_compared_like_with_like() {
     let experiment = underbrush_experiments::definition::Experiment::paper().unwrap();

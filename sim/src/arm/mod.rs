@@ -1,8 +1,8 @@
 //! The arm as data: a serial chain of links on compliant revolute joints, with tactile skin.
 //!
-//! An arm is described by three files. A URDF holds what URDF can express (links, inertia, joint axes, limits, collision
-//! shapes). A TOML file that names it holds the rest (springs, dampers, the controller's model stiffness, start posture,
-//! convex hulls). A skin file places patches of taxels on links. The robot Cody ships as such files.
+//! An arm is described by three files. A URDF holds what URDF can express (links, inertia, joint axes, limits,
+//! collision shapes). A TOML file that names it holds the rest (springs, dampers, the controller's model stiffness,
+//! start posture, convex hulls). A skin file places patches of taxels on links. The robot Cody ships as such files.
 
 use std::path::Path;
 
@@ -113,8 +113,8 @@ impl Arm {
     /// Reads an arm from its TOML file and the files that it names, relative to itself.
     ///
     /// # Errors
-    /// When a file cannot be read or parsed, has unknown keys, a value outside its limits, or a link or joint that the other
-    /// files do not have, or when the URDF is not a serial chain of revolute joints with inertia.
+    /// When a file cannot be read or parsed, has unknown keys, a value outside its limits, or a link or joint that the
+    /// other files do not have, or when the URDF is not a serial chain of revolute joints with inertia.
     pub fn load(path: impl AsRef<Path>) -> Result<Arm, InputError> {
         file::assemble(path.as_ref(), &source::read_from_disk)
     }
@@ -151,8 +151,8 @@ impl Arm {
         self.joints.iter().map(|joint| joint.start_rad).collect()
     }
 
-    /// Makes every joint `scale` times as stiff, in the simulation and in the controller's model, and keeps its damping ratio:
-    /// D ∝ √K.
+    /// Makes every joint `scale` times as stiff, in the simulation and in the controller's model, and keeps its damping
+    /// ratio: D ∝ √K.
     pub(crate) fn scale_stiffness(&mut self, scale: f64) {
         for joint in &mut self.joints {
             joint.stiffness_nm_per_rad *= scale;
@@ -183,8 +183,8 @@ impl Arm {
 
 /// The layout of a skin's taxels, from the TOML file of an arm or from a skin file alone.
 ///
-/// From an arm's file, the frame of a patch is that of the moving link that carries it, as in recordings of the arm. From a
-/// skin file, it is the frame of the link that the file names.
+/// From an arm's file, the frame of a patch is that of the moving link that carries it, as in recordings of the arm.
+/// From a skin file, it is the frame of the link that the file names.
 ///
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.

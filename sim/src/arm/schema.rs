@@ -1,5 +1,5 @@
-//! JSON Schemas of an arm's TOML files, for editors and for the tables in `docs/arms.md`. They are derived from the types
-//! that read the files, so they cannot disagree with the reader.
+//! JSON Schemas of an arm's TOML files, for editors and for the tables in `docs/arms.md`. They are derived from the
+//! types that read the files, so they cannot disagree with the reader.
 
 use schemars::Schema;
 use schemars::transform::Transform;

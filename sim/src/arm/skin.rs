@@ -68,8 +68,8 @@ pub struct SurfacePoint {
 }
 
 impl Skin {
-    /// Divides a taxel into `per_side` × `per_side` equal pieces and returns their centres on the true surface, sorted along
-    /// the first tangent, then the second. Empty if there is no such taxel.
+    /// Divides a taxel into `per_side` × `per_side` equal pieces and returns their centres on the true surface, sorted
+    /// along the first tangent, then the second. Empty if there is no such taxel.
     pub fn surface_points(&self, patch: usize, taxel: usize, per_side: usize) -> Vec<SurfacePoint> {
         let surface = self.surfaces.get(patch);
         let taxel = self.layout.patches.get(patch).and_then(|patch| patch.taxels.get(taxel));
@@ -108,18 +108,18 @@ impl Skin {
     }
 }
 
-/// A place on the skin can be pressed by a contact if their normals differ by less than 60°: even with friction it is then
-/// pressed and not pulled (cos 60° > μ sin 60° for μ up to 0.57).
+/// A place on the skin can be pressed by a contact if their normals differ by less than 60°: even with friction it is
+/// then pressed and not pulled (cos 60° > μ sin 60° for μ up to 0.57).
 pub const FACING_COSINE: f64 = 0.5;
 
-/// A contact farther than this from every taxel is on the bare link, however far apart the taxels are, m. Choice: the taxels
-/// of a skin are a few centimetres apart at most; farther apart they are separate sensors.
+/// A contact farther than this from every taxel is on the bare link, however far apart the taxels are, m. Choice: the
+/// taxels of a skin are a few centimetres apart at most; farther apart they are separate sensors.
 const MAX_REACH_M: f64 = 0.05;
 
 /// Largest distance from the nearest taxel's centre at which a contact point still is on the patch, m.
 ///
-/// It is the distance between neighbouring centres, because the cover extends across the gaps between taxels and a little
-/// beyond the outermost ones. A taxel's own corners always belong to the skin, even if it has no neighbour.
+/// It is the distance between neighbouring centres, because the cover extends across the gaps between taxels and a
+/// little beyond the outermost ones. A taxel's own corners always belong to the skin, even if it has no neighbour.
 pub fn reach_m(taxels: &[Taxel]) -> f64 {
     let nearest = |index: usize| {
         let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);

@@ -30,8 +30,8 @@ pub(super) struct SkinFile {
     patch: Vec<Spanned<PatchTable>>,
 }
 
-/// Soft rubber and foam rubber: their loss factor is 0.05 to 0.3 at the frequencies of touch, some 10 to 20 Hz, which is a
-/// loss time of 1 to 2 ms.
+/// Soft rubber and foam rubber: their loss factor is 0.05 to 0.3 at the frequencies of touch, some 10 to 20 Hz, which
+/// is a loss time of 1 to 2 ms.
 fn default_loss_time_s() -> f64 {
     0.002
 }
@@ -93,8 +93,8 @@ struct CylinderTable {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PointsTable {
-    /// Smallest and largest area of taxels that give none: their area is the square of the distance to the nearest taxel
-    /// that faces the same way, within these two.
+    /// Smallest and largest area of taxels that give none: their area is the square of the distance to the nearest
+    /// taxel that faces the same way, within these two.
     #[schemars(transform = Within(limits::TAXEL_AREA_M2))]
     derived_area_limits_m2: Option<[f64; 2]>,
     /// The taxels, in the order of their indices.
@@ -117,8 +117,8 @@ struct TaxelTable {
     area_m2: Option<f64>,
 }
 
-/// Reads the layout of a skin file without the arm that wears it. Positions are in the frames of the links that the file
-/// names.
+/// Reads the layout of a skin file without the arm that wears it. Positions are in the frames of the links that the
+/// file names.
 pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
     let mut layout = SkinLayout::default();
     for table in &read_file(source)?.patch {
@@ -153,8 +153,8 @@ struct PatchTaxels {
     offsets: Vec<usize>,
 }
 
-/// Reads the taxels of a patch in the frame that the file names, and the shape of its surface in the link's frame, in which
-/// that frame has the pose `pose`. The patch's name must differ from those of `earlier` patches.
+/// Reads the taxels of a patch in the frame that the file names, and the shape of its surface in the link's frame, in
+/// which that frame has the pose `pose`. The patch's name must differ from those of `earlier` patches.
 fn patch_taxels(
     source: &Source,
     table: &Spanned<PatchTable>,

@@ -1,5 +1,6 @@
-//! Checks how the taxels lie on their links. Contacts occur on a link's collision shapes, so a taxel that is away from them
-//! or faces into the link would feel nothing; such a skin is refused. A taxel that is slightly off is reported as doubtful.
+//! Checks how the taxels lie on their links. Contacts occur on a link's collision shapes, so a taxel that is away from
+//! them or faces into the link would feel nothing; such a skin is refused. A taxel that is slightly off is reported as
+//! doubtful.
 
 use glam::DVec3;
 use underbrush_recording::{InputError, Patch, Taxel};
@@ -33,8 +34,8 @@ impl Surface {
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// Cosine between a taxel's normal and the surface's: the rate at which the distance grows along the normal. It is measured
-    /// just outside, where faces that lie inside another shape do not count.
+    /// Cosine between a taxel's normal and the surface's: the rate at which the distance grows along the normal. It is
+    /// measured just outside, where faces that lie inside another shape do not count.
     fn facing_cosine(&self, taxel: &Taxel) -> f64 {
         let depth_m = (-self.distance_m(taxel.position_link)).max(0.0);
         let at =
@@ -46,8 +47,8 @@ impl Surface {
 /// Refuses a patch with taxels that cannot feel; `offsets` are the bytes of the file at which each taxel is described.
 ///
 /// # Errors
-/// When the link has no collision shape, or a taxel faces into the link or is farther from its surface than a contact of this
-/// patch may be from its taxels.
+/// When the link has no collision shape, or a taxel faces into the link or is farther from its surface than a contact
+/// of this patch may be from its taxels.
 pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Link) -> Result<(), InputError> {
     let surface = Surface::of(link);
     let fault = |taxel: usize, found: String, allowed: String| {
@@ -98,8 +99,8 @@ fn place(distance_m: f64, link: &str) -> String {
 
 impl Arm {
     /// What is doubtful about the skin, at most two sentences per patch: taxels so far off the collision surface that a
-    /// contact's force may go to a neighbour (more than half the patch's reach), and taxels whose normal is more than 60° off
-    /// the surface's, which feel only what presses from the side.
+    /// contact's force may go to a neighbour (more than half the patch's reach), and taxels whose normal is more than
+    /// 60° off the surface's, which feel only what presses from the side.
     pub fn skin_doubts(&self) -> Vec<String> {
         let patches = self.skin.layout.patches.iter().zip(&self.skin.surfaces);
         patches

@@ -75,8 +75,8 @@ impl Source {
         InputError::new(&self.path, field, found.to_string(), allowed, remedy)
     }
 
-    /// An error about `field`. Its line is the first one from byte `offset` on that sets the last part of the field, or else
-    /// the line of `offset` itself.
+    /// An error about `field`. Its line is the first one from byte `offset` on that sets the last part of the field, or
+    /// else the line of `offset` itself.
     pub(super) fn fault_after(
         &self,
         offset: usize,

@@ -1,6 +1,6 @@
-//! Checks the text of a URDF, element by element, before urdf-rs parses it: the types of attributes, missing elements and
-//! attributes, and nesting depth. urdf-rs names neither the element nor the line of an error, skips words among numbers, and
-//! recurses for every nested element until the stack overflows.
+//! Checks the text of a URDF, element by element, before urdf-rs parses it: the types of attributes, missing elements
+//! and attributes, and nesting depth. urdf-rs names neither the element nor the line of an error, skips words among
+//! numbers, and recurses for every nested element until the stack overflows.
 
 use roxmltree::{Document, Error, Node, ParsingOptions};
 use serde::Deserialize;
@@ -114,8 +114,8 @@ impl<'a> Elements<'a> {
         Ok(elements)
     }
 
-    /// The line of the element at `path`, such as `inertial.mass`, in the link or joint of a name, or else of the closest
-    /// element around it.
+    /// The line of the element at `path`, such as `inertial.mass`, in the link or joint of a name, or else of the
+    /// closest element around it.
     pub(super) fn line(&self, kind: &str, name: &str, path: &str) -> Option<usize> {
         let mut owners = self.owners();
         let mut element =

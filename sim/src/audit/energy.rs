@@ -5,13 +5,13 @@
 //! * the **actuators** move the rest angles of the springs from φ₀ to φ₁ at the joint angles q₀, which takes the work
 //!   Σ ½ K ((φ₁ − q₀)² − (φ₀ − q₀)²);
 //! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for a constant acceleration;
-//! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the link's point under it. This
-//!   includes losses by friction and contact damping, and what the objects store and lose;
+//! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the link's point under it.
+//!   This includes losses by friction and contact damping, and what the objects store and lose;
 //! * the **integrator** dissipates energy numerically. For one step h of the implicit Euler rule on M v̇ = −K x,
 //!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v.
 //!
-//! The rest is the residual: impacts within a step, and gyroscopic terms. Steps that begin or end with a joint at a mechanical
-//! limit are left out, because no term holds the work of a stop.
+//! The rest is the residual: impacts within a step, and gyroscopic terms. Steps that begin or end with a joint at a
+//! mechanical limit are left out, because no term holds the work of a stop.
 
 use glam::DVec3;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
@@ -80,7 +80,8 @@ impl ArmState {
             + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world))
     }
 
-    /// Kinetic energy of the links, J, at the velocities (of the centre of mass, and angular) that `velocities` returns.
+    /// Kinetic energy of the links, J, at the velocities (of the centre of mass, and angular) that `velocities`
+    /// returns.
     fn kinetic_energy_j(&self, arm: &Arm, velocities: impl Fn(usize, &LinkState) -> (DVec3, DVec3)) -> f64 {
         let of_link = |(index, state): (usize, &LinkState)| {
             let (velocity, angular_velocity) = velocities(index, state);

@@ -84,7 +84,8 @@ fn min_contact_torque_nm(arm: &Arm) -> f64 {
 pub struct Auditor {
     audit: Audit,
     energy: EnergyBalance,
-    /// Force on each link in the previous and the present step, and in the previous and the present frame, N, world frame.
+    /// Force on each link in the previous and the present step, and in the previous and the present frame, N, world
+    /// frame.
     step_force: Jump,
     frame_force: Jump,
     frame_rest_angle_rad: Vec<f64>,

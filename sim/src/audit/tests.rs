@@ -24,9 +24,9 @@ fn free_arm(step_s: f64) -> Simulation {
     })
 }
 
-/// Pins the energy balance of the free arm after a step δ of its actuators: they do the work Σ ½ K δ², and once the arm is
-/// at rest again, dampers and integrator have taken all of it. The unexplained part and the integrator's part are both first
-/// order in the time step.
+/// Pins the energy balance of the free arm after a step δ of its actuators: they do the work Σ ½ K δ², and once the arm
+/// is at rest again, dampers and integrator have taken all of it. The unexplained part and the integrator's part are
+/// both first order in the time step.
 #[test]
 fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     let mut found = Vec::new();
@@ -62,8 +62,8 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     );
 }
 
-/// Pins that every bound belongs to a known figure, and that every figure has one except the jump within a step: a link that
-/// meets a trunk is stopped within one step.
+/// Pins that every bound belongs to a known figure, and that every figure has one except the jump within a step: a link
+/// that meets a trunk is stopped within one step.
 #[test]
 fn every_figure_has_its_bound() {
     let layout = Arm::cody().unwrap().skin.layout;
@@ -77,9 +77,9 @@ fn every_figure_has_its_bound() {
     assert!(bounds(&layout).all(|bound| bound.max > 0.0 && !bound.reason.is_empty()));
 }
 
-/// Pins that the bound of the moment and the smallest torque that is compared follow the arm. For Cody they are about 4 cm,
-/// the spacing of the flipper's sparsest taxels, and 0.7 Nm. A skin larger by a fifth raises the first by a fifth, and dampers
-/// twice as strong double the second.
+/// Pins that the bound of the moment and the smallest torque that is compared follow the arm. For Cody they are about
+/// 4 cm, the spacing of the flipper's sparsest taxels, and 0.7 Nm. A skin larger by a fifth raises the first by a
+/// fifth, and dampers twice as strong double the second.
 #[test]
 fn bounds_follow_the_arm_and_its_skin() {
     let moment_m = |arm: &Arm| {

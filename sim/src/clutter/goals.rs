@@ -15,11 +15,12 @@ use crate::scene::Scene;
 const GOAL_TRIES: usize = 5000;
 /// Clearance between an obstacle and a hand that points along it and ends at a goal, m. Choice: a finger's breadth.
 const GOAL_MARGIN_M: f64 = 0.02;
-/// Largest distance of a goal from the shoulder, as a share of the arm's length. Choice: a fully extended arm cannot yield.
+/// Largest distance of a goal from the shoulder, as a share of the arm's length. Choice: a fully extended arm cannot
+/// yield.
 const REACHABLE_SHARE: f64 = 0.97;
 
-/// Distance that goals keep from the surface of trunks and rolls, m: half the thickness of the hand, and the margin. 6.1 cm
-/// for Cody.
+/// Distance that goals keep from the surface of trunks and rolls, m: half the thickness of the hand, and the margin.
+/// 6.1 cm for Cody.
 pub(super) fn goal_clearance_m(arm: &ArmAtStart) -> f64 {
     arm.hand_half_thickness_m + GOAL_MARGIN_M
 }
@@ -79,8 +80,8 @@ pub(super) fn draw_goals(
 /// Whether the skin meets a plant on the way, for an arm that is taken to be stretched from the shoulder to the end
 /// effector.
 ///
-/// This looks at the first patch of skin and not at the hand, because that patch is the one that is classified: an operator
-/// picks goals that bring it among plants.
+/// This looks at the first patch of skin and not at the hand, because that patch is the one that is classified: an
+/// operator picks goals that bring it among plants.
 fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
     let behind = |end: DVec3, distance: f64| end + (arm.shoulder_world - end).normalize_or_zero() * distance;
     let sweeps = arm

@@ -79,8 +79,9 @@ pub trait Controller: Send {
     /// How often it wants to be called, Hz. It is called at most once per frame.
     fn rate_hz(&self) -> f64;
 
-    /// Takes in a frame. Called once in every frame, also in those in which no control is due, and before control. The equilibrium
-    /// angles are those in force until this frame. A frame holds ground truth too, which a robot would not know.
+    /// Takes in a frame. Called once in every frame, also in those in which no control is due, and before control. The
+    /// equilibrium angles are those in force until this frame. A frame holds ground truth too, which a robot would not
+    /// know.
     fn observe(&mut self, _frame: &Frame) {}
 
     /// Computes new equilibrium angles. Every slice of the input has one entry per joint.

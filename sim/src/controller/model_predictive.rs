@@ -1,8 +1,9 @@
 //! The quasi-static one-step model-predictive controller of A. Jain, M. D. Killpack, A. Edsinger, C. C. Kemp,
 //! "Reaching in clutter with whole-arm tactile sensing", IJRR 32(4), 2013, section 5.
 //!
-//! The model: the arm is at rest on its springs K_j (the model stiffness, which may differ from the joints') and on linear springs of stiffness k
-//! along the normals n_i of its contacts. A change Δφ of the equilibrium angles then moves the joints by
+//! The model: the arm is at rest on its springs K_j (the model stiffness, which may differ from the joints') and on
+//! linear springs of stiffness k along the normals n_i of its contacts. A change Δφ of the equilibrium angles then
+//! moves the joints by
 //!
 //! Δq = P K_j Δφ,  P = (K_j + Σ k J_iᵀ n_i n_iᵀ J_i)⁻¹,
 //!
@@ -10,8 +11,8 @@
 //!
 //! w_p ‖Δx − J_h Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
 //!
-//! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The limit is
-//! that of the contact, if it has one, or else that of the parameter set. The
+//! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The limit
+//! is that of the contact, if it has one, or else that of the parameter set. The
 //! publication also has weights for a wanted orientation and a wanted posture. The goals here are positions and the
 //! parameter sets give the posture's weight no value, so both are left out.
 
@@ -54,8 +55,9 @@ impl ModelPredictive {
         ModelPredictive { preset, joints }
     }
 
-    /// The equilibrium angles from which the step starts: those given, except that a joint's is reset to its angle when the
-    /// two are too far apart. The authors' controller resets; doing so per joint, and to the angle itself, is a choice.
+    /// The equilibrium angles from which the step starts: those given, except that a joint's is reset to its angle when
+    /// the two are too far apart. The authors' controller resets; doing so per joint, and to the angle itself, is a
+    /// choice.
     fn start(&self, input: &ControllerInput<'_>) -> Vec<f64> {
         let reset = self.preset.equilibrium_reset_rad.unwrap_or(f64::INFINITY);
         let pairs = input.equilibrium_angle_rad.iter().zip(input.joint_angle_rad);

@@ -39,8 +39,8 @@ pub struct Preset {
     /// Longest wanted displacement of the end effector in one step, m.
     #[serde(rename = "tip_step_m")] // The key in the provenance of data sets.
     pub end_effector_step_m: f64,
-    /// Within this distance of the goal the wanted displacement shrinks linearly with the distance, m; with `None` it is the
-    /// distance itself, up to the longest step.
+    /// Within this distance of the goal the wanted displacement shrinks linearly with the distance, m; with `None` it
+    /// is the distance itself, up to the longest step.
     pub slow_distance_m: Option<f64>,
     /// Largest change of an equilibrium angle in one step, rad, in addition to the joint's own slew limit.
     pub equilibrium_step_rad: Option<f64>,
@@ -101,8 +101,8 @@ impl Preset {
         }
     }
 
-    /// The same at `scale` times the hand speed: scales the longest step of the end effector and the largest change of the
-    /// equilibrium angles, which would otherwise limit the speed.
+    /// The same at `scale` times the hand speed: scales the longest step of the end effector and the largest change of
+    /// the equilibrium angles, which would otherwise limit the speed.
     pub fn at_hand_speed(self, scale: f64) -> Preset {
         Preset {
             end_effector_step_m: self.end_effector_step_m * scale,

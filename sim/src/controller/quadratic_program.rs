@@ -1,8 +1,8 @@
 //! A dense, strictly convex quadratic program by the dual active-set method of D. Goldfarb and A. Idnani, "A
 //! numerically stable dual method for solving strictly convex quadratic programs", Mathematical Programming 27, 1983.
 //!
-//! The method starts at the unconstrained minimum and adds violated constraints one at a time, while the multipliers stay
-//! non-negative. Each iterate is the exact minimum for its active set. The active normals are stored as a QR
+//! The method starts at the unconstrained minimum and adds violated constraints one at a time, while the multipliers
+//! stay non-negative. Each iterate is the exact minimum for its active set. The active normals are stored as a QR
 //! factorization, to which a new constraint adds a column. When a constraint is dropped, the factorization is computed
 //! again: with the dozen variables of an arm this is cheap and accumulates no error.
 
@@ -51,7 +51,8 @@ pub struct Solution {
 
 /// A constraint is violated if it is off by more than this, relative to the size of its terms.
 const VIOLATION: f64 = 1e-11;
-/// A constraint is linearly dependent on the active ones if a smaller share of its normal than this is orthogonal to theirs.
+/// A constraint is linearly dependent on the active ones if a smaller share of its normal than this is orthogonal to
+/// theirs.
 const DEPENDENCE: f64 = 1e-9;
 
 impl QuadraticProgram {

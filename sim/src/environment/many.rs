@@ -53,8 +53,8 @@ impl Environments {
         self.all.first().map_or(0, Environment::action_size)
     }
 
-    /// On the threads of the current rayon pool, resets those that `which` returns true for, each with its seed, if it has one. Observations of the others stay as
-    /// they are in `observations`, which has a row for each environment.
+    /// On the threads of the current rayon pool, resets those that `which` returns true for, each with its seed, if it
+    /// has one. Observations of the others stay as they are in `observations`, which has a row for each environment.
     ///
     /// # Errors
     /// As [`Environment::reset`]: the error of the first environment that has one.
@@ -84,11 +84,11 @@ impl Environments {
         reset.into_iter().collect()
     }
 
-    /// Takes a step with every environment. One whose last step ended an episode begins a new one instead: its action is
-    /// ignored, and its reward is 0. `actions` and `observations` have a row for each environment.
+    /// Takes a step with every environment. One whose last step ended an episode begins a new one instead: its action
+    /// is ignored, and its reward is 0. `actions` and `observations` have a row for each environment.
     ///
-    /// This thread does the work together with those of `helpers`. That way it need not be woken at the end, which can take as long
-    /// as a step.
+    /// This thread does the work together with those of `helpers`. That way it need not be woken at the end, which can
+    /// take as long as a step.
     ///
     /// # Errors
     /// As [`Environment::step`] and [`Environment::reset`]: the error of the first environment that has one.

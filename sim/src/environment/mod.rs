@@ -1,7 +1,7 @@
 //! A reach as an environment for an agent that learns: observation in, action out, reward.
 //!
-//! An [`Environment`] draws a new reach for every episode. Its observations hold what a robot could know; what it could not
-//! know is in [`Stepped`]. [`Environments`] steps many of them at once, with the same numbers.
+//! An [`Environment`] draws a new reach for every episode. Its observations hold what a robot could know; what it could
+//! not know is in [`Stepped`]. [`Environments`] steps many of them at once, with the same numbers.
 
 use underbrush_recording::{InputError, Outcome};
 
@@ -113,8 +113,8 @@ impl Environment {
         self.episode.as_ref().map(|episode| &episode.simulation)
     }
 
-    /// Begins the next episode: reach 0 of a seed if one is given, and else the next reach of the seed. Writes the first
-    /// observation into `observation`, which has [`Environment::observation_size`] places.
+    /// Begins the next episode: reach 0 of a seed if one is given, and else the next reach of the seed. Writes the
+    /// first observation into `observation`, which has [`Environment::observation_size`] places.
     ///
     /// # Errors
     /// When the scene is impossible for this draw.
@@ -146,8 +146,8 @@ impl Environment {
         })
     }
 
-    /// Takes a step and writes the next observation. `None` without an episode: before the first one, and after the end of
-    /// one until it is reset.
+    /// Takes a step and writes the next observation. `None` without an episode: before the first one, and after the end
+    /// of one until it is reset.
     ///
     /// # Errors
     /// When the scene's controller, which follows waypoints, answers wrongly.

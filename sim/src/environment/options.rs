@@ -9,7 +9,8 @@ pub enum ActionKind {
     /// [`EnvironmentOptions::largest_change_rad`].
     Equilibrium,
     /// Three numbers: where the end effector should go next, from where it is, as a share of
-    /// [`EnvironmentOptions::largest_waypoint_m`] along each axis of the world frame. The scene's controller drives it there.
+    /// [`EnvironmentOptions::largest_waypoint_m`] along each axis of the world frame. The scene's controller drives it
+    /// there.
     Waypoint,
 }
 
@@ -39,7 +40,8 @@ pub struct Reward {
 }
 
 impl Default for Reward {
-    /// Choices: a goal half a metre away is worth 10, and pressing with 5 N for a second costs as much as 20 cm of the way.
+    /// Choices: a goal half a metre away is worth 10, and pressing with 5 N for a second costs as much as 20 cm of the
+    /// way.
     fn default() -> Self {
         Reward {
             progress_per_m: 10.0,
@@ -72,7 +74,8 @@ pub struct EnvironmentOptions {
 }
 
 impl Default for EnvironmentOptions {
-    /// Choices: 25 steps a second as the published controller; 1.5 degrees a step are 37 degrees a second; one goal in at most 20 s.
+    /// Choices: 25 steps a second as the published controller; 1.5 degrees a step are 37 degrees a second; one goal in
+    /// at most 20 s.
     fn default() -> Self {
         EnvironmentOptions {
             action: ActionKind::Equilibrium,

@@ -23,8 +23,8 @@ fn options(action: ActionKind) -> EnvironmentOptions {
 
 #[test]
 fn many_give_the_numbers_of_one() {
-    // Pins that environments that step at once give, bit for bit, what each gives alone, with and without helping threads, also across the end of an episode, whose
-    // next step begins another: action ignored, reward 0.
+    // Pins that environments that step at once give, bit for bit, what each gives alone, with and without helping
+    // threads, also across the end of an episode, whose next step begins another: action ignored, reward 0.
     let steps = 60;
     let action = |step: usize, joint: usize| ((step * 7 + joint * 3) as f64 * 0.37).sin();
     let mut many = Environments::new(&plan(5), &options(ActionKind::Equilibrium), 3).unwrap();
@@ -67,7 +67,8 @@ fn many_give_the_numbers_of_one() {
 
 #[test]
 fn rewards_follow_their_definition() {
-    // Pins the reward of every step against its definition, computed from what the step reports. Forces count from 0 N here.
+    // Pins the reward of every step against its definition, computed from what the step reports. Forces count from 0 N
+    // here.
     let reward = Reward {
         free_force_n: 0.0,
         force_per_n_s: 0.0,
@@ -112,8 +113,8 @@ fn towards(environment: &Environment, row: &[f32]) -> Vec<f64> {
 
 #[test]
 fn observations_hold_what_the_skin_senses() {
-    // Pins that an observation's tactile images are the sensed forces of the simulation, taxel by taxel, and that its parts fill
-    // the row without gaps.
+    // Pins that an observation's tactile images are the sensed forces of the simulation, taxel by taxel, and that its
+    // parts fill the row without gaps.
     let mut environment = Environment::new(plan(2), options(ActionKind::Waypoint)).unwrap();
     let mut row = vec![f32::NAN; environment.observation_size()];
     environment.reset(Some(2), &mut row).unwrap();

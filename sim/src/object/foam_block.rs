@@ -123,8 +123,8 @@ const DENSITY_KG_PER_M3: f64 = 25.0;
 /// creeps little; in soaked foam water must flow, which takes some seconds over a hand's breadth.
 const RELAXING_SHARE: Kinds = Kinds { dry: 0.05, wet: 0.3 };
 const RELAXATION_TIME_S: Kinds = Kinds { dry: 1.0, wet: 2.0 };
-/// Damping ratio of the top on its spring: half the loss factor, about 0.2 for rigid foam. Choice: more in wet foam, which
-/// moves water.
+/// Damping ratio of the top on its spring: half the loss factor, about 0.2 for rigid foam. Choice: more in wet foam,
+/// which moves water.
 const DAMPING_RATIO: Kinds = Kinds { dry: 0.1, wet: 0.3 };
 
 struct Kinds {
@@ -138,8 +138,8 @@ impl Kinds {
     }
 }
 
-/// One foam block: a bar under axial pressure, whose top sinks as a whole on a standard linear solid of stiffness E A / H.
-/// The feet of leaves do not move with it; their roots have the stiffness of the foam.
+/// One foam block: a bar under axial pressure, whose top sinks as a whole on a standard linear solid of stiffness E A /
+/// H. The feet of leaves do not move with it; their roots have the stiffness of the foam.
 ///
 /// A dry block has some 600 kN/m and a wet one 15 kN/m, two to four orders of magnitude above the arm's 0.1–0.4 kN/m.
 #[derive(Clone, Copy, Debug, PartialEq)]

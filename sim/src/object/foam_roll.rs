@@ -17,11 +17,12 @@ pub use specification::FoamRollSpecification;
 
 const CATEGORY: Category = Category::OUTLIER;
 
-/// Number of slices that a roll is cut into along its height. Choice: each is then about half as high as the arm is thick.
+/// Number of slices that a roll is cut into along its height. Choice: each is then about half as high as the arm is
+/// thick.
 const SLICES: usize = 10;
 
-/// One foam roll standing on the table. Its core leans as a whole on two hinges at the base, and each slice slides sideways
-/// on the core where it is pushed. Every spring is a standard linear solid (Zener model).
+/// One foam roll standing on the table. Its core leans as a whole on two hinges at the base, and each slice slides
+/// sideways on the core where it is pushed. Every spring is a standard linear solid (Zener model).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoamRoll {
     /// Diameter, m.
@@ -38,8 +39,8 @@ pub struct FoamRoll {
     pub density_kg_per_m3: f64,
 }
 
-/// A roll counts as standing up to this share of its toppling load. Choice: it then leans at most five times as far as a
-/// weightless roll would.
+/// A roll counts as standing up to this share of its toppling load. Choice: it then leans at most five times as far as
+/// a weightless roll would.
 const LARGEST_LOAD_SHARE: f64 = 0.8;
 
 /// Damping ratio: half the loss factor of such foams, about 0.4 (at resonance η = 2 ζ).
@@ -49,14 +50,15 @@ const DAMPING_RATIO: f64 = 0.2;
 const SURFACE_LOSS_TIME_S: f64 = 0.4 / (2.0 * PI * 10.0);
 
 impl FoamRoll {
-    /// Instantaneous stiffness of the two base hinges, Nm/rad. With k = 3 E I / H, a force F at the tip deflects the roll
-    /// as it would a cantilever, by F H³ / (3 E I) (Gere & Goodno, *Mechanics of Materials*, table of beam deflections).
+    /// Instantaneous stiffness of the two base hinges, Nm/rad. With k = 3 E I / H, a force F at the tip deflects the
+    /// roll as it would a cantilever, by F H³ / (3 E I) (Gere & Goodno, *Mechanics of Materials*, table of beam
+    /// deflections).
     pub fn lean_stiffness_nm_per_rad(&self) -> f64 {
         3.0 * self.modulus_pa * PI * self.diameter_m.powi(4) / 64.0 / self.height_m
     }
 
-    /// Instantaneous stiffness of one slice against sliding sideways, N/m: that of a bar as long and as wide as the roll's
-    /// diameter D and as high as a slice, E A / D = E h.
+    /// Instantaneous stiffness of one slice against sliding sideways, N/m: that of a bar as long and as wide as the
+    /// roll's diameter D and as high as a slice, E A / D = E h.
     pub fn slice_stiffness_n_per_m(&self) -> f64 {
         self.modulus_pa * self.height_m / SLICES as f64
     }

@@ -52,8 +52,8 @@ pub struct Leaf {
     pub segments: u32,
 }
 
-/// Thickness of the collision shape, m. Choice: about twice that of a plastic blade, the minimum that the engine handles
-/// safely at the arm's speed.
+/// Thickness of the collision shape, m. Choice: about twice that of a plastic blade, the minimum that the engine
+/// handles safely at the arm's speed.
 const COLLISION_THICKNESS_M: f64 = 0.002;
 
 /// Poisson's ratio of plastics, for the blade's torsional rigidity G J = 2 E I / (1 + ν).
@@ -78,8 +78,8 @@ impl Leaf {
         self.mass_per_area_kg_per_m2 * self.width_m
     }
 
-    /// First natural angular frequency of the clamped beam, rad/s: 1.8751² √(E I / (ρA H⁴)) (Blevins, *Formulas for Natural
-    /// Frequency and Mode Shape*).
+    /// First natural angular frequency of the clamped beam, rad/s: 1.8751² √(E I / (ρA H⁴)) (Blevins, *Formulas for
+    /// Natural Frequency and Mode Shape*).
     pub fn first_frequency_rad_per_s(&self) -> f64 {
         1.875_104_068_711_961_f64.powi(2)
             * (self.flexural_rigidity_n_m2 / (self.mass_per_length_kg_per_m() * self.height_m.powi(4))).sqrt()
@@ -124,12 +124,12 @@ impl Leaf {
             .collect()
     }
 
-    /// Combines the blade's lowest hinge (height, m, and compliance, rad/Nm) with the root in the foam: their compliances
-    /// add, at the mean of their heights weighted by compliance.
+    /// Combines the blade's lowest hinge (height, m, and compliance, rad/Nm) with the root in the foam: their
+    /// compliances add, at the mean of their heights weighted by compliance.
     ///
     /// A moment thus rotates the leaf as both hinges would. The deflection under a tip load P is smaller by
-    /// P x² c₁ c₂ / (c₁ + c₂), where c are the compliances and x is the height of the lowest node: less than a thousandth
-    /// of the total with four segments, in any foam.
+    /// P x² c₁ c₂ / (c₁ + c₂), where c are the compliances and x is the height of the lowest node: less than a
+    /// thousandth of the total with four segments, in any foam.
     pub fn lowest_hinge(&self, (place_m, blade): (f64, f64)) -> (f64, f64) {
         let root = self.root_stiffness_nm_per_rad.map_or(0.0, |stiffness| 1.0 / stiffness);
         (place_m * blade / (blade + root), blade + root)
@@ -217,7 +217,8 @@ impl Object for Leaf {
         let axes = std::iter::once((Axis::RotationZ, twist)).chain(hinges.iter().map(bend));
         let bottoms = std::iter::once(0.0).chain(hinges.iter().map(|hinge| hinge.0));
         let tops = hinges.iter().map(|hinge| hinge.0).chain([self.height_m]);
-        // Pieces lie between hinges: the first from the foot to the lowest hinge, the last from the highest hinge to the tip.
+        // Pieces lie between hinges: the first from the foot to the lowest hinge, the last from the highest hinge to
+        // the tip.
         let mut origin_parent = DVec3::ZERO;
         for (piece, ((axis, bottom), top)) in axes.zip(bottoms).zip(tops).enumerate() {
             let length = top - bottom;

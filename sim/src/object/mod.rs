@@ -24,8 +24,8 @@ pub mod water_bottle;
 
 pub use structure::Structure;
 
-/// The list of object kinds, as `key in the scene file: specification type`. Objects are placed in this order, so whatever
-/// others stand on comes before them.
+/// The list of object kinds, as `key in the scene file: specification type`. Objects are placed in this order, so
+/// whatever others stand on comes before them.
 macro_rules! for_each_object_kind {
     ($apply:ident) => {
         $apply! {
@@ -128,8 +128,8 @@ pub trait Object: std::fmt::Debug + Send + Sync {
 /// Gravity under which an object must stand by itself, m/s².
 pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 
-/// Coefficient of friction between the skin and whatever it touches. The paper gives none; 0.2–0.4 is usual for fabric and
-/// silicone on plastic, and the authors' planar simulation uses 0.4.
+/// Coefficient of friction between the skin and whatever it touches. The paper gives none; 0.2–0.4 is usual for fabric
+/// and silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;
 
 /// Coefficient of friction of the table. Choice: that of the skin, so that an object slides on both alike.

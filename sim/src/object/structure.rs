@@ -103,7 +103,8 @@ impl Spring {
     }
 }
 
-/// The Maxwell branch of a standard linear solid: a spring in series with a dashpot, both parallel to the elastic spring.
+/// The Maxwell branch of a standard linear solid: a spring in series with a dashpot, both parallel to the elastic
+/// spring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Maxwell {
     /// Stiffness of the branch, in the unit of the elastic spring.
@@ -156,8 +157,8 @@ impl Inertia {
 /// What the shapes of a body collide with. All of them collide with the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CollisionGroup {
-    /// Heavy or fixed things such as trunks and foam blocks: they collide with [`CollisionGroup::Bendable`] bodies, and not
-    /// with each other.
+    /// Heavy or fixed things such as trunks and foam blocks: they collide with [`CollisionGroup::Bendable`] bodies, and
+    /// not with each other.
     Fixed,
     /// Moving parts: they collide with every group.
     Bendable,

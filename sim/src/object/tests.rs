@@ -35,8 +35,8 @@ fn no_two_categories_share_a_name_or_a_code() {
     }
 }
 
-/// Pins that an added object with a category of its own is read from a scene file, placed, simulated, touched and recorded
-/// with its category, and that the arm moves it.
+/// Pins that an added object with a category of its own is read from a scene file, placed, simulated, touched and
+/// recorded with its category, and that the arm moves it.
 #[test]
 fn an_added_object_goes_through_a_reach() {
     let text = "summary = \"Wands\"\n[goals]\ncount = 4\nretries = 0\npatience_s = 1.0\n\

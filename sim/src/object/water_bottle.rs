@@ -15,17 +15,17 @@ use crate::geometry::Footprint;
 
 pub use specification::WaterBottleSpecification;
 
-/// The category of water bottles. Like the foam roll, a bottle does not belong to the foliage; it has a category of its own
-/// because it feels different from a roll.
+/// The category of water bottles. Like the foam roll, a bottle does not belong to the foliage; it has a category of its
+/// own because it feels different from a roll.
 pub const CATEGORY: Category = Category::new("bottle", 4).expect("a valid name and a free code");
 
 const WATER_DENSITY_KG_PER_M3: f64 = 1000.0;
 
-/// One bottle of a water dispenser, nearly empty. It is a rigid upright cylinder that no joint holds: it stands on the table
-/// by contact alone.
+/// One bottle of a water dispenser, nearly empty. It is a rigid upright cylinder that no joint holds: it stands on the
+/// table by contact alone.
 ///
-/// Pushed slowly below the height r / μ it slides, and resists with μ m g however far it has been pushed. Pushed higher up it
-/// tips over.
+/// Pushed slowly below the height r / μ it slides, and resists with μ m g however far it has been pushed. Pushed higher
+/// up it tips over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaterBottle {
     /// Diameter, m.
@@ -51,7 +51,8 @@ impl WaterBottle {
         self.surface().with(&Surface::hard(TABLE_FRICTION)).friction
     }
 
-    /// Height of the centre of mass over the table, m: the shell's is half-way up, the water's is half-way up its level.
+    /// Height of the centre of mass over the table, m: the shell's is half-way up, the water's is half-way up its
+    /// level.
     pub fn center_of_mass_m(&self) -> f64 {
         (self.empty_mass_kg * self.height_m + self.water_mass_kg * self.water_level_m()) / (2.0 * self.mass_kg())
     }
@@ -69,8 +70,8 @@ impl WaterBottle {
         self.water_mass_kg / (WATER_DENSITY_KG_PER_M3 * PI * self.radius_m().powi(2))
     }
 
-    /// About the centre of mass, which is the origin of the body's frame. Choices: all plastic is in the wall, and the water
-    /// moves as if it were frozen, because slow pushes hardly make it slosh.
+    /// About the centre of mass, which is the origin of the body's frame. Choices: all plastic is in the wall, and the
+    /// water moves as if it were frozen, because slow pushes hardly make it slosh.
     fn inertia(&self) -> Inertia {
         let (radius, height) = (self.radius_m(), self.height_m);
         // A thin-walled cylinder without ends: (m/12) (6 r² + h²) across, m r² about its axis.

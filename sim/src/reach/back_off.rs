@@ -5,7 +5,8 @@ use underbrush_recording::Outcome;
 
 const BACK_OFF_M: f64 = 0.05;
 const SIDESTEP_M: f64 = 0.10;
-/// Time limit for each of the two, s. Choice: at the slowest published hand speed, 0.2 m/s, they take half a second at most.
+/// Time limit for each of the two, s. Choice: at the slowest published hand speed, 0.2 m/s, they take half a second at
+/// most.
 pub(super) const TIME_S: f64 = 2.0;
 
 /// One leg of the recovery.
@@ -19,8 +20,8 @@ pub(super) enum Way {
     Aside,
 }
 
-/// Drives to a goal and backs off and tries again each time the arm gets stuck, at most `retries` times. `drive` returns how
-/// a leg ended. The points behind and beside need not be reached, but an abort ends everything.
+/// Drives to a goal and backs off and tries again each time the arm gets stuck, at most `retries` times. `drive`
+/// returns how a leg ended. The points behind and beside need not be reached, but an abort ends everything.
 pub(super) fn pursue<E>(retries: u32, mut drive: impl FnMut(Way) -> Result<Outcome, E>) -> Result<Outcome, E> {
     let mut outcome = drive(Way::ToGoal)?;
     for _ in 0..retries {

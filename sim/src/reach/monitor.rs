@@ -26,8 +26,8 @@ impl Monitor {
         }
     }
 
-    /// Takes the end effector's position (m, world frame) and the largest force between one link and one object (N) of one
-    /// frame, and returns how the attempt ended, once it has.
+    /// Takes the end effector's position (m, world frame) and the largest force between one link and one object (N) of
+    /// one frame, and returns how the attempt ended, once it has.
     pub fn observe(&mut self, end_effector_world: DVec3, largest_force_n: f64) -> Option<Outcome> {
         self.frames += 1;
         let window = (self.rules.stuck_window_s / FRAME_PERIOD_S).round() as usize;

@@ -42,7 +42,8 @@ pub enum PlannedController {
     Shipped(ControllerKind, Preset),
     /// One that ships, with its parameters, within a user's own.
     Wrapped(ControllerKind, Preset, WrapController),
-    /// A user's own. It is made afresh for every reach, because reaches run in parallel and a controller may keep state.
+    /// A user's own. It is made afresh for every reach, because reaches run in parallel and a controller may keep
+    /// state.
     Own(MakeController),
 }
 
@@ -87,8 +88,8 @@ impl PlannedController {
 }
 
 impl ReachPlan {
-    /// A plan with the scene's own arm, at the stiffness that the scene asks for, and, unless `controller` names another,
-    /// the scene's own controller. The rules are those that the controller was published with.
+    /// A plan with the scene's own arm, at the stiffness that the scene asks for, and, unless `controller` names
+    /// another, the scene's own controller. The rules are those that the controller was published with.
     ///
     /// # Errors
     /// When the arm's files are bad.
@@ -174,8 +175,8 @@ impl ReachPlan {
     /// Runs reach number `reach_index`.
     ///
     /// # Errors
-    /// [`ReachError`] when the scene is impossible for this draw, or the controller returns the wrong number of angles. How
-    /// the reach ends is data, never an error.
+    /// [`ReachError`] when the scene is impossible for this draw, or the controller returns the wrong number of angles.
+    /// How the reach ends is data, never an error.
     pub fn run(&self, reach_index: u64, observer: &mut Observer) -> Result<Recording, ReachError> {
         self.run_until(reach_index, observer, &|| false)
     }

@@ -20,8 +20,8 @@ pub struct ReachRules {
     pub time_out_s: f64,
 }
 
-/// What an operator sees as progress, m/s. Choice: from half a metre away the eye sees a centimetre per second as motion,
-/// and the slowest published hand speed is five times that.
+/// What an operator sees as progress, m/s. Choice: from half a metre away the eye sees a centimetre per second as
+/// motion, and the slowest published hand speed is five times that.
 const PROGRESS_M_PER_S: f64 = 0.01;
 
 impl ReachRules {

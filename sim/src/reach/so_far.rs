@@ -8,8 +8,8 @@ use crate::simulation::Simulation;
 
 /// Follows a reach as its observer, and gives the recording so far at any time.
 ///
-/// It has the frames, poses and contacts; goals are known when they have ended, so it has none, and its audit is not that of
-/// the engine's steps. The recording that [`ReachPlan::run`] returns has everything.
+/// It has the frames, poses and contacts; goals are known when they have ended, so it has none, and its audit is not
+/// that of the engine's steps. The recording that [`ReachPlan::run`] returns has everything.
 pub struct ReachSoFar<'a> {
     plan: &'a ReachPlan,
     reach_index: u64,

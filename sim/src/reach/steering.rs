@@ -118,8 +118,8 @@ impl Steering {
     }
 }
 
-/// Whether a controller of this rate is due in a frame: in the first one, and whenever a new control period has begun since
-/// the frame before.
+/// Whether a controller of this rate is due in a frame: in the first one, and whenever a new control period has begun
+/// since the frame before.
 fn is_due(frame: u32, rate_hz: f64) -> bool {
     let periods = |frame: u32| (f64::from(frame) * rate_hz * FRAME_PERIOD_S).floor();
     frame == 0 || periods(frame) > periods(frame - 1)

@@ -19,7 +19,8 @@ fn plan(robot: &str) -> ReachPlan {
 
 #[test]
 fn a_stiffer_arm_keeps_its_damping_ratio() {
-    // Pins what `stiffness_scale = 4` does to each joint: four times the stiffness, of the joint and of the controller's model, and the same D²/K.
+    // Pins what `stiffness_scale = 4` does to each joint: four times the stiffness, of the joint and of the
+    // controller's model, and the same D²/K.
     let (published, scaled) = (Arm::cody().unwrap(), plan("stiffness_scale = 4.0").arm);
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
     for (published, scaled) in published.joints.iter().zip(&scaled.joints) {
@@ -58,7 +59,8 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
 
 #[test]
 fn the_allowed_force_is_scaled() {
-    // Pins that `force_limit_scale` scales the controller's f_max and nothing else of it, with each published controller.
+    // Pins that `force_limit_scale` scales the controller's f_max and nothing else of it, with each published
+    // controller.
     for kind in [ControllerKind::Cody2013, ControllerKind::IjrrFoliage] {
         let published = kind.preset();
         let text = "summary = \"x\"\n[robot]\nforce_limit_scale = 1.25\n";
@@ -104,9 +106,9 @@ fn through_trunks(controller: &str, retries: u32) -> ReachPlan {
 
 #[test]
 fn a_force_over_the_stop_force_ends_the_reach() {
-    // Pins, on reaches that are simulated, that a goal is aborted in the first frame with more than the stop force between
-    // one link and one object, that the recording names them with that force, and that no other goal follows. The second
-    // published controller stops at 15 N, which blows on a trunk exceed within a few reaches.
+    // Pins, on reaches that are simulated, that a goal is aborted in the first frame with more than the stop force
+    // between one link and one object, that the recording names them with that force, and that no other goal follows.
+    // The second published controller stops at 15 N, which blows on a trunk exceed within a few reaches.
     let plan = through_trunks("ijrr-foliage", 0);
     let mut aborted = 0;
     for reach_index in 0..6 {
@@ -122,7 +124,8 @@ fn a_force_over_the_stop_force_ends_the_reach() {
                 aborted += 1;
                 assert_eq!(last.outcome, Outcome::Aborted);
                 assert!(stop.force_n > plan.rules.stop_force_n);
-                // A contact is of one patch or of the bare link; the force that stops the arm is that of the whole link.
+                // A contact is of one patch or of the bare link; the force that stops the arm is that of the whole
+                // link.
                 let last_frame = recording.frames.len() as u32 - 1;
                 let pressing = recording.contacts.iter().filter(|contact| {
                     contact.link == stop.link && contact.object == stop.object && contact.last_frame == last_frame
@@ -176,8 +179,8 @@ fn a_stuck_arm_backs_off_and_tries_again() {
 
 #[test]
 fn a_watched_reach_is_the_recorded_one() {
-    // Pins that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and nothing
-    // before the first frame.
+    // Pins that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and
+    // nothing before the first frame.
     let plan = plan("");
     let mut so_far = ReachSoFar::new(&plan, 0);
     assert!(so_far.recording().is_none());
@@ -205,8 +208,8 @@ fn a_watched_reach_is_the_recorded_one() {
 
 #[test]
 fn a_reach_stops_when_it_is_told() {
-    // Pins that a reach that is stopped ends before its next frame, without a recording, and that the frames until then are those
-    // of a reach that is not stopped.
+    // Pins that a reach that is stopped ends before its next frame, without a recording, and that the frames until then
+    // are those of a reach that is not stopped.
     let plan = plan("");
     let whole = plan.run(0, &mut |_, _| {}).unwrap();
     let seen = std::cell::RefCell::new(Vec::new());

@@ -51,16 +51,17 @@ fn default_controller() -> ControllerKind {
     ControllerKind::Cody2013
 }
 
-/// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand, higher or lower allowed forces.
+/// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand, higher or lower allowed
+/// forces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RobotSection {
-    /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root, which keeps
-    /// the joints' damping ratio (a choice).
+    /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root,
+    /// which keeps the joints' damping ratio (a choice).
     #[schemars(range(min = limits::STIFFNESS_SCALE.min, max = limits::STIFFNESS_SCALE.max))]
     pub stiffness_scale: f64,
-    /// Scales how far the controller may move the hand and the equilibrium angles in one step. The joints' own slew limits
-    /// stay as they are.
+    /// Scales how far the controller may move the hand and the equilibrium angles in one step. The joints' own slew
+    /// limits stay as they are.
     #[schemars(range(min = limits::HAND_SPEED_SCALE.min, max = limits::HAND_SPEED_SCALE.max))]
     pub hand_speed_scale: f64,
     /// Scales the force that the controller allows a taxel, f_max. How fast it may rise or fall stays the same.
@@ -104,7 +105,8 @@ impl Default for Workspace {
     }
 }
 
-/// The goals of a reach: points for the arm's end effector, drawn so that the arm passes through clutter on its way there.
+/// The goals of a reach: points for the arm's end effector, drawn so that the arm passes through clutter on its way
+/// there.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Goals {
@@ -114,8 +116,9 @@ pub struct Goals {
     /// How many times an arm that got stuck backs off and tries the same goal again (Jain et al. 2013).
     #[schemars(range(min = limits::RETRIES.min, max = limits::RETRIES.max))]
     pub retries: u32,
-    /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one by one
-    /// (paper, section IV-B). If not given, the rule published with the controller decides when the arm is stuck.
+    /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one
+    /// by one (paper, section IV-B). If not given, the rule published with the controller decides when the arm is
+    /// stuck.
     #[schemars(range(min = limits::PATIENCE_S.min, max = limits::PATIENCE_S.max))]
     pub patience_s: Option<f64>,
     /// Coordinate x of a goal (forward), m, world frame.
@@ -130,7 +133,8 @@ pub struct Goals {
 }
 
 impl Default for Goals {
-    /// Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the foam.
+    /// Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the
+    /// foam.
     fn default() -> Self {
         Goals {
             count: 4,

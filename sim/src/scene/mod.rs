@@ -1,5 +1,5 @@
-//! Scenes: the ranges from which the clutter of a reach is drawn. This module reads and checks scene files; their keys are in
-//! `file.rs`. See `scenes/` for examples and `underbrush schema` for the JSON Schema.
+//! Scenes: the ranges from which the clutter of a reach is drawn. This module reads and checks scene files; their keys
+//! are in `file.rs`. See `scenes/` for examples and `underbrush schema` for the JSON Schema.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -237,8 +237,8 @@ impl Scene {
         }
     }
 
-    /// The lines, counted from 0, of the group that contains a field such as `objects.leaf[1].count` or `goals.count`: from
-    /// its header to the next one.
+    /// The lines, counted from 0, of the group that contains a field such as `objects.leaf[1].count` or `goals.count`:
+    /// from its header to the next one.
     fn group_lines(&self, field: &str) -> Option<Range<usize>> {
         let (header, number) = match field.split_once('[') {
             Some((kind, rest)) => (format!("[[{kind}]]"), rest.split_once(']')?.0.parse().ok()?),

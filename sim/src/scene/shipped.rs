@@ -1,5 +1,5 @@
-//! The scenes that ship, built into the library so that programs need no folder beside them. `sim/scenes` is a link to the
-//! folder `scenes` of the repository, so that the package of this crate contains them.
+//! The scenes that ship, built into the library so that programs need no folder beside them. `sim/scenes` is a link to
+//! the folder `scenes` of the repository, so that the package of this crate contains them.
 
 macro_rules! shipped {
     ($($path:literal),* $(,)?) => {

@@ -8,8 +8,8 @@ use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
 use super::spurious::SpuriousReadings;
 
-/// Retardation times of the cover's creep, s. With one per decade, the reading of a held force grows with the logarithm of
-/// time between the first and the last, as the strain of rubber does.
+/// Retardation times of the cover's creep, s. With one per decade, the reading of a held force grows with the logarithm
+/// of time between the first and the last, as the strain of rubber does.
 pub const CREEP_TIMES_S: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
 /// The capacitive taxels of one patch.
@@ -75,10 +75,11 @@ impl Capacitive {
     }
 }
 
-/// The force on a taxel's capacitor, N, after the cover has passed part of it to the neighbours and part of theirs to it.
+/// The force on a taxel's capacitor, N, after the cover has passed part of it to the neighbours and part of theirs to
+/// it.
 ///
-/// A taxel with fewer than four neighbours keeps the parts of those that are missing. Each column of the kernel therefore
-/// sums to 1, and no force is lost.
+/// A taxel with fewer than four neighbours keeps the parts of those that are missing. Each column of the kernel
+/// therefore sums to 1, and no force is lost.
 fn felt(neighbours: &[usize; 4], crosstalk_share: f64, force_n: &[f64], taxel: usize) -> f64 {
     let around: f64 = neighbours.iter().map(|next| force_n[*next]).sum();
     force_n[taxel] + crosstalk_share * (around / 4.0 - force_n[taxel])

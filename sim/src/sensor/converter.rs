@@ -16,8 +16,8 @@ impl Noise {
         Noise { standard_deviation_n }
     }
 
-    /// Draws the noise of one reading, N. A number is drawn even if the noise is off, so that the noise of one technology does
-    /// not depend on whether the other has any.
+    /// Draws the noise of one reading, N. A number is drawn even if the noise is off, so that the noise of one
+    /// technology does not depend on whether the other has any.
     pub fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
         let deviations: f64 = StandardNormal.sample(random);
         deviations * self.standard_deviation_n
@@ -37,8 +37,8 @@ impl Converter {
             return Converter { steps_per_n: 0.0 };
         }
         let steps = 1.0 / quantum_n;
-        // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton, readings are
-        // the numbers nearest to count / steps, which print with few digits.
+        // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton,
+        // readings are the numbers nearest to count / steps, which print with few digits.
         let whole = steps.round();
         let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
         Converter {

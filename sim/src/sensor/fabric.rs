@@ -35,11 +35,11 @@ impl Fabric {
     /// Turns the true forces on all taxels into one set of readings, N.
     pub fn read(&mut self, true_force_n: &[f64], reading_n: &mut [f64], random: &mut ChaCha8Rng) {
         for ((force, memory), reading) in true_force_n.iter().zip(&mut self.memory_n).zip(reading_n) {
-            // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling force
-            // only once it is lower by the hysteresis share. Without force nothing remains.
+            // A play operator on the logarithm of the force: the memory follows a rising force at once, and a falling
+            // force only once it is lower by the hysteresis share. Without force nothing remains.
             *memory = memory.min(force * self.opening_gain).max(*force).max(0.0);
-            // The fabric's conductance is proportional to the force, which in a voltage divider gives F S / (F + S). The
-            // driver calibrates only the slope at small forces.
+            // The fabric's conductance is proportional to the force, which in a voltage divider gives F S / (F + S).
+            // The driver calibrates only the slope at small forces.
             let divided = *memory / (1.0 + *memory / self.full_scale_n);
             let analog = divided + self.noise.draw(random);
             *reading = if analog.abs() < self.gate_n {

@@ -123,8 +123,8 @@ impl Sensor {
     }
 }
 
-/// Which taxels are dead: those listed and those drawn. A number is drawn for a listed taxel too, so that listing it does
-/// not change the draws of those after it.
+/// Which taxels are dead: those listed and those drawn. A number is drawn for a listed taxel too, so that listing it
+/// does not change the draws of those after it.
 fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8Rng) -> Vec<bool> {
     let of_patch = layout.patches.iter().flat_map(|patch| {
         let listed = options.dead_taxels.get(&patch.name);

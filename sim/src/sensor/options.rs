@@ -11,9 +11,9 @@ use super::limits;
 
 /// Properties of the tactile sensors.
 ///
-/// `delay_frames` and the dead taxels apply to all skin, `fabric` to the patches that the arm's skin file calls fabric, and
-/// all other keys to those that it calls capacitive. `perfect = true` switches every effect off. A single effect is switched
-/// off by the value 0 or, for the two saturations, `inf`.
+/// `delay_frames` and the dead taxels apply to all skin, `fabric` to the patches that the arm's skin file calls fabric,
+/// and all other keys to those that it calls capacitive. `perfect = true` switches every effect off. A single effect is
+/// switched off by the value 0 or, for the two saturations, `inf`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorOptions {
@@ -37,8 +37,8 @@ pub struct SensorOptions {
     /// Share of a taxel's force that the cover passes to its four neighbours in the patch's grid, in equal parts.
     #[schemars(range(min = limits::SHARE.min, max = limits::SHARE.max))]
     pub crosstalk_share: f64,
-    /// Creep: how much the reading of a held force grows in every decade of time from 0.1 to 100 s, as a share of the force.
-    /// After release it recovers as slowly.
+    /// Creep: how much the reading of a held force grows in every decade of time from 0.1 to 100 s, as a share of the
+    /// force. After release it recovers as slowly.
     #[schemars(range(min = limits::CREEP_SHARE.min, max = limits::CREEP_SHARE.max))]
     pub creep_share_per_decade: f64,
     /// Long-run share of the taxels with a spurious reading: a force although nothing touches them.
@@ -70,16 +70,16 @@ const SPURIOUS_SHARE: f64 = 2.0 / 384.0;
 impl Default for SensorOptions {
     /// Gate, quantization step and saturation are the authors'. The others are choices:
     ///
-    /// * spurious readings: in a stored frame of the real skin, four of 384 taxels away from the one contact read 0.02 to
-    ///   0.10 N. Some of these may be creep left by earlier contacts, so half of them count as spurious. Their duration is
-    ///   not known; 6 s gives six to ten per reach of ten to thirty seconds, about the difference between the paper's count
-    ///   of components and ours without spurious readings (docs/physics.md explains the choice);
+    /// * spurious readings: in a stored frame of the real skin, four of 384 taxels away from the one contact read 0.02
+    ///   to 0.10 N. Some of these may be creep left by earlier contacts, so half of them count as spurious. Their
+    ///   duration is not known; 6 s gives six to ten per reach of ten to thirty seconds, about the difference between
+    ///   the paper's count of components and ours without spurious readings (docs/physics.md explains the choice);
     /// * noise: the gate, at 12 mN, must be below the smallest of those spurious readings;
     /// * crosstalk: the neighbours of that frame's strongest taxel (1.5 N) read nothing, so they get at most 12 mN, the
     ///   gate: a share of 0.03 in all;
     /// * creep: slow creep over tens of seconds is documented, but not its size; rubber and rubber foams creep with the
-    ///   logarithm of time, by 2 to 10 % per decade. With 5 %, a taxel that a trunk has pressed with 3 N for a second still
-    ///   reads 49 mN one second after the contact has moved on, and 17 mN after three;
+    ///   logarithm of time, by 2 to 10 % per decade. With 5 %, a taxel that a trunk has pressed with 3 N for a second
+    ///   still reads 49 mN one second after the contact has moved on, and 17 mN after three;
     /// * delay: one frame, which the electronics fill before they send it;
     /// * no dead taxels.
     fn default() -> Self {
@@ -125,9 +125,9 @@ pub struct FabricOptions {
 }
 
 impl Default for FabricOptions {
-    /// The authors report a 10-bit converter with about 30 counts per newton, so the full scale is 1023 / 30 N. Choices:
-    /// hysteresis of a quarter ("strong"); noise of half a count, as in a converter whose last bit flickers; the gate of the
-    /// capacitive skin.
+    /// The authors report a 10-bit converter with about 30 counts per newton, so the full scale is 1023 / 30 N.
+    /// Choices: hysteresis of a quarter ("strong"); noise of half a count, as in a converter whose last bit flickers;
+    /// the gate of the capacitive skin.
     fn default() -> Self {
         FabricOptions {
             counts_per_n: 30.0,

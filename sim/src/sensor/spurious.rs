@@ -1,5 +1,5 @@
-//! Spurious readings: taxels that read a small force although nothing touches them, because the cover has shifted a little
-//! since the skin was zeroed.
+//! Spurious readings: taxels that read a small force although nothing touches them, because the cover has shifted a
+//! little since the skin was zeroed.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -8,8 +8,8 @@ use underbrush_recording::FRAME_PERIOD_S;
 
 use super::options::SensorOptions;
 
-/// The spurious readings of one patch. Each taxel's offset is a telegraph process: it is zero for a while, then one constant
-/// force for a while.
+/// The spurious readings of one patch. Each taxel's offset is a telegraph process: it is zero for a while, then one
+/// constant force for a while.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct SpuriousReadings {
     /// Probability per frame that a taxel's spurious reading begins, and that it ends.
@@ -25,7 +25,8 @@ impl SpuriousReadings {
     pub fn new(options: &SensorOptions, taxels: usize) -> Self {
         let end = -(-FRAME_PERIOD_S / options.spurious_time_s).exp_m1();
         SpuriousReadings {
-            // In the steady state a share s of the taxels is affected and as many begin as end: begin · (1 − s) = end · s.
+            // In the steady state a share s of the taxels is affected and as many begin as end: begin · (1 − s) = end ·
+            // s.
             begin: end * options.spurious_share / (1.0 - options.spurious_share),
             end,
             force_n: options.spurious_force_n,

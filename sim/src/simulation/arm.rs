@@ -14,8 +14,8 @@ const AXIS: usize = JointAxis::AngX as usize;
 
 /// Angle by which an end stop gives way under the largest torque of the joint's actuator, rad: 2°, as rubber stops do.
 const STOP_GIVE_RAD: f64 = 0.035;
-/// Loss time of the stops, s. Choice: about critical damping for a joint of Cody's shoulder, whose inertia of some 0.3 kg m²
-/// and stop of 2 kNm/rad oscillate with 13 Hz.
+/// Loss time of the stops, s. Choice: about critical damping for a joint of Cody's shoulder, whose inertia of some
+/// 0.3 kg m² and stop of 2 kNm/rad oscillate with 13 Hz.
 const STOP_LOSS_TIME_S: f64 = 0.02;
 
 /// One arm in an [`Engine`].
@@ -30,8 +30,8 @@ pub(super) struct ArmBodies {
 }
 
 impl ArmBodies {
-    /// Puts an arm into the engine at rest, in the posture `posture_rad` (one angle per joint), with its equilibrium angles
-    /// at that posture. Its base frame is the world frame.
+    /// Puts an arm into the engine at rest, in the posture `posture_rad` (one angle per joint), with its equilibrium
+    /// angles at that posture. Its base frame is the world frame.
     ///
     /// Gravity does not act on it, because the robot compensates gravity. Its links do not collide with each other.
     pub(super) fn insert(arm: &Arm, posture_rad: &[f64], engine: &mut Engine) -> ArmBodies {
@@ -122,8 +122,9 @@ impl ArmBodies {
 
     /// Sets the equilibrium angles φ, rad, of the joints' springs.
     ///
-    /// The engine's springs have no torque limit, so each rest angle is kept where |K (φ − q)| is within the limit at the
-    /// present angle q. Call it before every step, even if φ stays the same, so that the limit holds while q changes.
+    /// The engine's springs have no torque limit, so each rest angle is kept where |K (φ − q)| is within the limit at
+    /// the present angle q. Call it before every step, even if φ stays the same, so that the limit holds while q
+    /// changes.
     pub(super) fn set_equilibrium(&self, arm: &Arm, equilibrium_angle_rad: &[f64], engine: &mut Engine) {
         let Some((_, multibody)) = self.multibody_mut(engine) else {
             return;

@@ -1,7 +1,7 @@
 //! Ruling out pairs of shapes that are far apart, by boxes around the shapes.
 //!
-//! The engine compares boxes that are parallel to the world's axes. The one around a slanted forearm contains most of the
-//! leaves beside it. Boxes that are parallel to the shapes' own axes rule out more of them, at a low cost.
+//! The engine compares boxes that are parallel to the world's axes. The one around a slanted forearm contains most of
+//! the leaves beside it. Boxes that are parallel to the shapes' own axes rule out more of them, at a low cost.
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;
@@ -72,7 +72,8 @@ mod tests {
     }
 
     proptest! {
-        /// Pins that the bound never exceeds the distance that parry finds, and is the distance where a face is nearest.
+        /// Pins that the bound never exceeds the distance that parry finds, and is the distance where a face is
+        /// nearest.
         #[test]
         fn the_bound_is_at_most_the_distance(
             place in vector(0.4),

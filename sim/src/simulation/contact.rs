@@ -20,18 +20,19 @@ pub struct Contact {
     pub position_link: DVec3,
     /// Direction of the normal force on the link, unit, world frame.
     pub inward_world: DVec3,
-    /// This contact's share of the mean force on the link over the frame, N, world frame: the impulse of normal force and
-    /// friction in this step, divided by the 10 ms of the frame.
+    /// This contact's share of the mean force on the link over the frame, N, world frame: the impulse of normal force
+    /// and friction in this step, divided by the 10 ms of the frame.
     pub force_world: DVec3,
-    /// This contact's share of the mean moment on the link over the frame, about the position, Nm, world frame: the friction
-    /// of a patch that rotates about its normal.
+    /// This contact's share of the mean moment on the link over the frame, about the position, Nm, world frame: the
+    /// friction of a patch that rotates about its normal.
     pub moment_world: DVec3,
     /// Largest overlap of the two undeformed shapes along the normal at the end of the step, m: how far skin and object
     /// together give way.
     pub penetration_m: f64,
     /// How far from the position the surfaces touch, m.
     pub radius_m: f64,
-    /// Velocity of the link's surface against the object's at the end of the step, in the tangent plane, m/s, world frame.
+    /// Velocity of the link's surface against the object's at the end of the step, in the tangent plane, m/s, world
+    /// frame.
     pub slip_world: DVec3,
 }
 
@@ -47,7 +48,8 @@ impl Contact {
     }
 }
 
-/// Torques that forces and moments of contacts exert on the joints, Σ Jᵀ f, Nm. `torque_nm` has one entry for each joint and is overwritten.
+/// Torques that forces and moments of contacts exert on the joints, Σ Jᵀ f, Nm. `torque_nm` has one entry for each
+/// joint and is overwritten.
 pub fn contact_torque_nm(arm: &Arm, link_pose_world: &[Pose], contacts: &[Contact], torque_nm: &mut [f64]) {
     torque_nm.fill(0.0);
     for contact in contacts {

@@ -9,15 +9,15 @@ use super::model::Model;
 use super::mover::{DormancyBuffers, Mover};
 use super::world::World;
 
-/// A dormant object is put into the engine when a moving shape comes within this distance, m: a frame at 1 m/s, twice the hand
-/// speed of the fastest preset.
+/// A dormant object is put into the engine when a moving shape comes within this distance, m: a frame at 1 m/s, twice
+/// the hand speed of the fastest preset.
 const WAKE_M: f64 = 0.01;
 /// An object at rest is taken out when everything that moves is farther away than that and this margin, m.
 const SLEEP_MARGIN_M: f64 = 0.005;
 
 impl World {
-    /// Takes out every object that rests with nothing moving near it, and puts in every dormant one that something moving
-    /// has come near to.
+    /// Takes out every object that rests with nothing moving near it, and puts in every dormant one that something
+    /// moving has come near to.
     pub(super) fn rest_and_wake(&mut self, model: &Model) {
         let mut buffers = std::mem::take(&mut self.dormancy);
         let DormancyBuffers { movers, near } = &mut buffers;

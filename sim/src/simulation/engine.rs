@@ -8,12 +8,12 @@ use crate::contact::surface::Surface;
 use crate::object::TABLE_FRICTION;
 use crate::physics::PhysicsOptions;
 
-/// Half the sizes of the table, m. Choice: larger than any table, so that nothing falls off. A bottle that is tipped over and
-/// rolls away with the hand's speed, 0.2 m/s, covers 12 m in a minute.
+/// Half the sizes of the table, m. Choice: larger than any table, so that nothing falls off. A bottle that is tipped
+/// over and rolls away with the hand's speed, 0.2 m/s, covers 12 m in a minute.
 const TABLE_HALF_SIZES_M: Vector = Vector::new(20.0, 20.0, 0.05);
 
-/// Tells the engine not to compute contacts. It would reuse contact points and normals while shapes slide by up to a millimetre
-/// at a time; on a round trunk the errors add up to several millimetres.
+/// Tells the engine not to compute contacts. It would reuse contact points and normals while shapes slide by up to a
+/// millimetre at a time; on a round trunk the errors add up to several millimetres.
 struct NoContacts;
 
 impl PhysicsHooks for NoContacts {
@@ -82,8 +82,8 @@ impl Engine {
             contact_recycling: false,
             contact_clustering: false,
             num_internal_stabilization_iterations: 0,
-            // The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the fastest preset. A larger distance would
-            // create contacts between mere neighbours.
+            // The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the fastest preset. A larger distance
+            // would create contacts between mere neighbours.
             normalized_prediction_distance: 0.005,
             // Nothing here moves far enough in a step to tunnel.
             max_ccd_substeps: 0,

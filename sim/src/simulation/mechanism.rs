@@ -27,7 +27,8 @@ pub(super) struct Mechanism {
 }
 
 /// Hinge angles under 2e-3 rad (displacements under 2 mm) and speeds under 0.02 a second count as rest: what a leaf of
-/// E I = 0.02 N m² so bent pushes with at half its height, E I / h · 2e-3 / 0.2 m, is 5 mN, a sixth of the sensor's gate.
+/// E I = 0.02 N m² so bent pushes with at half its height, E I / h · 2e-3 / 0.2 m, is 5 mN, a sixth of the sensor's
+/// gate.
 const REST_COORDINATE: f64 = 2e-3;
 const REST_SPEED: f64 = 2e-2;
 
@@ -227,8 +228,8 @@ fn engine_groups(group: CollisionGroup) -> InteractionGroups {
 /// A collision shape in its place on its body; `None` for a hull without volume.
 pub(super) fn collider(part: &BodyPart) -> Option<ColliderBuilder> {
     if let BodyShape::Capsule { radius_m, length_m } = part.shape {
-        // Between its ends in the body's frame: an upright capsule then needs no rotation, whose rounding contacts would
-        // inherit.
+        // Between its ends in the body's frame: an upright capsule then needs no rotation, whose rounding contacts
+        // would inherit.
         let end = DVec3::Z * (length_m / 2.0);
         let ends = [-end, end].map(|end| part.pose_body.transform_point(end));
         return Some(ColliderBuilder::capsule_from_endpoints(ends[0], ends[1], radius_m));

@@ -1,8 +1,8 @@
 //! The sealed simulation of one arm in one clutter: equilibrium angles in, one report of the frame out.
 //!
 //! [`Simulation`] owns the arm, the clutter, the physics engine and the skin's sensor. A reach is a loop over
-//! [`Simulation::step`] (see `examples/own_controller.rs`). [`rig::Rig`] holds single bodies and objects without an arm, for
-//! tests against closed-form solutions. No type of the engine appears outside this module.
+//! [`Simulation::step`] (see `examples/own_controller.rs`). [`rig::Rig`] holds single bodies and objects without an
+//! arm, for tests against closed-form solutions. No type of the engine appears outside this module.
 
 use std::sync::Arc;
 
@@ -119,8 +119,8 @@ impl Simulation {
         &self.state.report
     }
 
-    /// The present state as a frame of a recording, with these equilibrium angles, rad, one for each joint, and on the way to
-    /// this goal of the end effector, m, world frame.
+    /// The present state as a frame of a recording, with these equilibrium angles, rad, one for each joint, and on the
+    /// way to this goal of the end effector, m, world frame.
     pub fn frame(&self, equilibrium_angle_rad: &[f64], goal_index: u16, goal_position_world: DVec3) -> Frame {
         let report = self.report();
         let surfaces = self.arm().skin.surfaces.iter();
@@ -185,8 +185,8 @@ impl Simulation {
         self.state.save(&self.model)
     }
 
-    /// Continues from a state that a simulation with the same arm, clutter and options saved, bit for bit as that one would.
-    /// The sensor, too, becomes the saved one.
+    /// Continues from a state that a simulation with the same arm, clutter and options saved, bit for bit as that one
+    /// would. The sensor, too, becomes the saved one.
     ///
     /// # Errors
     /// If the bytes are not a saved state, are damaged, or belong to another simulation; this one is then unchanged.

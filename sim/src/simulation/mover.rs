@@ -11,8 +11,8 @@ pub(super) struct Mover {
     pub(super) bounds: Aabb,
 }
 
-/// What the world works on when it lets objects rest and wakes them. It is kept from frame to frame, so that a frame allocates
-/// nothing.
+/// What the world works on when it lets objects rest and wakes them. It is kept from frame to frame, so that a frame
+/// allocates nothing.
 #[derive(Clone, Default)]
 pub(super) struct DormancyBuffers {
     pub(super) movers: Vec<Mover>,

@@ -44,8 +44,8 @@ pub struct FrameReport {
     /// The objects, in the clutter's order.
     pub objects: Vec<ObjectState>,
     /// The contacts between arm and clutter, engine step by engine step. Their forces add up to the mean force over the
-    /// frame: a taxel's electronics integrate over their period, and a link that meets a rigid trunk is stopped within a few
-    /// milliseconds, so a force sampled at one instant would be arbitrary.
+    /// frame: a taxel's electronics integrate over their period, and a link that meets a rigid trunk is stopped within
+    /// a few milliseconds, so a force sampled at one instant would be arbitrary.
     pub contacts: Vec<Contact>,
     /// What the skin feels.
     pub tactile: TactileFrame,

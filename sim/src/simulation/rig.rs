@@ -79,8 +79,8 @@ impl Rig {
         self.add_object_at(object, DVec3::ZERO, 0.0)
     }
 
-    /// Adds an object at rest with its foot at `foot_world` (m), rotated by `yaw_rad` about the vertical, and returns its
-    /// bodies in the order of its structure.
+    /// Adds an object at rest with its foot at `foot_world` (m), rotated by `yaw_rad` about the vertical, and returns
+    /// its bodies in the order of its structure.
     pub fn add_object_at(&mut self, object: &dyn Object, foot_world: DVec3, yaw_rad: f64) -> Vec<BodyId> {
         let mechanism = Mechanism::build(&object.structure(), &mut self.engine, foot_world, yaw_rad);
         let bodies = mechanism.bodies().to_vec();
@@ -155,9 +155,9 @@ impl Rig {
         }
     }
 
-    /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls the joint
-    /// that carries `body` towards `goal` (m or rad). Returns the force of that spring at the end of the step, N or Nm; `None`
-    /// if the body hangs on no joint.
+    /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls
+    /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring at the end of the
+    /// step, N or Nm; `None` if the body hangs on no joint.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         self.relax();
         let link = self.joint_mut(body)?;

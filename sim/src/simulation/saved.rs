@@ -1,8 +1,8 @@
 //! Saving the state of a simulation, and continuing from it.
 //!
-//! A saved state holds what changes: the engine's bodies, joints and contacts, the objects' relaxing springs, the sensor with
-//! its random streams, and the last report. It does not hold the arm and the clutter; their fingerprint tells whether a
-//! saved state belongs to them.
+//! A saved state holds what changes: the engine's bodies, joints and contacts, the objects' relaxing springs, the
+//! sensor with its random streams, and the last report. It does not hold the arm and the clutter; their fingerprint
+//! tells whether a saved state belongs to them.
 
 use super::State;
 use super::model::Model;

@@ -81,7 +81,8 @@ pub(super) struct SenseBuffers {
     wrenches: Vec<PatchWrenches>,
 }
 
-/// Reads the skin of the world as it is into `tactile`, and samples the sensor once. What `buffers` holds does not matter.
+/// Reads the skin of the world as it is into `tactile`, and samples the sensor once. What `buffers` holds does not
+/// matter.
 pub(super) fn sense(
     world: &World,
     model: &Model,
@@ -229,8 +230,8 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf outdo a trunk that presses harder
-    /// than either, and of equals the first is named.
+    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf outdo a trunk that presses
+    /// harder than either, and of equals the first is named.
     #[test]
     fn a_taxel_names_the_object_that_presses_most_in_sum() {
         let mut loads = Loads::default();

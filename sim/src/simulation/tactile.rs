@@ -37,10 +37,11 @@ pub struct TactileFrame {
     pub contact_force_world: Vec<DVec3>,
     /// Force between each pair in contact, N, world frame; sorted by pair.
     pub pairs: Vec<(ContactPair, DVec3)>,
-    /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's force.
+    /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's
+    /// force.
     pub force_residual: f64,
-    /// Largest difference, over the patches, between the moment of the taxel forces, each acting at its taxel's centre, and
-    /// that of the solver's contacts, divided by the sum of the contacts' magnitudes, m.
+    /// Largest difference, over the patches, between the moment of the taxel forces, each acting at its taxel's centre,
+    /// and that of the solver's contacts, divided by the sum of the contacts' magnitudes, m.
     pub moment_residual_m: f64,
 }
 
@@ -75,8 +76,8 @@ impl TactileFrame {
     }
 }
 
-/// The value of a key in a list that is sorted by keys; a new one if there is none. Unlike a map, a list that is cleared keeps
-/// its memory for the next frame.
+/// The value of a key in a list that is sorted by keys; a new one if there is none. Unlike a map, a list that is
+/// cleared keeps its memory for the next frame.
 pub(super) fn entry<K: Ord, V: Default>(list: &mut Vec<(K, V)>, key: K) -> &mut V {
     let place = match list.binary_search_by(|(own, _)| own.cmp(&key)) {
         Ok(place) => place,
@@ -92,8 +93,9 @@ pub(super) fn entry<K: Ord, V: Default>(list: &mut Vec<(K, V)>, key: K) -> &mut 
 mod tests {
     use super::*;
 
-    /// Pins the force that a stop force is held against: that between one link and one object, skin and bare parts together;
-    /// forces of other links or other objects are not added, and the patch named is the one that feels most of it.
+    /// Pins the force that a stop force is held against: that between one link and one object, skin and bare parts
+    /// together; forces of other links or other objects are not added, and the patch named is the one that feels most
+    /// of it.
     #[test]
     fn forces_add_up_by_link_and_object() {
         let pair = |patch, link, object| ContactPair { patch, link, object };

@@ -12,12 +12,12 @@ pub struct TouchDecisionArguments {
     /// training, so that few true contacts are lost]
     #[arg(long, value_name = "P", value_parser = share)]
     nothing_above: Option<f64>,
-    /// Call a contact unknown if at most this share of the contacts with known categories is as unusual; this is the share
-    /// of false alarms. Shares below 0.001 are not distinguished [default: as in the model, 0.01 after training]
+    /// Call a contact unknown if at most this share of the contacts with known categories is as unusual; this is the
+    /// share of false alarms. Shares below 0.001 are not distinguished [default: as in the model, 0.01 after training]
     #[arg(long, value_name = "P", value_parser = share)]
     unknown_share: Option<f64>,
-    /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is above 1
-    /// minus this [default: as in the model, 0.2 after training]
+    /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is
+    /// above 1 minus this [default: as in the model, 0.2 after training]
     #[arg(long, value_name = "COST", value_parser = share)]
     cost_of_uncertain: Option<f64>,
 }

@@ -8,11 +8,12 @@ use crate::failure::Failure;
 /// Bad verdicts that new reaches may have. What is not given stays at its default.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct RiskArguments {
-    /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called another
-    /// category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
+    /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called
+    /// another category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
     #[arg(long, value_name = "SHARE", value_parser = share)]
     limit_wrong: Option<f64>,
-    /// Choose the share of known contacts that may be called unknown so that this holds in new reaches, on average over reaches
+    /// Choose the share of known contacts that may be called unknown so that this holds in new reaches, on average over
+    /// reaches
     #[arg(long, value_name = "SHARE", value_parser = share)]
     limit_false_alarms: Option<f64>,
 }

@@ -1,11 +1,11 @@
-//! A cantilever as a chain of rigid pieces, with hinges at the nodes of Gauss-Legendre quadrature over its length and of
-//! compliance w L / E I, w being a node's weight (sum 1).
+//! A cantilever as a chain of rigid pieces, with hinges at the nodes of Gauss-Legendre quadrature over its length and
+//! of compliance w L / E I, w being a node's weight (sum 1).
 //!
-//! A load P across the tip bends hinge k by P (L − x_k) w_k L / E I, and the tip moves by that times L − x_k: the sum over
-//! the hinges is the quadrature of the beam's P ∫ (L − x)² dx / E I. The integrand is a polynomial of degree 2, and
-//! n nodes integrate up to degree 2n − 1 exactly, so the chain's tip deflects by P L³ / 3 E I for every n from 2 on.
-//! Under a load at a < L the integrand is (a − x)² below a and 0 above, which is no polynomial: there the chain has an
-//! error, and [`deflection_m`] gives the chain's own deflection.
+//! A load P across the tip bends hinge k by P (L − x_k) w_k L / E I, and the tip moves by that times L − x_k: the sum
+//! over the hinges is the quadrature of the beam's P ∫ (L − x)² dx / E I. The integrand is a polynomial of degree 2,
+//! and n nodes integrate up to degree 2n − 1 exactly, so the chain's tip deflects by P L³ / 3 E I for every n from 2
+//! on. Under a load at a < L the integrand is (a − x)² below a and 0 above, which is no polynomial: there the chain has
+//! an error, and [`deflection_m`] gives the chain's own deflection.
 
 use std::f64::consts::PI;
 
@@ -33,8 +33,8 @@ const TABLE: [(u32, &[(f64, f64)]); 3] = [
     ),
 ];
 
-/// The hinges of a chain of unit length, lowest first: places and weights. `None` for numbers of hinges that are not in the
-/// table; 2, 4 and 8 are.
+/// The hinges of a chain of unit length, lowest first: places and weights. `None` for numbers of hinges that are not in
+/// the table; 2, 4 and 8 are.
 pub fn hinges(count: u32) -> Option<Vec<(f64, f64)>> {
     let (_, half) = TABLE.iter().find(|(known, _)| *known == count)?;
     let mirrored = half.iter().rev().map(|(node, weight)| (-node, *weight));
@@ -42,8 +42,8 @@ pub fn hinges(count: u32) -> Option<Vec<(f64, f64)>> {
     Some(whole.map(|(node, weight)| ((1.0 + node) / 2.0, weight / 2.0)).collect())
 }
 
-/// Deflection, m, where a small load across the chain acts, `height_m` from the clamp: Σ P (a − x_k)² w_k L / E I over the
-/// hinges below the load. `None` as for [`hinges`].
+/// Deflection, m, where a small load across the chain acts, `height_m` from the clamp: Σ P (a − x_k)² w_k L / E I over
+/// the hinges below the load. `None` as for [`hinges`].
 pub fn deflection_m(load_n: f64, height_m: f64, length_m: f64, flexural_rigidity_n_m2: f64, count: u32) -> Option<f64> {
     let deflection_m = |(place, weight): (f64, f64)| {
         let lever_m = (height_m - place * length_m).max(0.0);
@@ -56,10 +56,10 @@ pub fn deflection_m(load_n: f64, height_m: f64, length_m: f64, flexural_rigidity
 /// order, in either direction.
 ///
 /// The slope of the chain is a staircase about the strip's slope θ(s). Its error e has two effects on the tip,
-/// (∫ sin θ ds, ∫ cos θ ds). The first, linear in e, is the error of the quadrature, which falls faster than any power of
-/// n. The second is −½ ∫ sin θ e² ds sideways and −½ ∫ cos θ e² ds along the strip. Over a piece of length h about a node
-/// e runs from −κ h / 2 to κ h / 2, κ = θ′, so the mean of e² is κ² h² / 12; and near s the nodes are h = π √(s (1 − s)) / n
-/// apart, in lengths. Sine and cosine are at most 1, so both are at most (π² / 24 n²) ∫ s (1 − s) κ² ds.
+/// (∫ sin θ ds, ∫ cos θ ds). The first, linear in e, is the error of the quadrature, which falls faster than any power
+/// of n. The second is −½ ∫ sin θ e² ds sideways and −½ ∫ cos θ e² ds along the strip. Over a piece of length h about a
+/// node e runs from −κ h / 2 to κ h / 2, κ = θ′, so the mean of e² is κ² h² / 12; and near s the nodes are h = π √(s (1
+/// − s)) / n apart, in lengths. Sine and cosine are at most 1, so both are at most (π² / 24 n²) ∫ s (1 − s) κ² ds.
 pub fn far_bending_error(bending: f64, count: u32) -> f64 {
     PI * PI / 24.0 / f64::from(count).powi(2) * bending
 }
@@ -103,8 +103,8 @@ mod tests {
         assert!(hinges(5).is_none());
     }
 
-    /// Pins that a load on the tip bends the chain exactly as the beam, for any number of hinges, and that one below the
-    /// tip does not.
+    /// Pins that a load on the tip bends the chain exactly as the beam, for any number of hinges, and that one below
+    /// the tip does not.
     #[test]
     fn tip_load_is_exact() {
         let beam = |height_m| beam_deflection_m(0.7, height_m, 0.02);
@@ -157,8 +157,8 @@ mod tests {
         tip
     }
 
-    /// Pins the leading error of far bending: chains in equilibrium under a tip load, and bent by an end moment, are off by
-    /// no more than half as much again, and by at least a third of it in one of the two directions.
+    /// Pins the leading error of far bending: chains in equilibrium under a tip load, and bent by an end moment, are
+    /// off by no more than half as much again, and by at least a third of it in one of the two directions.
     #[test]
     fn far_bending_error_bounds_chains() {
         let holds = |errors: [f64; 2], bound: f64| {

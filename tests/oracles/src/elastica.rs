@@ -65,8 +65,8 @@ fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) 
 
 /// Relative error of P L³ / 3 E I for a small tip load, to leading order: (4 / 35) (P L² / E I)².
 ///
-/// With α = P L² / E I the slope is θ = α (s − s²/2) + O(α³). The load's lever is the height ∫ cos θ ds, so the curvature
-/// lacks −½ α ∫ θ² from s on and the sideways way lacks θ³/6; added up, that is (4 / 105) α³ of α / 3.
+/// With α = P L² / E I the slope is θ = α (s − s²/2) + O(α³). The load's lever is the height ∫ cos θ ds, so the
+/// curvature lacks −½ α ∫ θ² from s on and the sideways way lacks θ³/6; added up, that is (4 / 105) α³ of α / 3.
 pub fn small_load_error(load: f64) -> f64 {
     4.0 / 35.0 * load * load
 }
@@ -101,8 +101,8 @@ mod tests {
         }
     }
 
-    /// Pins the first integral of the elastica: the tip's slope θ₁ gives θ′(0)² = 2 (P L² / E I) sin θ₁, and the clamp's
-    /// moment is the load times the tip's height.
+    /// Pins the first integral of the elastica: the tip's slope θ₁ gives θ′(0)² = 2 (P L² / E I) sin θ₁, and the
+    /// clamp's moment is the load times the tip's height.
     #[test]
     fn moment_at_the_clamp_is_load_times_lever() {
         for load in [0.1, 1.0, 3.0, 10.0] {
@@ -114,8 +114,8 @@ mod tests {
         }
     }
 
-    /// Pins that a small load bends by P L³ / 3 E I less the next term of the series, a share of [`small_load_error`], and
-    /// shortens by half the square of the slope: 3/5 · (w/L)².
+    /// Pins that a small load bends by P L³ / 3 E I less the next term of the series, a share of [`small_load_error`],
+    /// and shortens by half the square of the slope: 3/5 · (w/L)².
     #[test]
     fn small_load_is_linear() {
         let tip = under_tip_load(1e-3);

@@ -1,5 +1,5 @@
-//! A thin elastic layer over a hard body as a Winkler foundation (Johnson, *Contact Mechanics*, section 4.3). The stiffness k
-//! is per volume: pressure over indentation.
+//! A thin elastic layer over a hard body as a Winkler foundation (Johnson, *Contact Mechanics*, section 4.3). The
+//! stiffness k is per volume: pressure over indentation.
 
 use std::f64::consts::PI;
 
@@ -18,8 +18,8 @@ pub fn cap_volume_m3(radius_m: f64, depth_m: f64) -> f64 {
     PI * depth_m * depth_m * (3.0 * radius_m - depth_m) / 3.0
 }
 
-/// Volume of the overlap of two cylinders that cross at a right angle, `depth_m` deep along their common normal, m³: the
-/// segments of the second over the chord of the first, by the midpoint rule.
+/// Volume of the overlap of two cylinders that cross at a right angle, `depth_m` deep along their common normal, m³:
+/// the segments of the second over the chord of the first, by the midpoint rule.
 pub fn crossed_volume_m3(radii_m: [f64; 2], depth_m: f64) -> f64 {
     let half_chord = (2.0 * radii_m[0] * depth_m - depth_m * depth_m).sqrt();
     let steps = 2000;
@@ -62,10 +62,10 @@ pub struct Bounce {
     pub duration_s: f64,
 }
 
-/// The bounce of a mass that meets the layer at `speed_m_per_s`. `volume_m3` is the overlap's volume at a depth, and the layer's
-/// loss is Kelvin-Voigt's with the time τ: a column of overlap h presses with k (h + τ dh/dt), never less than 0. While the
-/// body sinks in, that is k (V(d) + τ V'(d) ḋ). While it rises, only columns with h + τ ḋ > 0 press, and these are the overlap
-/// at the depth d + τ ḋ. Integrated by the classical Runge-Kutta method.
+/// The bounce of a mass that meets the layer at `speed_m_per_s`. `volume_m3` is the overlap's volume at a depth, and
+/// the layer's loss is Kelvin-Voigt's with the time τ: a column of overlap h presses with k (h + τ dh/dt), never less
+/// than 0. While the body sinks in, that is k (V(d) + τ V'(d) ḋ). While it rises, only columns with h + τ ḋ > 0 press,
+/// and these are the overlap at the depth d + τ ḋ. Integrated by the classical Runge-Kutta method.
 pub fn bounce(
     mass_kg: f64,
     stiffness_n_per_m3: f64,
@@ -165,8 +165,8 @@ mod tests {
         );
     }
 
-    /// Pins the bounce without loss of a ball, ½ m v² = π k R d³ / 3, which returns all of its speed, and of a punch, half a
-    /// period of an oscillator.
+    /// Pins the bounce without loss of a ball, ½ m v² = π k R d³ / 3, which returns all of its speed, and of a punch,
+    /// half a period of an oscillator.
     #[test]
     fn bounces_without_loss_keep_their_energy() {
         let (mass, stiffness, radius, speed) = (0.2, 3e7, 0.03, 0.3_f64);

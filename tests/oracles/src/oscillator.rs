@@ -47,8 +47,8 @@ impl Oscillator {
         1.0 - (-decay * time_s).exp() * ((damped * time_s).cos() + decay / damped * (damped * time_s).sin())
     }
 
-    /// A mass that meets a spring with loss at `speed`, and leaves it when k (x + τ dx/dt), with the loss time τ, has fallen to
-    /// zero: the largest displacement and the speed of leaving, for x = v/ω_d e^(−ζω₀t) sin ω_d t.
+    /// A mass that meets a spring with loss at `speed`, and leaves it when k (x + τ dx/dt), with the loss time τ, has
+    /// fallen to zero: the largest displacement and the speed of leaving, for x = v/ω_d e^(−ζω₀t) sin ω_d t.
     pub fn rebound(&self, speed: f64, loss_time_s: f64) -> (f64, f64) {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
         let damped = self.damped_frequency_rad_per_s();
@@ -69,8 +69,8 @@ impl Oscillator {
         (place(turning), -velocity(low))
     }
 
-    /// The oscillator that implicit Euler with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the factor
-    /// 1 / (1 − s Δt) per step, which is that of an oscillator, too.
+    /// The oscillator that implicit Euler with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the
+    /// factor 1 / (1 − s Δt) per step, which is that of an oscillator, too.
     pub fn under_implicit_euler(&self, step_s: f64) -> Oscillator {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
         let (real, imaginary) = (1.0 + decay * step_s, self.damped_frequency_rad_per_s() * step_s);
@@ -112,7 +112,8 @@ mod tests {
         }
     }
 
-    /// Pins the rebound: with hardly any loss the speed returns and the depth is v/ω₀; with loss, energy and a fine integration.
+    /// Pins the rebound: with hardly any loss the speed returns and the depth is v/ω₀; with loss, energy and a fine
+    /// integration.
     #[test]
     fn a_rebound_keeps_what_the_loss_leaves() {
         let elastic = Oscillator::new(0.5, 1e4, 1e-6);

@@ -15,8 +15,8 @@ fn beside(object: Box<dyn Object>, gap_m: f64, physics: PhysicsOptions) -> Press
     PressedArm::new(arm.clone(), arm, Beside::facing(object, gap_m, 0.3), physics).unwrap()
 }
 
-/// The arm pressed for `seconds` on one object by equilibrium angles that would press with `force_n` (N) if nothing moved,
-/// with those angles and the audit.
+/// The arm pressed for `seconds` on one object by equilibrium angles that would press with `force_n` (N) if nothing
+/// moved, with those angles and the audit.
 fn press(object: Box<dyn Object>, gap_m: f64, force_n: f64, seconds: f64) -> (PressedArm, Vec<f64>, Audit) {
     let mut pressed = beside(object, gap_m, OPTIONS);
     let equilibrium = pressed.pressing_rad(force_n);
@@ -88,8 +88,8 @@ fn a_broad_contact_lights_a_patch() {
     );
 }
 
-/// Pins that an arm that starts 5 mm deep in a trunk is pushed out, and after two seconds rests against the trunk on its
-/// springs. The skin gives 65 N at first, π k √(R₁R₂) d². The trunk is too low for the upper arm.
+/// Pins that an arm that starts 5 mm deep in a trunk is pushed out, and after two seconds rests against the trunk on
+/// its springs. The skin gives 65 N at first, π k √(R₁R₂) d². The trunk is too low for the upper arm.
 #[test]
 fn an_arm_that_starts_in_contact_is_pushed_out() {
     let trunk = Trunk {
@@ -103,8 +103,8 @@ fn an_arm_that_starts_in_contact_is_pushed_out() {
     assert!((0.1..10.0).contains(&force), "{force} N");
 }
 
-/// Pins that a bare upper arm which starts inside a trunk is pushed out by its shell, with no more than π k √(R₁R₂) d² for the
-/// depth that it has, and not with the kilonewtons of a contact that is stiffer on heavier bodies.
+/// Pins that a bare upper arm which starts inside a trunk is pushed out by its shell, with no more than π k √(R₁R₂) d²
+/// for the depth that it has, and not with the kilonewtons of a contact that is stiffer on heavier bodies.
 #[test]
 fn a_bare_upper_arm_in_a_trunk_meets_its_shell() {
     const HARD_N_PER_M3: f64 = 3e8;
@@ -144,8 +144,8 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
     assert!(soft < 0.3 * hard, "{} N, {} N", soft, hard);
 }
 
-/// Pins the balance of an arm that is pressed on a trunk and dragged along it with friction: 0.2 % of the actuators' work
-/// is unexplained at steps of 1 ms, and what friction, softness and trunk take is a third of it.
+/// Pins the balance of an arm that is pressed on a trunk and dragged along it with friction: 0.2 % of the actuators'
+/// work is unexplained at steps of 1 ms, and what friction, softness and trunk take is a third of it.
 #[test]
 fn dragging_along_a_trunk_keeps_the_balance() {
     let options = PhysicsOptions {

@@ -60,8 +60,8 @@ const FOLDS: Folds = Folds {
     by: FoldBy::Position,
 };
 
-/// Pins the series over all contacts on trials that can be counted by hand: short contacts count at every point with their
-/// last verdict, although none was used for fitting. Leaving them out overestimates the accuracy.
+/// Pins the series over all contacts on trials that can be counted by hand: short contacts count at every point with
+/// their last verdict, although none was used for fitting. Leaving them out overestimates the accuracy.
 #[test]
 fn short_contacts_count_although_none_is_fitted_on() {
     let all = trials();
@@ -81,8 +81,8 @@ fn short_contacts_count_although_none_is_fitted_on() {
     assert_eq!(series[2].accuracy, 1.0);
 }
 
-/// Pins the accuracy by touch at each point: of the four untouched trials the two leaves are right, because leaf happens to
-/// be the verdict without evidence.
+/// Pins the accuracy by touch at each point: of the four untouched trials the two leaves are right, because leaf
+/// happens to be the verdict without evidence.
 #[test]
 fn the_series_is_split_by_touch() {
     let series = accuracy_by_samples(&trials(), &Threshold { min: 1 }, FOLDS).unwrap();

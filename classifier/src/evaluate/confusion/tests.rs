@@ -16,8 +16,8 @@ fn evaluation(rows: &[(&str, &str, usize)]) -> Evaluation {
     Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap()
 }
 
-/// Pins the definitions on hand-made counts, 24 of 30 leaves and 4 of 10 trunks found, and that the evaluation has the same
-/// figures.
+/// Pins the definitions on hand-made counts, 24 of 30 leaves and 4 of 10 trunks found, and that the evaluation has the
+/// same figures.
 #[test]
 fn baseline_and_balance_follow_from_the_counts() {
     let rows = [
@@ -39,8 +39,8 @@ fn baseline_and_balance_follow_from_the_counts() {
     assert_eq!(found.balanced_accuracy, expected.balanced_accuracy);
 }
 
-/// Pins that a classifier that always says trunk reaches exactly the majority baseline, and a balanced accuracy of one half,
-/// whatever the fraction of trunks.
+/// Pins that a classifier that always says trunk reaches exactly the majority baseline, and a balanced accuracy of one
+/// half, whatever the fraction of trunks.
 #[test]
 fn one_verdict_for_all_is_the_baseline() {
     for (leaves, trunks) in [(10, 90), (40, 60), (3, 500)] {
@@ -64,8 +64,8 @@ fn uncertain_and_outlier_are_wrong() {
     assert_eq!(found.majority_baseline, 0.5);
 }
 
-/// Pins that outliers count in accuracy and baseline but not in the balanced accuracy, which covers known categories only,
-/// and that no verdict is right for a block, not even outlier.
+/// Pins that outliers count in accuracy and baseline but not in the balanced accuracy, which covers known categories
+/// only, and that no verdict is right for a block, not even outlier.
 #[test]
 fn a_block_is_no_outlier() {
     let found = accuracy(&[
@@ -92,8 +92,8 @@ fn without_trials_there_are_no_figures() {
     assert_eq!(Evaluation::of(vec![], &models, vec![]), Err(EvaluateError::NoTruth));
 }
 
-/// Pins the accuracy of touched and untouched trials, each with its own baseline and balanced accuracy, and that there is
-/// none by touch if it is unknown for all trials.
+/// Pins the accuracy of touched and untouched trials, each with its own baseline and balanced accuracy, and that there
+/// is none by touch if it is unknown for all trials.
 #[test]
 fn touched_and_untouched_are_judged_apart() {
     let models = ["leaf".to_owned(), "trunk".to_owned()];

@@ -25,7 +25,8 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     assert!((curve.area + swapped.area - 1.0).abs() < 1e-15);
 }
 
-/// Pins both ends, that the curve never decreases, and each point against counting the scores at or above its threshold.
+/// Pins both ends, that the curve never decreases, and each point against counting the scores at or above its
+/// threshold.
 #[test]
 fn points_are_the_counts_at_their_thresholds() {
     let positives = [0.9, 0.8, 0.8, 0.3];

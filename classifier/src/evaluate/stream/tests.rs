@@ -34,8 +34,8 @@ fn options(rule: Rule) -> OnlineOptions {
     }
 }
 
-/// Six frames: taxel 2 touches the leaf (object 0) lightly, taxel 7 the trunk (object 1) lightly, taxel 9 the trunk firmly
-/// with a break in frame 4, and taxel 11 senses a large force without an object.
+/// Six frames: taxel 2 touches the leaf (object 0) lightly, taxel 7 the trunk (object 1) lightly, taxel 9 the trunk
+/// firmly with a break in frame 4, and taxel 11 senses a large force without an object.
 fn reach() -> Recording {
     let full = [(2, 0.5, Some(0)), (7, 0.5, Some(1)), (9, 3.0, Some(1)), (11, 3.0, None)];
     let broken = [full[0], full[1], full[3]];
@@ -45,8 +45,8 @@ fn reach() -> Recording {
     recording(&frames)
 }
 
-/// Pins the counts with argmax on a reach that can be counted by hand: one leaf right, one lightly touched trunk wrong, one
-/// firmly touched trunk right except in the frame of its break, and one taxel without truth.
+/// Pins the counts with argmax on a reach that can be counted by hand: one leaf right, one lightly touched trunk wrong,
+/// one firmly touched trunk right except in the frame of its break, and one taxel without truth.
 #[test]
 fn verdicts_are_tallied_by_truth() {
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
@@ -76,8 +76,8 @@ fn verdicts_are_tallied_by_truth() {
     assert_eq!(stream.seconds.len(), 6);
 }
 
-/// Pins when each contact is judged rightly for the first time, on the same reach. A sample adds 3.125 nats to the margin, so
-/// that a margin of 5 takes two. A break begins a new contact, and contacts without an object are left out.
+/// Pins when each contact is judged rightly for the first time, on the same reach. A sample adds 3.125 nats to the
+/// margin, so that a margin of 5 takes two. A break begins a new contact, and contacts without an object are left out.
 #[test]
 fn the_first_right_verdict_of_each_contact_is_found() {
     let rule = Rule::UncertainBelow { margin: 5.0 };
@@ -129,8 +129,9 @@ fn an_environment_is_everyones_truth() {
     assert_eq!(stream.total(), total);
 }
 
-/// Pins the quantity of Fig. 9: with a required margin of 10 nats and 3.125 nats per sample, a verdict needs 4 samples. It is
-/// 0 before that and stays 4 afterwards, while the samples since contact increase. A new contact starts again at 0.
+/// Pins the quantity of Fig. 9: with a required margin of 10 nats and 3.125 nats per sample, a verdict needs 4 samples.
+/// It is 0 before that and stays 4 afterwards, while the samples since contact increase. A new contact starts again
+/// at 0.
 #[test]
 fn samples_used_are_those_at_the_verdict() {
     let rule = Rule::UncertainBelow { margin: 10.0 };
@@ -147,8 +148,8 @@ fn samples_used_are_those_at_the_verdict() {
     assert_eq!(stream.frames[5].tally.uncertain, 1);
 }
 
-/// Pins that for a category without a model outlier is right and a known category wrong, and that a known category called
-/// outlier is wrong.
+/// Pins that for a category without a model outlier is right and a known category wrong, and that a known category
+/// called outlier is wrong.
 #[test]
 fn a_foreign_object_is_rightly_an_outlier() {
     let mut recording = reach();
@@ -169,8 +170,8 @@ fn a_foreign_object_is_rightly_an_outlier() {
     assert_eq!(stream.total().misclassified, 3 + 4);
 }
 
-/// Pins that the same verdicts are right in a stream and for a whole trial, for each category and verdict. Earlier, a block
-/// called outlier was right in a stream and wrong as a trial.
+/// Pins that the same verdicts are right in a stream and for a whole trial, for each category and verdict. Earlier, a
+/// block called outlier was right in a stream and wrong as a trial.
 #[test]
 fn right_in_a_stream_is_right_as_a_trial() {
     let verdicts = [

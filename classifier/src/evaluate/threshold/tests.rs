@@ -125,7 +125,8 @@ fn no_outliers_expected_leaves_no_band() {
     assert!(band(&wide).0 < band(&wide).1);
 }
 
-/// Pins the errors for rates out of range, too few trials, mistakes with infinite margin, and priors of other categories.
+/// Pins the errors for rates out of range, too few trials, mistakes with infinite margin, and priors of other
+/// categories.
 #[test]
 fn what_cannot_be_held_is_refused() {
     let data = drawn(8, 4);
@@ -181,9 +182,10 @@ impl Estimator for Sum {
     }
 }
 
-/// Pins the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand. Right
-/// ones have a margin of 1 nat per sample; three leaves are wrong by 0.5 nats per sample, so that at a rate of 0.25 of 13
-/// the threshold is 5. No whole trial is uncertain, but right ones are for 4 of their 10 samples and wrong ones for 9.
+/// Pins the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand.
+/// Right ones have a margin of 1 nat per sample; three leaves are wrong by 0.5 nats per sample, so that at a rate of
+/// 0.25 of 13 the threshold is 5. No whole trial is uncertain, but right ones are for 4 of their 10 samples and wrong
+/// ones for 9.
 #[test]
 fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let trial = |number: u64, category: &str, force_n: f64| Trial {

@@ -12,9 +12,9 @@ use std::ops::Range;
 
 use crate::hmm::gaussian::Gaussians;
 use crate::hmm::tile::{
-    ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, parts, scale_mantissa, select,
-    zip,
+    ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, scale_mantissa, select, zip,
 };
+use crate::vector::parts;
 
 /// States are padded to a multiple of this with unreachable ones, so that inner loops are short and even.
 const CHUNK: usize = 4;
@@ -38,7 +38,8 @@ const MIN_EXPONENT: f64 = -900.0;
 /// Initial and transition probabilities as the forward filter reads them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ForwardTables {
-    /// For each state: the range of states with a transition into it, in whole chunks, and its range in the lists below.
+    /// For each state: the range of states with a transition into it, in whole chunks, and its range in the lists
+    /// below.
     into: Vec<(Range<usize>, Range<usize>)>,
     /// Transition probabilities, grouped by target state; 0 for those too small for plain sums.
     probability: Vec<f64>,
@@ -185,8 +186,8 @@ impl Forward {
     }
 }
 
-/// The sum over the previous states, whose mantissas and exponents are given, relative to its own largest term: a number
-/// of at least 1, or 0, and its exponent.
+/// The sum over the previous states, whose mantissas and exponents are given, relative to its own largest term: a
+/// number of at least 1, or 0, and its exponent.
 #[inline(always)]
 fn sum_exactly(tables: &ForwardTables, (mantissas, own): (&[Tile], &[Tile]), places: Range<usize>) -> (Tile, Tile) {
     let (probabilities, exponents) = (&tables.mantissa[places.clone()], &tables.exponent[places]);

@@ -80,7 +80,8 @@ fn path_log_probabilities(parameters: &HmmParameters, observations: &Observation
 }
 
 proptest! {
-    // Pins both scores against the sum and the maximum over all state paths, including zero probabilities (−inf, not NaN).
+    // Pins both scores against the sum and the maximum over all state paths, including zero probabilities (−inf, not
+    // NaN).
     #[test]
     fn scores_are_sum_and_maximum_over_all_paths((parameters, samples) in small_problem()) {
         let observations = Observations::new(parameters.mean[0].len(), samples).unwrap();
@@ -99,8 +100,8 @@ proptest! {
     }
 }
 
-/// Pins scores where plain scaling fails against a log-space recursion over all pairs of states: models whose transitions
-/// training drove to 0 or 1e-150, on long sequences that no state fits.
+/// Pins scores where plain scaling fails against a log-space recursion over all pairs of states: models whose
+/// transitions training drove to 0 or 1e-150, on long sequences that no state fits.
 #[test]
 fn left_to_right_models_score_foreign_data_exactly() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -174,7 +175,8 @@ fn slow_log_forward(parameters: &HmmParameters, values: &[f64]) -> f64 {
     alpha.into_iter().fold(f64::NEG_INFINITY, add)
 }
 
-/// A left-to-right model of 10 states like those that training produces: narrow states, zeros, probabilities down to 1e-300.
+/// A left-to-right model of 10 states like those that training produces: narrow states, zeros, probabilities down to
+/// 1e-300.
 fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     let n = 10;
     let row = |first: usize, rng: &mut ChaCha8Rng| -> Vec<f64> {
@@ -204,8 +206,8 @@ fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     }
 }
 
-/// Pins forward scores within 1e-9 of a log-space recursion: a hold of 20 000 samples after which the force decreases again,
-/// where early states have fallen behind by thousands of powers of 2; oscillations; outliers; a single sample.
+/// Pins forward scores within 1e-9 of a log-space recursion: a hold of 20 000 samples after which the force decreases
+/// again, where early states have fallen behind by thousands of powers of 2; oscillations; outliers; a single sample.
 #[test]
 fn holds_oscillations_and_outliers_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

@@ -123,8 +123,8 @@ fn fill(buffer: &mut [f64], items: impl Iterator<Item = f64>) {
     buffer.iter_mut().zip(items).for_each(|(out, item)| *out = item);
 }
 
-/// exp of a log-probability. Results below exp(−690), near the end of the range of f64, count as zero: subnormal numbers
-/// are slow and inexact.
+/// exp of a log-probability. Results below exp(−690), near the end of the range of f64, count as zero: subnormal
+/// numbers are slow and inexact.
 fn probability(log_probability: f64) -> f64 {
     if log_probability < -690.0 {
         0.0

@@ -1,4 +1,5 @@
-//! A model laid out for the scaled pass: probabilities and densities in tiles of states, padded with unreachable states.
+//! A model laid out for the scaled pass: probabilities and densities in tiles of states, padded with unreachable
+//! states.
 
 use std::ops::Range;
 
@@ -72,8 +73,8 @@ impl<'a> LinearModel<'a> {
     }
 }
 
-/// A square matrix stored by tiles of columns. In each tile, leading and trailing rows that are all zero are left out in
-/// whole tiles, which saves half of a left-to-right model.
+/// A square matrix stored by tiles of columns. In each tile, leading and trailing rows that are all zero are left out
+/// in whole tiles, which saves half of a left-to-right model.
 #[derive(Clone)]
 pub(super) struct TiledMatrix {
     spans: Vec<Span>,

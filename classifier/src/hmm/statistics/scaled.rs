@@ -1,15 +1,15 @@
 //! The expectation step with scaled plain numbers: fast, and able to tell when its result is not exact.
 //!
 //! The largest forward weight α of a sample is kept near 2^[`TOP`]. Each state has its own exponent, updated every
-//! [`BLOCK`] samples, because in a left-to-right model early states fall behind permanently, by thousands of powers of 2.
-//! Weights that still fall below 2^−[`TOP`], and densities and transitions below 2^−500, are *raised* to that bound. So
-//! nothing is ever subnormal, and every α is an upper bound of its true value.
+//! [`BLOCK`] samples, because in a left-to-right model early states fall behind permanently, by thousands of powers
+//! of 2. Weights that still fall below 2^−[`TOP`], and densities and transitions below 2^−500, are *raised* to that
+//! bound. So nothing is ever subnormal, and every α is an upper bound of its true value.
 //!
-//! The backward pass propagates γ, the probability of each state given the whole sequence, instead of weights: of state j's
-//! probability at one sample, the share α_i a_ij / Σ_k α_k a_kj came from state i. Errors of γ therefore never grow. A path
-//! that starts where a weight was raised contributes at most its γ there, so the result is exact if γ is negligible
-//! wherever a weight is near the bound. If it is not, because later data favour a state that earlier data all but ruled
-//! out, the sequence is left to the log-space pass.
+//! The backward pass propagates γ, the probability of each state given the whole sequence, instead of weights: of state
+//! j's probability at one sample, the share α_i a_ij / Σ_k α_k a_kj came from state i. Errors of γ therefore never
+//! grow. A path that starts where a weight was raised contributes at most its γ there, so the result is exact if γ is
+//! negligible wherever a weight is near the bound. If it is not, because later data favour a state that earlier data
+//! all but ruled out, the sequence is left to the log-space pass.
 
 mod backward;
 

@@ -2,8 +2,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::hmm::tile::tests::BASELINE_ONLY;
 use crate::hmm::{HmmParameters, ScoreKind, Scorer, Topology};
+use crate::vector::BASELINE_ONLY;
 
 /// A model with the authors' initial transitions over 0 … 3 N, with narrow and wide states.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
@@ -57,10 +57,10 @@ fn exactly(model: &GaussianHmm, sequence: &Observations) -> Statistics {
     exact
 }
 
-/// Pins every expected count of the scaled pass against the log-space pass, for one and two features, padded and full tiles,
-/// and sequences of 1 to 20 000 samples; and that the scaled pass handles nearly all of them. The tolerance is 1e-9
-/// (absolute below 1, else relative) up to 2000 samples. Beyond that the log-space pass itself is off by about 1e-8,
-/// because it subtracts numbers of size 1e7.
+/// Pins every expected count of the scaled pass against the log-space pass, for one and two features, padded and full
+/// tiles, and sequences of 1 to 20 000 samples; and that the scaled pass handles nearly all of them. The tolerance is
+/// 1e-9 (absolute below 1, else relative) up to 2000 samples. Beyond that the log-space pass itself is off by about
+/// 1e-8, because it subtracts numbers of size 1e7.
 #[test]
 fn the_scaled_pass_counts_what_log_space_counts() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
@@ -144,8 +144,8 @@ fn a_state_ruled_out_that_returns_is_left_to_log_space() {
     assert!((statistics.occupancy[1] - 5.0).abs() < 1e-9);
 }
 
-/// Pins that code with and without this processor's vector instructions gives the same scores and counts to the last bit,
-/// on data of the model and on data that no state fits.
+/// Pins that code with and without this processor's vector instructions gives the same scores and counts to the last
+/// bit, on data of the model and on data that no state fits.
 #[test]
 fn every_processor_gets_the_same_bits() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

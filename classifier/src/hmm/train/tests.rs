@@ -35,7 +35,8 @@ fn univariate(initial: &[f64], transition: &[&[f64]], mean: &[f64], variance: &[
     }
 }
 
-/// Pins that training on 400 × 100 samples of a known model recovers every parameter within 5 % (0.05 for probabilities).
+/// Pins that training on 400 × 100 samples of a known model recovers every parameter within 5 % (0.05 for
+/// probabilities).
 #[test]
 fn known_parameters_are_recovered() {
     let truth = univariate(&[0.7, 0.3], &[&[0.9, 0.1], &[0.25, 0.75]], &[1.0, 4.0], &[0.25, 0.64]);
@@ -126,8 +127,8 @@ fn one_iteration_matches_counting_by_hand() {
     }
 }
 
-/// Pins that zero transitions of the left-to-right start stay zero, and that no eigenvalue ends below the floor while the
-/// likelihood still increases in every iteration, although quantized samples push the variance down.
+/// Pins that zero transitions of the left-to-right start stay zero, and that no eigenvalue ends below the floor while
+/// the likelihood still increases in every iteration, although quantized samples push the variance down.
 #[test]
 fn zeros_stay_zero_and_the_floor_holds() {
     let quantized = |values: &[f64]| {

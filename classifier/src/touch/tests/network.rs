@@ -1,4 +1,6 @@
+use super::super::feature_rows::FeatureRows;
 use super::super::network::{Network, Row, softmax};
+use crate::vector::BASELINE_ONLY;
 
 /// Points in a square; the class is whether the signs of their coordinates differ, which no linear function tells.
 fn checkerboard() -> Vec<Row<2>> {
@@ -28,8 +30,8 @@ fn a_network_learns_a_checkerboard() {
     assert!(network.is_sound(2, 2) && !network.is_sound(3, 2) && !network.is_sound(2, 3));
 }
 
-/// Pins that a feature that never varies has no influence, and that weights of rows shift the odds: with the same features for
-/// both classes, the probability is the share of the weights.
+/// Pins that a feature that never varies has no influence, and that weights of rows shift the odds: with the same
+/// features for both classes, the probability is the share of the weights.
 #[test]
 fn weights_are_odds() {
     let rows: Vec<Row<2>> = (0..600)
@@ -49,5 +51,57 @@ fn weights_are_odds() {
         softmax(&mut scores);
         // The penalty pulls the constant a little towards even odds, and the last steps leave some noise.
         assert!((scores[0] - 0.75).abs() < 0.03, "{scores:?}");
+    }
+}
+
+/// Pins the scores against the sums that the model file describes, and that they have the same bits for one row as for
+/// several side by side, with the instructions of this processor as with those that every processor has.
+#[test]
+fn rows_side_by_side_have_the_scores_of_one_row() {
+    let rows = checkerboard();
+    let network = Network::fit(&rows, 2);
+    let file = serde_json::to_value(&network).unwrap();
+    let number = |place: &serde_json::Value| place.as_f64().unwrap();
+    let described = |features: &[f64; 2]| -> [f64; 2] {
+        let standardized =
+            |index: usize| (features[index] - number(&file["mean"][index])) * number(&file["scale"][index]);
+        let inputs = [standardized(0).clamp(-5.0, 5.0), standardized(1).clamp(-5.0, 5.0), 1.0];
+        let unit = |unit: usize| -> f64 {
+            let sum: f64 = (0..3)
+                .map(|input| inputs[input] * number(&file["hidden"][input][unit]))
+                .sum();
+            sum.max(0.0)
+        };
+        [0, 1].map(|class| {
+            let weights = file["output"][class].as_array().unwrap().iter().enumerate();
+            let sum: f64 = weights.map(|(index, weight)| number(weight) * unit(index)).sum();
+            sum + number(&file["output_constant"][class])
+        })
+    };
+    for count in 0..10 {
+        let mut some = FeatureRows::with_capacity(count);
+        let mut expected = Vec::new();
+        for row in &rows[..count] {
+            // Some rows are so far out that inputs are clamped.
+            let features = row.features.map(|feature| feature * (1.0 + count as f64));
+            some.push(&features);
+            let mut scores = [0.0; 2];
+            network.scores(&features, &mut scores);
+            for (score, described) in scores.iter().zip(described(&features)) {
+                // Sums of 24 terms in another order.
+                assert!(
+                    (score - described).abs() < 1e-12 * (1.0 + described.abs()),
+                    "{score} {described}"
+                );
+            }
+            expected.extend(scores);
+        }
+        let mut scores = Vec::new();
+        for is_baseline in [false, true] {
+            BASELINE_ONLY.set(is_baseline);
+            network.scores_of(&some, &mut scores);
+            assert_eq!(scores, expected);
+        }
+        BASELINE_ONLY.set(false);
     }
 }

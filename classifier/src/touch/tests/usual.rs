@@ -47,8 +47,8 @@ fn distances_are_those_of_mahalanobis() {
     }
 }
 
-/// Pins the share of known contacts beyond a distance: for the distances 0.001, 0.002, … 1 it is 1 minus the distance, down to the
-/// smallest share told.
+/// Pins the share of known contacts beyond a distance: for the distances 0.001, 0.002, … 1 it is 1 minus the distance,
+/// down to the smallest share told.
 #[test]
 fn shares_beyond_are_those_of_the_distances() {
     let mut usual = Usual::fit(&[rows(0.0)]);

@@ -15,8 +15,8 @@ fn examples() -> TouchExamples {
     examples
 }
 
-/// Pins that soft, stiff and spurious readings are told apart in a new reach, by the same model however many threads fit it, and
-/// that something unlike both is called unknown.
+/// Pins that soft, stiff and spurious readings are told apart in a new reach, by the same model however many threads
+/// fit it, and that something unlike both is called unknown.
 #[test]
 fn springs_are_told_apart() {
     let model = examples().fit().unwrap();
@@ -51,7 +51,8 @@ fn springs_are_told_apart() {
     assert_eq!(touch, Some(Touch::Unknown));
 }
 
-/// Pins that a reach judged for a suite has the verdicts of the evaluation, counted by truth, with the spurious taxel apart.
+/// Pins that a reach judged for a suite has the verdicts of the evaluation, counted by truth, with the spurious taxel
+/// apart.
 #[test]
 fn streams_count_what_evaluations_count() {
     let model = Arc::new(examples().fit().unwrap());

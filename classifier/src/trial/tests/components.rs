@@ -21,7 +21,8 @@ fn components_wrap_around_only_where_asked() {
     assert_eq!(largest(Some(false)), [1.0, 2.0, 3.0, 4.0]);
 }
 
-/// Pins both features: taxels 7, 8 (centre at column 1.5), then 7, 8, 9 (centre at column 2) with the patch moved by 1 mm.
+/// Pins both features: taxels 7, 8 (centre at column 1.5), then 7, 8, 9 (centre at column 2) with the patch moved by
+/// 1 mm.
 #[test]
 fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
     let recording = recording(&[
@@ -79,8 +80,8 @@ fn of_a_splitting_component_the_nearer_piece_goes_on() {
     assert_eq!(motions_mm(&trials[1]), [0.0]);
 }
 
-/// Pins association: when a patch slides 10 mm in x under a fixed contact, the contact moves by one column and stays at rest
-/// in the world. If a contact jumps farther than allowed, its trial ends and a new one starts.
+/// Pins association: when a patch slides 10 mm in x under a fixed contact, the contact moves by one column and stays at
+/// rest in the world. If a contact jumps farther than allowed, its trial ends and a new one starts.
 #[test]
 fn tracking_is_greedy_by_world_distance() {
     let recording = recording(&[
@@ -100,8 +101,8 @@ fn tracking_is_greedy_by_world_distance() {
 }
 
 /// Pins number of taxels, largest force and force sum of a taxel's region in each frame, in trials by taxel and by
-/// component. In a grid with six columns, 1, 2 and 8 are connected and 11 is alone; then 2 loses contact and separates 1
-/// and 8.
+/// component. In a grid with six columns, 1, 2 and 8 are connected and 11 is alone; then 2 loses contact and separates
+/// 1 and 8.
 #[test]
 fn samples_know_their_contact_region() {
     let recording = recording(&[

@@ -20,8 +20,8 @@ fn truth_is_the_object_of_most_samples() {
     assert_eq!((trials[1].object, &trials[1].trial.category), (None, &None));
 }
 
-/// Pins both kinds of label: by contact, a trial without an object has none; by environment, it has the only category apart
-/// from foam blocks. In mixed clutter both are the same.
+/// Pins both kinds of label: by contact, a trial without an object has none; by environment, it has the only category
+/// apart from foam blocks. In mixed clutter both are the same.
 #[test]
 fn the_environment_labels_what_nothing_touched() {
     let touched: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1)), (9, 1.0, None)];
@@ -39,9 +39,9 @@ fn the_environment_labels_what_nothing_touched() {
     assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), trunk]);
 }
 
-/// Pins that a trial stores in which samples an object truly pressed: on the taxel itself, or on any taxel of a component. A
-/// sensed force without a true one (a spurious reading, creep) is untouched even if the environment labels it. Without
-/// objects in the recording it is unknown.
+/// Pins that a trial stores in which samples an object truly pressed: on the taxel itself, or on any taxel of a
+/// component. A sensed force without a true one (a spurious reading, creep) is untouched even if the environment labels
+/// it. Without objects in the recording it is unknown.
 #[test]
 fn a_trial_knows_when_it_was_touched() {
     // Taxels 7 and 8 are neighbours; 12 is alone, and no object presses on it.

@@ -44,8 +44,8 @@ fn by_taxel(trials: &[Trial]) -> BTreeMap<u32, Vec<Vec<(f64, f64)>>> {
     found
 }
 
-/// Pins that reaches written as HDF5 come back as trials with the same forces, a reach for each demonstration in the order of
-/// their numbers, with the categories of an attribute.
+/// Pins that reaches written as HDF5 come back as trials with the same forces, a reach for each demonstration in the
+/// order of their numbers, with the categories of an attribute.
 #[test]
 fn trials_come_back_from_hdf5() {
     let (_folder, path) = file("reaches.h5");

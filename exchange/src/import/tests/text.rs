@@ -35,8 +35,8 @@ category_from = \"label\"
 reach_from = \"run\"
 ";
 
-/// Pins how rows of a CSV file become trials: a trial lasts while the force is above the threshold, units are converted, and
-/// a new reach ends all contacts.
+/// Pins how rows of a CSV file become trials: a trial lasts while the force is above the threshold, units are
+/// converted, and a new reach ends all contacts.
 #[test]
 fn rows_become_trials() {
     let (_folder, path) = file("log.csv");
@@ -88,7 +88,8 @@ fn rows_become_trials() {
     );
 }
 
-/// Pins that raw readings get scale and offset, that times may follow from a rate, and that one taxel needs no placeholder.
+/// Pins that raw readings get scale and offset, that times may follow from a rate, and that one taxel needs no
+/// placeholder.
 #[test]
 fn raw_readings_are_scaled() {
     let (_folder, path) = file("log.csv");
@@ -184,8 +185,8 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
     assert!(matches!(nowhere, Err(ExchangeError::Input(error)) if error.found == "no such file"));
 }
 
-/// Pins that wrong cells, times that do not rise and forces out of range are refused with the line of the file, and that a
-/// file without a contact is, too.
+/// Pins that wrong cells, times that do not rise and forces out of range are refused with the line of the file, and
+/// that a file without a contact is, too.
 #[test]
 fn wrong_data_are_refused_by_line() {
     let (_folder, path) = file("log.csv");

@@ -93,8 +93,8 @@ fn bounds_keep_the_order_of_the_file() {
     );
 }
 
-/// Pins every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value if the
-/// mean is too small, the largest if it is too large.
+/// Pins every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value
+/// if the mean is too small, the largest if it is too large.
 #[test]
 fn values_are_held_against_bounds() {
     let (_folder, file) = written(SUITE);
@@ -121,8 +121,8 @@ fn values_are_held_against_bounds() {
     assert_eq!(verdicts.filter(|own| *own == BoundVerdict::Holds).count(), 4);
 }
 
-/// Pins that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the default
-/// sides to one without any, and writes bounds that hold, with the margin that the file asks for.
+/// Pins that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the
+/// default sides to one without any, and writes bounds that hold, with the margin that the file asks for.
 #[test]
 fn blessing_changes_the_bounds_alone() {
     let (_folder, file) = written(SUITE);

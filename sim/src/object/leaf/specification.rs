@@ -56,8 +56,8 @@ fn default_width() -> Quantity {
     Quantity::uniform(0.02, 0.05)
 }
 
-/// E I = E w t³ / 12 of plastic sheet ranges from 1e-4 to 4e-2 N m². Choice: far below 5e-3 a leaf of this height could not
-/// carry its own weight, and a leaf that cannot is drawn again.
+/// E I = E w t³ / 12 of plastic sheet ranges from 1e-4 to 4e-2 N m². Choice: far below 5e-3 a leaf of this height could
+/// not carry its own weight, and a leaf that cannot is drawn again.
 fn default_flexural_rigidity() -> Quantity {
     Quantity::uniform(0.005, 0.05)
 }
@@ -78,8 +78,8 @@ fn default_root_depth() -> Quantity {
     Quantity::uniform(0.03, 0.05)
 }
 
-/// Choice: with four, a leaf that is pushed at a third of its height or higher is within 4 % of the continuous beam, far less
-/// than the uncertainty of a plant's stiffness. The engine's cost grows with the cube of the number.
+/// Choice: with four, a leaf that is pushed at a third of its height or higher is within 4 % of the continuous beam,
+/// far less than the uncertainty of a plant's stiffness. The engine's cost grows with the cube of the number.
 fn default_segments() -> u32 {
     4
 }

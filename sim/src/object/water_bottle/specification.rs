@@ -39,8 +39,8 @@ pub struct WaterBottleSpecification {
     pub friction: Quantity,
 }
 
-/// Bottles of water dispensers: those of 3 US gallons (11.4 l) are 25 cm thick and 38 cm high, those of 5 (18.9 l) are 27 cm
-/// thick and 49 cm high. Smaller bottles are lower than the arm passes, or so slim that it tips them over.
+/// Bottles of water dispensers: those of 3 US gallons (11.4 l) are 25 cm thick and 38 cm high, those of 5 (18.9 l) are
+/// 27 cm thick and 49 cm high. Smaller bottles are lower than the arm passes, or so slim that it tips them over.
 fn default_diameter() -> Quantity {
     Quantity::uniform(0.25, 0.27)
 }
@@ -54,14 +54,14 @@ fn default_empty_mass() -> Quantity {
     Quantity::fixed(0.75)
 }
 
-/// Choice: a rest of at most half a litre. A full bottle would resist with 50 N, which is more than the 3 N that the controller
-/// allows a contact, and would feel like a trunk.
+/// Choice: a rest of at most half a litre. A full bottle would resist with 50 N, which is more than the 3 N that the
+/// controller allows a contact, and would feel like a trunk.
 fn default_water_mass() -> Quantity {
     Quantity::uniform(0.0, 0.5)
 }
 
-/// Choice: with the table's 0.4, and with the skin's, the coefficient of a contact is then 0.25 to 0.30. Hard plastics slide on
-/// smooth table tops with 0.2 to 0.4.
+/// Choice: with the table's 0.4, and with the skin's, the coefficient of a contact is then 0.25 to 0.30. Hard plastics
+/// slide on smooth table tops with 0.2 to 0.4.
 fn default_friction() -> Quantity {
     Quantity::uniform(0.1, 0.2)
 }

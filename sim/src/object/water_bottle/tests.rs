@@ -8,8 +8,8 @@ const FOOTING: Footing = Footing {
     foam_modulus_pa: None,
 };
 
-/// Pins that a group of bottles that would overflow is refused with the mass of water that fits, and that no bottle of a mixed
-/// group overflows.
+/// Pins that a group of bottles that would overflow is refused with the mass of water that fits, and that no bottle of
+/// a mixed group overflows.
 #[test]
 fn no_bottle_overflows() {
     let mut random = crate::seed::stream(0, "bottles", 0, "clutter");
@@ -26,8 +26,8 @@ fn no_bottle_overflows() {
     }
 }
 
-/// Pins mass, centre of mass and inertia of a bottle by hand: 1 kg of wall, 0.2 m thick and 0.4 m high, and 3.1416 kg of water,
-/// which is 0.1 m deep.
+/// Pins mass, centre of mass and inertia of a bottle by hand: 1 kg of wall, 0.2 m thick and 0.4 m high, and 3.1416 kg
+/// of water, which is 0.1 m deep.
 #[test]
 fn mass_and_inertia_are_those_of_wall_and_water() {
     let bottle = WaterBottle {
@@ -44,7 +44,8 @@ fn mass_and_inertia_are_those_of_wall_and_water() {
     assert!((inertia.mass_kg - 4.1415927).abs() < 1e-6);
     // Wall: m r² = 0.01; water: m r² / 2 = 0.0157080.
     assert!((inertia.principal_kg_m2.z - 0.0257080).abs() < 1e-6);
-    // Wall: (6 r² + h²) / 12 = 0.0183333 and 0.1137821² more; water: π (3 r² + 0.1²) / 12 = 0.0104720 and π 0.0362179² more.
+    // Wall: (6 r² + h²) / 12 = 0.0183333 and 0.1137821² more; water: π (3 r² + 0.1²) / 12 = 0.0104720 and π 0.0362179²
+    // more.
     let across = 0.0183333 + 0.0129464 + 0.0104720 + 0.0041209;
     let found = inertia.principal_kg_m2;
     assert!((found.x - across).abs() < 1e-6 && found.x == found.y, "{found}");

@@ -33,9 +33,9 @@ fn crosstalk_moves_force_and_loses_none() {
     assert_eq!(sensor.reading_n(FLIPPER, 4), 0.0);
 }
 
-/// Pins the creep to its closed form: under a constant force F the reading after n frames is F (1 + c Σ (1 − e^(−nΔt/τ))),
-/// τ = 0.1, 1, 10, 100 s, and, m frames after release, F c Σ (1 − e^(−nΔt/τ)) e^(−mΔt/τ). The update is exact, so to
-/// rounding.
+/// Pins the creep to its closed form: under a constant force F the reading after n frames is F (1 + c Σ (1 −
+/// e^(−nΔt/τ))), τ = 0.1, 1, 10, 100 s, and, m frames after release, F c Σ (1 − e^(−nΔt/τ)) e^(−mΔt/τ). The update is
+/// exact, so to rounding.
 #[test]
 fn creep_follows_its_step_response() {
     let (share, force) = (0.05, 2.0);

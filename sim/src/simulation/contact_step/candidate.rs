@@ -46,8 +46,8 @@ impl Default for Detection {
 }
 
 impl Detection {
-    /// Finds the points where two shapes are nearest or overlap most, and returns whether there are any. Nothing of an earlier
-    /// manifold is used.
+    /// Finds the points where two shapes are nearest or overlap most, and returns whether there are any. Nothing of an
+    /// earlier manifold is used.
     fn find(&mut self, pair: &Pair, near_m: f64) -> bool {
         let [first, second] = pair.poses_world.each_ref().map(parry_pose);
         self.manifold.clear();
@@ -112,7 +112,8 @@ impl ContactStep {
         let columns = Columns::new(&pair, &plane, faces)?;
         let overlap_m = columns.overlap_m(DVec2::ZERO)?;
         let before = relative_speeds(&plane, links, copies, |body, index| copies[body].velocity[index]);
-        // Where surfaces stay in contact their speed hardly changes. A surface that is about to arrive may be accelerated.
+        // Where surfaces stay in contact their speed hardly changes. A surface that is about to arrive may be
+        // accelerated.
         let mut over_m = law.closing_m(before[0]);
         if overlap_m <= over_m {
             let free = relative_speeds(&plane, links, copies, |body, index| {
@@ -224,8 +225,8 @@ fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DV
     planes.find(presses).unwrap_or(plane)
 }
 
-/// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half of the thinner one, and
-/// the shortest way out is now on the other side. The shapes are then held to the side from which they met.
+/// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half of the thinner
+/// one, and the shortest way out is now on the other side. The shapes are then held to the side from which they met.
 const FLIPPED_COSINE: f64 = -0.5;
 
 /// A normal is not kept where the overlap along it is larger, m: three times the thickness of a soft skin.

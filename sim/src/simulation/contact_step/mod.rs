@@ -1,8 +1,9 @@
 //! Contacts between the engine's bodies, added to a step that the engine made without any.
 //!
-//! The engine finds which bounding boxes overlap, but computes no contacts. Before its step the poses, Jacobians and velocities
-//! of every articulated body are copied. After it, the patches of the shapes that overlap are made from those poses,
-//! [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with positions to match.
+//! The engine finds which bounding boxes overlap, but computes no contacts. Before its step the poses, Jacobians and
+//! velocities of every articulated body are copied. After it, the patches of the shapes that overlap are made from
+//! those poses, [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with
+//! positions to match.
 
 use glam::DVec3;
 use rapier3d::prelude::*;
@@ -190,15 +191,15 @@ impl ContactStep {
         Some(&self.kept[at].1)
     }
 
-    /// The state that another pair of shapes of the same two bodies keeps. A blade between two shapes of one link must not be
-    /// pushed into one of them by the other.
+    /// The state that another pair of shapes of the same two bodies keeps. A blade between two shapes of one link must
+    /// not be pushed into one of them by the other.
     fn sibling(&self, bodies: &PairKey) -> Option<&Kept> {
         let mut kept = self.kept.iter().map(|(_, kept)| kept);
         kept.find(|kept| kept.bodies == *bodies)
     }
 
-    /// Gives every articulated body that something may touch, or that is near an end stop, a block of the solver. The more
-    /// it touches, the later its block. Returns whether there are any.
+    /// Gives every articulated body that something may touch, or that is near an end stop, a block of the solver. The
+    /// more it touches, the later its block. Returns whether there are any.
     fn choose_blocks(&mut self, parts: &Parts) -> bool {
         let scratch = &mut self.scratch;
         scratch.solver.start(parts.step_s);

@@ -29,8 +29,8 @@ fn go_on(simulation: &mut Simulation, angles: &[Vec<f64>]) -> Vec<FrameReport> {
     angles.iter().map(|angles| simulation.step(angles).clone()).collect()
 }
 
-/// Pins that a state saved at many moments of a reach, with contacts and with objects that are woken and put to rest, is
-/// loaded into a fresh simulation which then continues bit for bit: every number of every report, the sensor's noise
+/// Pins that a state saved at many moments of a reach, with contacts and with objects that are woken and put to rest,
+/// is loaded into a fresh simulation which then continues bit for bit: every number of every report, the sensor's noise
 /// included.
 #[test]
 fn a_loaded_simulation_continues_bit_for_bit() {
@@ -70,8 +70,8 @@ fn a_loaded_simulation_continues_bit_for_bit() {
     }
 }
 
-/// Pins that what is no state, a state with a changed or missing byte, and one of another clutter are refused, each with its
-/// own error, and leave the simulation as it was.
+/// Pins that what is no state, a state with a changed or missing byte, and one of another clutter are refused, each
+/// with its own error, and leave the simulation as it was.
 #[test]
 fn bad_states_are_refused() {
     let mut simulation = plan(3).simulation(0).unwrap();

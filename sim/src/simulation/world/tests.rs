@@ -68,8 +68,8 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
     found
 }
 
-/// Pins that nothing is allocated in a frame but by the engine, and by parry's search for how deep shapes overlap, for an arm that
-/// moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
+/// Pins that nothing is allocated in a frame but by the engine, and by parry's search for how deep shapes overlap, for
+/// an arm that moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
 #[test]
 fn only_the_engine_allocates_in_a_frame() {
     let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
@@ -97,8 +97,9 @@ fn only_the_engine_allocates_in_a_frame() {
         assert!(touching >= 4, "{touching} contacts in frame {frame}");
         let own = [found.before_steps, found.dormancy, found.report];
         assert_eq!(own, [0; 3], "frame {frame}: {found:?}");
-        // Within it, parry's search makes its lists anew for each pair, and the engine the list of bodies that were moved: 102 to 147
-        // allocations in these frames. One for each patch, node or iteration of our own would be more.
+        // Within it, parry's search makes its lists anew for each pair, and the engine the list of bodies that were
+        // moved: 102 to 147 allocations in these frames. One for each patch, node or iteration of our own would be
+        // more.
         assert!(
             found.contacts <= 24 * touching,
             "frame {frame}: {found:?} for {touching} contacts"

@@ -101,8 +101,8 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     tip.truncate().length()
 }
 
-/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than that comes back from a push
-/// and one 10 % softer does not.
+/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than that comes back from a
+/// push and one 10 % softer does not.
 #[test]
 fn a_roll_topples_at_the_load_that_is_derived() {
     // The first term of the load share goes with 1 / E, and the second, with 1 / E², is a ten-thousandth of it.

@@ -1,5 +1,5 @@
-//! Tests of a water bottle on the table: at rest, pushed, stopped by a trunk, and tipped over. Check `standing-bottle` of
-//! `validate` compares its resistance and its tipping moment with closed forms.
+//! Tests of a water bottle on the table: at rest, pushed, stopped by a trunk, and tipped over. Check `standing-bottle`
+//! of `validate` compares its resistance and its tipping moment with closed forms.
 
 use glam::DVec3;
 
@@ -43,8 +43,8 @@ fn push(engine: &mut Engine, mechanism: &Mechanism, force_n: DVec3, point_foot: 
     engine.bodies[bottle].position().transform_point(-center)
 }
 
-/// Pins that a bottle stands still, so that it may be left out of the engine, that it sinks into the table by m g / (k A), and
-/// that a push of 90 % of its friction does not make it creep.
+/// Pins that a bottle stands still, so that it may be left out of the engine, that it sinks into the table by m g / (k
+/// A), and that a push of 90 % of its friction does not make it creep.
 #[test]
 fn a_bottle_stands_still_until_it_slips() {
     let mut engine = Engine::new(OPTIONS);
@@ -64,8 +64,8 @@ fn a_bottle_stands_still_until_it_slips() {
     assert!((late - early).length() < 1e-8, "{early} {late}");
 }
 
-/// Pins that a push beside the middle turns a bottle towards the side on which it is pushed, that it stays where it came to
-/// lie, and that it then does not count as at rest.
+/// Pins that a push beside the middle turns a bottle towards the side on which it is pushed, that it stays where it
+/// came to lie, and that it then does not count as at rest.
 #[test]
 fn a_push_beside_the_middle_turns_it() {
     let mut engine = Engine::new(OPTIONS);

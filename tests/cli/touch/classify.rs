@@ -1,0 +1,168 @@
+//! `classify` with the classifier `touch`.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use underbrush_recording::disk::read_recording;
+
+use super::{lines, model, read, recording};
+use crate::support::{call, underbrush};
+
+fn sum(probabilities: &Value) -> f64 {
+    let own = probabilities.as_object().unwrap().values();
+    own.map(|probability| probability.as_f64().unwrap()).sum()
+}
+
+/// Pins that every frame is answered, that taxels refer to regions, that probabilities sum to 1, and that verdicts
+/// follow from them by the model's decision.
+#[test]
+fn verdicts_follow_from_the_probabilities() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = recording(folder.path());
+    let answers = lines(&underbrush!["classify", model(), recording].success());
+    assert_eq!(answers.len(), read_recording(&recording).unwrap().frames.len());
+    let decision = &read(&model())["decision"];
+    let limit = |key: &str| decision[key].as_f64().unwrap();
+    let mut seen = 0;
+    for answer in &answers {
+        let regions: BTreeMap<u64, &Value> = answer["regions"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|region| (region["contact"].as_u64().unwrap(), region))
+            .collect();
+        let of_region = |region: &Value| {
+            let own = region["probabilities"].as_object().unwrap();
+            let (best, probability) = own
+                .iter()
+                .max_by(|a, b| a.1.as_f64().unwrap().total_cmp(&b.1.as_f64().unwrap()))
+                .unwrap();
+            if region["share_beyond"].as_f64().unwrap() <= limit("unknown_share") {
+                "unknown"
+            } else if probability.as_f64().unwrap() > 1.0 - limit("cost_of_uncertain") {
+                best.as_str()
+            } else {
+                "uncertain"
+            }
+            .to_owned()
+        };
+        let mut taxels: BTreeMap<u64, [u64; 2]> = BTreeMap::new();
+        for taxel in answer["taxels"].as_array().unwrap() {
+            let contact = taxel["contact"].as_u64().unwrap();
+            let region = regions[&contact];
+            let nothing = taxel["nothing"].as_f64().unwrap();
+            assert!((nothing + sum(&taxel["probabilities"]) - 1.0).abs() < 1e-9, "{taxel}");
+            let is_nothing = nothing > limit("nothing_above");
+            let expected = if is_nothing {
+                "nothing".to_owned()
+            } else {
+                of_region(region)
+            };
+            assert_eq!(taxel["verdict"], expected, "{taxel} in {region}");
+            let counts = taxels.entry(contact).or_default();
+            counts[0] += 1;
+            counts[1] += u64::from(!is_nothing);
+            seen += 1;
+        }
+        for (contact, region) in &regions {
+            let [all, touched] = taxels[contact];
+            assert_eq!(
+                [&region["taxels"], &region["touched_taxels"]],
+                [&json!(all), &json!(touched)]
+            );
+            assert!((sum(&region["probabilities"]) - 1.0).abs() < 1e-9, "{region}");
+            let expected = if touched == 0 {
+                "nothing".to_owned()
+            } else {
+                of_region(region)
+            };
+            assert_eq!(region["verdict"], expected, "{region}");
+        }
+    }
+    assert!(seen > 0, "the reach has contacts");
+}
+
+/// Pins that frames on standard input give the lines of the recording, byte for byte and with any number of threads,
+/// that only times, forces and the pose of the patch are needed, and that a line without the pose is refused.
+#[test]
+fn frames_on_standard_input_are_answered_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = recording(folder.path());
+    let from_file = underbrush!["classify", model(), recording, "--jobs", "1"].success();
+    assert_eq!(
+        from_file,
+        underbrush!["classify", model(), recording, "--online", "--jobs", "2"].success()
+    );
+    let frames = read_recording(&recording).unwrap().frames;
+    let line = |pose: bool, frame: &underbrush_recording::Frame| {
+        let forearm = frame.taxels.iter().filter(|taxel| taxel.patch == 0);
+        let taxels: Vec<Value> = forearm
+            .map(|taxel| json!({ "patch": "forearm", "taxel": taxel.taxel, "sensed_force_n": taxel.sensed_force_n }))
+            .collect();
+        let mut line = json!({ "time_s": frame.time_s, "taxels": taxels });
+        if pose {
+            line["patch_pose_world"] = json!({ "forearm": frame.patch_pose_world[0] });
+        }
+        line.to_string() + "\n"
+    };
+    let stdin: String = frames.iter().map(|frame| line(true, frame)).collect();
+    let answer = call(vec!["classify".into(), model().into(), "-".into()], &stdin);
+    assert!(
+        answer
+            .stderr
+            .contains(&format!("{} frames answered: median ", frames.len())),
+        "{}",
+        answer.stderr
+    );
+    assert!(answer.success() == from_file, "the lines differ");
+    let without = call(
+        vec!["classify".into(), model().into(), "-".into()],
+        &line(false, &frames[0]),
+    );
+    assert_eq!(lines(&without.success())[0]["error"]["field"], "patch_pose_world");
+    // After a reset the same frames are answered alike.
+    let first: String = frames.iter().take(50).map(|frame| line(true, frame)).collect();
+    let twice = format!("{first}{{\"reset\":true}}\n{first}");
+    let twice = call(vec!["classify".into(), model().into(), "-".into()], &twice).success();
+    let twice: Vec<&str> = twice.lines().collect();
+    assert_eq!(twice[..50], twice[51..]);
+}
+
+/// Pins that each option of the decision changes the verdicts as it says.
+#[test]
+fn the_decision_can_be_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = recording(folder.path());
+    let verdicts = |options: &[&str]| -> Vec<String> {
+        let mut arguments = vec!["classify".into(), model().into(), recording.clone().into()];
+        arguments.extend(options.iter().map(Into::into));
+        let answers = lines(&call(arguments, "").success());
+        let taxels = answers
+            .iter()
+            .flat_map(|answer| answer["taxels"].as_array().unwrap().clone());
+        taxels
+            .map(|taxel| taxel["verdict"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    let never_nothing = ["--nothing-above", "1"];
+    let all_are = |options: &[&str], name: &str| {
+        let found = verdicts(&[&never_nothing[..], options].concat());
+        assert!(
+            !found.is_empty() && found.iter().all(|own| own == name),
+            "{options:?}: {found:?}"
+        );
+    };
+    all_are(&["--unknown-share", "1"], "unknown");
+    all_are(&["--unknown-share", "0", "--cost-of-uncertain", "0"], "uncertain");
+    let sure = verdicts(
+        &[
+            &never_nothing[..],
+            &["--unknown-share", "0", "--cost-of-uncertain", "1"],
+        ]
+        .concat(),
+    );
+    assert!(sure.iter().all(|own| own == "leaf" || own == "trunk"), "{sure:?}");
+    // Probabilities are above 0.
+    let nothing = verdicts(&["--nothing-above", "0"]);
+    assert!(nothing.iter().all(|own| own == "nothing"), "{nothing:?}");
+}

@@ -1,0 +1,117 @@
+//! `evaluate` with the classifier `touch`.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use underbrush_recording::disk::read_recording;
+
+use super::{lines, model, recording, touched};
+use crate::support::fixture::fixture;
+use crate::support::{call, underbrush};
+
+/// Pins that the evaluation with a stored model counts what `classify` says, by ground truth that is read
+/// independently.
+#[test]
+fn the_evaluation_counts_the_verdicts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recording(folder.path());
+    let answers = lines(&underbrush!["classify", model(), path].success());
+    let recording = read_recording(&path).unwrap();
+    let mut counts: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
+    for (frame, answer) in recording.frames.iter().zip(&answers) {
+        for taxel in answer["taxels"].as_array().unwrap() {
+            let own = frame
+                .taxels
+                .iter()
+                .find(|own| own.patch == 0 && taxel["taxel"] == own.taxel)
+                .unwrap();
+            let object = own.object.filter(|_| own.true_normal_force_n > 0.0);
+            let truth = object.map_or("nothing", |object| {
+                recording.objects[usize::from(object)].category.name()
+            });
+            let count = counts.entry(truth).or_default();
+            count[0] += 1.0;
+            count[1] += f64::from(u8::from(taxel["verdict"] == truth));
+        }
+    }
+    let found = underbrush!["evaluate", path, "--model", model(), "--json"].json();
+    assert_eq!(found["reaches"], 1);
+    let truths = found["truths"].as_array().unwrap();
+    let names: Vec<&str> = truths.iter().map(|own| own["truth"].as_str().unwrap()).collect();
+    assert_eq!(names, ["nothing", "leaf", "trunk", "anything else"]);
+    assert!(counts.contains_key("trunk"), "{counts:?}");
+    for own in truths {
+        let [all, right] = counts.get(own["truth"].as_str().unwrap()).copied().unwrap_or_default();
+        assert_eq!(own["taxel_frames"].as_f64(), Some(all));
+        match own["right"].as_f64() {
+            Some(share) => assert!((share - right / all).abs() < 1e-12, "{own}"),
+            None => assert_eq!(all, 0.0),
+        }
+    }
+}
+
+/// Pins that cross-validation judges every reach once, whatever the number of threads, prints all figures as text, and
+/// fits elsewhere with --train.
+#[test]
+fn reaches_are_cross_validated() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut inputs = Vec::new();
+    for (name, scene) in [("leaf", fixture().leaf_scene()), ("trunk", fixture().trunk_scene())] {
+        let mut first = 0;
+        for number in 0..2 {
+            let path = folder.path().join(format!("{name}{number}.parquet"));
+            first = touched(&scene, first, &path) + 1;
+            inputs.push(path);
+        }
+    }
+    let evaluate = |options: &[&str]| {
+        let mut arguments = vec!["evaluate".into()];
+        arguments.extend(inputs.iter().map(Into::into));
+        arguments.extend(options.iter().map(Into::into));
+        call(arguments, "")
+    };
+    let by_touch = ["--classifier", "touch"];
+    let cross_validate = |options: &[&str]| evaluate(&[&by_touch[..], options].concat());
+    let one = cross_validate(&["--json", "--jobs", "1"]).success();
+    assert_eq!(one, cross_validate(&["--json", "--jobs", "2"]).success());
+    let cross: Value = serde_json::from_str(&one).unwrap();
+    let model = model().display().to_string();
+    let stored = evaluate(&["--model", &model, "--json"]).json();
+    let frames = |found: &Value| -> Vec<Value> {
+        let truths = found["truths"].as_array().unwrap().iter();
+        truths.map(|own| own["taxel_frames"].clone()).collect()
+    };
+    assert_eq!(frames(&cross), frames(&stored));
+    assert_eq!(
+        (&cross["folds"], cross["decisions"].as_array().unwrap().len()),
+        (&json!(2), 2)
+    );
+    assert_eq!(cross["contacts_at_end"]["trials"], stored["contacts_at_end"]["trials"]);
+    assert!(stored["folds"].is_null() && cross["outliers"].is_null());
+    for key in [
+        "expected_calibration_error",
+        "brier_score",
+        "spurious_called_nothing",
+        "touches_lost",
+    ] {
+        let share = cross[key].as_f64().unwrap();
+        assert!((0.0..=2.0).contains(&share), "{key}: {share}");
+    }
+    let set = fixture().dataset().display().to_string();
+    let elsewhere = cross_validate(&["--train", &set, "--json"]).json();
+    assert_eq!(elsewhere, stored, "the stored model was fitted to that set");
+    let text = cross_validate(&[]).success();
+    for part in [
+        "called unknown %",
+        "balanced accuracy %",
+        "majority baseline %",
+        "first 0.1 s (10 samples)",
+        "contacts with a right verdict by then",
+        "Spurious readings called nothing",
+        "Expected calibration error",
+        "Nothing of an unknown category",
+        "4 reaches in 2 folds",
+    ] {
+        assert!(text.contains(part), "no {part:?} in:\n{text}");
+    }
+}
