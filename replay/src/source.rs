@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
+use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
 use underbrush_recording::{GoalOutcomes, InputError, Outcome, Recording, SkinLayout};
 
 use crate::pack::pack;
@@ -85,7 +85,7 @@ impl Source {
             judging,
         };
         for path in paths {
-            if path.is_dir() {
+            if is_folder(path)? {
                 source.add_dataset(path)?;
             } else if path
                 .extension()

@@ -16,6 +16,11 @@ pub fn is_there(path: &Path) -> Result<bool, DiskError> {
     Ok(metadata(path)?.is_some())
 }
 
+/// Whether there is a folder at a path. Errors as of [`is_there`].
+pub fn is_folder(path: &Path) -> Result<bool, DiskError> {
+    Ok(metadata(path)?.is_some_and(|found| found.is_dir()))
+}
+
 /// What the operating system knows about a path; `None` if there is nothing. Errors as of [`is_there`].
 pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>, DiskError> {
     match fs::metadata(path) {
