@@ -98,11 +98,13 @@ def shown(path, place):
     return re.sub(r"[^/]*underbrush-unfinished[^/]*", "(temporary file)", os.path.relpath(path, place))
 
 
-def said_wrong(status, errors, paths):
-    """What is wrong with the error of a run that failed because of one of these files."""
+def said_wrong(status, errors, paths, out):
+    """What is wrong with the error of a run that failed because of one of these files, or of `out` under its temporary name."""
     if status != 1 and not any(path.startswith(SCENES) or path.endswith("model.json") for path in paths):
         yield f"exit status {status}: {errors.strip()[:300]}"
     names = {os.path.basename(path) for path in paths} | {os.path.basename(os.path.dirname(path)) for path in paths}
+    if any("underbrush-unfinished" in path for path in paths):
+        names.add(out)
     if not any(name in errors for name in names):
         yield f"names none of {' '.join(sorted(names))}: {errors.strip()[:300]}"
     if os.strerror(errno.EIO) not in errors:
@@ -137,7 +139,7 @@ def try_all(reader, underbrush, library, complaints):
             if status == 0:
                 ignored.update(shown(path, place) for path in paths)
             elif any(map(reader.counts, paths)):
-                complaints.add(where, said_wrong(status, errors, paths))
+                complaints.add(where, said_wrong(status, errors, paths, job.out))
             outcomes[judged(where, status, errors)] += 1
         does_not_matter = ", ".join(f"{count} {path}" for path, count in sorted(ignored.items()))
         print(f"| {job.name} | {call} | {len(numbers)} | {summary(outcomes)} | {does_not_matter} |", flush=True)
