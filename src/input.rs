@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use underbrush_experiments::contact_trials;
-use underbrush_recording::disk::{Dataset, is_recording, read_recording, read_trials};
+use underbrush_recording::disk::{Dataset, is_folder, is_recording, is_there, read_recording, read_trials};
 use underbrush_recording::{Category, InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
 
@@ -47,7 +47,7 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
 /// An error if there is no file or folder at `path`; otherwise its name would be taken for the wrong kind of file.
 /// `allowed` is what the command accepts.
 pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
-    if path.exists() {
+    if is_there(path)? {
         return Ok(());
     }
     Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into())
@@ -57,7 +57,7 @@ pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     check_exists(path, "a data set (folder), recording or table of trials")?;
     let about = |failure: Failure| failure.about(path);
-    if path.is_dir() {
+    if is_folder(path)? {
         let dataset = Dataset::open(path)?;
         let found = contact_trials::of_dataset(&dataset, arguments.unit()?, &arguments.options(), &Shown);
         found.map_err(|error| about(error.into()))

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
-use underbrush_recording::disk::{Dataset, is_recording, read_recording};
+use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording};
 use underbrush_recording::{InputError, Recording};
 
 use crate::failure::Failure;
@@ -30,7 +30,7 @@ impl Reaches {
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
         let source = |path: &PathBuf| {
             input::check_exists(path, ALLOWED)?;
-            let source = if path.is_dir() {
+            let source = if is_folder(path)? {
                 Source::Dataset(Box::new(Dataset::open(path)?))
             } else if is_recording(path) {
                 Source::Recording

@@ -4,20 +4,25 @@
     python3 tests/faults.py [--underbrush target/release/underbrush] [--every N] [--only COMMAND]
 
 For each n, strace lets the n-th call of `openat` (for writing), `write`, `fsync`, `renameat`, `mkdir`, … fail with ENOSPC and with EIO, and
-kills the program there. Afterwards one of these must hold, or the script prints what does not and ends with exit status 1:
+kills the program there. The n-th `write` is also cut short (cut_short.c): half of its bytes are written, and afterwards everything is as
+usual, or the disk is full, or fails, or the program is killed. Afterwards one of these must hold, or the script prints what does not
+and ends with exit status 1:
 
 * whole: what the command writes is there, with the bytes of a run without faults (beside a set, the empty file incomplete/lock may
   be left, which readers ignore and the next run removes);
 * unfinished: `inspect` refuses the set as unfinished, or there is no set yet (of an export: no file, or only whole ones).
 
 In both cases the same command without a fault (for sets, with --resume) must lead to the same bytes, without leftovers. A
-program that was not killed must not report success unless the set is whole, and must name what failed, without a panic.
+program that was not killed must not report success unless the set is whole, and must name what failed, without a panic. A write that
+is cut short and followed by no fault must change nothing.
 
-Needs Linux, strace and no packages; TMPDIR=/dev/shm makes it quicker. `--every N` tries only every N-th of the writes; all other calls are always tried.
+read_faults.py does the same with the calls that read. Needs Linux, strace, a C compiler and no packages; TMPDIR=/dev/shm makes it quicker.
+`--every N` tries only every N-th of the writes; all other calls are always tried.
 """
 
 import argparse
 import collections
+import errno
 import hashlib
 import os
 import re
@@ -34,6 +39,8 @@ CALLS += ["mkdir", "mkdirat", "unlink", "unlinkat", "rmdir", "linkat", "copy_fil
 # Without --seccomp-bpf, with which strace 6.1 does not deliver signals.
 STRACE = ["strace", "-f"]
 FAULTS = {"ENOSPC": "error=ENOSPC", "EIO": "error=EIO", "kill": "signal=KILL"}
+# What comes after a call that was cut short.
+AFTER_CUT = {"ENOSPC": str(errno.ENOSPC), "EIO": str(errno.EIO), "kill": "kill", "nothing": "nothing"}
 # Of what a set says while it is unfinished, or before there is one.
 UNFINISHED = ["unfinished", "no such file or folder", "no meta/info.json"]
 SECONDS = 120
@@ -55,10 +62,24 @@ def contents(path, without=None):
     return digest.hexdigest()
 
 
-def run(command, folder):
-    """Runs a command; returns exit status (negative for signals) and standard error."""
-    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=SECONDS, check=False)
+def run(command, folder, **variables):
+    """Runs a command with more environment variables; returns exit status (negative for signals) and standard error."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    done = subprocess.run(command, cwd=folder, timeout=SECONDS, check=False, env=os.environ | variables, **pipes)
     return done.returncode, done.stderr.decode(errors="replace")
+
+
+def compiled(folder):
+    """The library that cuts calls short, made in a folder."""
+    library = os.path.join(folder, "cut_short.so")
+    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cut_short.c")
+    subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", library, source], check=True)
+    return library
+
+
+def cut(library, call, number, then):
+    """The environment variables that let the library cut a call short."""
+    return {"LD_PRELOAD": library, "CUT_CALL": call, "CUT_NUMBER": str(number), "CUT_THEN": then}
 
 
 class Job:
@@ -67,6 +88,7 @@ class Job:
     def __init__(self, name, command, out, prepare=None, again=None, is_set=True):
         self.name, self.command, self.out, self.is_set = name, command, out, is_set
         self.parts = set()
+        self.writes = 0
         self.prepare = prepare or (lambda folder: None)
         self.again = again or command
 
@@ -80,7 +102,8 @@ class Job:
         shutil.copytree(start, folder)
 
     def points(self, folder):
-        """The calls that change files: {call: sorted numbers}, counted from 1 in each thread, as strace counts."""
+        """The calls that change files: {call: sorted numbers}, counted from 1 in each thread, as strace counts. The number of
+        writes of all threads is stored as `writes`."""
         self.fresh(folder)
         log = os.path.join(folder, "..", "trace")
         status, errors = run([*STRACE, "-o", log, "-e", f"trace={','.join(CALLS)}", *self.command], folder)
@@ -96,6 +119,7 @@ class Job:
                     call = found.group(2)
                     if call != "openat" or re.search("O_WRONLY|O_RDWR|O_CREAT", line):
                         points[call].add(counts[found.groups()])
+        self.writes = sum(count for (_, call), count in counts.items() if call == "write")
         return {call: sorted(numbers) for call, numbers in points.items()}
 
     def whole(self, folder, without=None):
@@ -170,6 +194,61 @@ def jobs(underbrush, folder):
     ]
 
 
+class Complaints:
+    """Prints what is wrong, and counts it."""
+
+    def __init__(self):
+        self.count = 0
+
+    def add(self, where, wrong):
+        for complaint in wrong:
+            self.count += 1
+            print(f"{where}: {complaint}", file=sys.stderr, flush=True)
+
+
+def summary(outcomes):
+    """A cell of the table."""
+    return ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items()))
+
+
+def try_all(job, underbrush, place, library, every, complaints):
+    """Lets each call of a command fail in each way, and prints a row for each kind of call."""
+    points = job.points(place)
+    expected = job.whole(place)
+    out = os.path.join(place, job.out)
+    files = [os.path.join(out, name) for name in os.listdir(out)] if os.path.isdir(out) else [out]
+    job.parts = {contents(file) for file in files}
+
+    def row(call, name, tried, faults):
+        """Prints a row. `faults` has the way to run the command for each fault, with the number of the call."""
+        cells = []
+        for fault, faulty in faults.items():
+            outcomes = collections.Counter()
+            for number in tried:
+                job.fresh(place)
+                status, errors = faulty(number)
+                outcome, wrong = judge(job, call, place, underbrush, expected, status, errors)
+                outcomes[outcome] += 1
+                if fault == "nothing" and outcome != "success, whole":
+                    wrong.append(f"{outcome} without an error: {errors.strip()[:300]}")
+                complaints.add(f"{job.name}, {fault} at {name} {number}", wrong)
+            cells.append(summary(outcomes))
+        print(f"| {job.name} | {name} | {len(tried)} | " + " | ".join(cells + [""] * (len(AFTER_CUT) - len(cells))) + " |", flush=True)
+
+    def failing(call, injected):
+        trace = [*STRACE, "-o", "/dev/null", "-e", f"trace={call}"]
+        return lambda number: run([*trace, "-e", f"inject={call}:{injected}:when={number}", *job.command], place)
+
+    def cutting(then):
+        return lambda number: run(job.command, place, **cut(library, "write", number, then))
+
+    for call, numbers in points.items():
+        tried = numbers[:: every if call == "write" else 1]
+        row(call, call, tried, {fault: failing(call, injected) for fault, injected in FAULTS.items()})
+    tried = range(1, job.writes + 1, every)
+    row("write", "write, cut short", tried, {fault: cutting(then) for fault, then in AFTER_CUT.items()})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--underbrush", default=os.path.join(ROOT, "target/release/underbrush"))
@@ -177,36 +256,15 @@ def main():
     parser.add_argument("--only", help="part of a command's name")
     options = parser.parse_args()
     underbrush = os.path.abspath(options.underbrush)
-    complaints = 0
-    print("| command | call | tried | " + " | ".join(FAULTS) + " |\n|---|---|---|" + "---|" * len(FAULTS))
+    complaints = Complaints()
+    print("| command | call | tried | " + " | ".join(AFTER_CUT) + " |\n|---|---|---|" + "---|" * len(AFTER_CUT))
     with tempfile.TemporaryDirectory() as folder:
+        library = compiled(folder)
         for job in jobs(underbrush, folder):
-            if options.only and options.only not in job.name:
-                continue
-            place = os.path.join(folder, "place")
-            points = job.points(place)
-            expected = job.whole(place)
-            out = os.path.join(place, job.out)
-            files = [os.path.join(out, name) for name in os.listdir(out)] if os.path.isdir(out) else [out]
-            job.parts = {contents(file) for file in files}
-            for call, numbers in points.items():
-                tried = numbers[:: options.every if call == "write" else 1]
-                cells = []
-                for fault, injected in FAULTS.items():
-                    outcomes = collections.Counter()
-                    for number in tried:
-                        job.fresh(place)
-                        inject = ["-e", f"trace={call}", "-e", f"inject={call}:{injected}:when={number}"]
-                        status, errors = run([*STRACE, "-o", "/dev/null", *inject, *job.command], place)
-                        outcome, wrong = judge(job, call, place, underbrush, expected, status, errors)
-                        outcomes[outcome] += 1
-                        for complaint in wrong:
-                            complaints += 1
-                            print(f"{job.name}, {fault} at {call} {number}: {complaint}", file=sys.stderr, flush=True)
-                    cells.append(", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items())))
-                print(f"| {job.name} | {call} | {len(tried)} | " + " | ".join(cells) + " |", flush=True)
-    print(f"{complaints} findings")
-    sys.exit(1 if complaints else 0)
+            if not options.only or options.only in job.name:
+                try_all(job, underbrush, os.path.join(folder, "place"), library, options.every, complaints)
+    print(f"{complaints.count} findings")
+    sys.exit(1 if complaints.count else 0)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{Dataset, FileText, is_recording, read_recording, read_trials};
+use underbrush_recording::disk::{Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials};
 use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
@@ -22,7 +22,7 @@ use crate::error::ExperimentError;
 /// # Errors
 /// If there is nothing at the path, it is of no known kind, or it breaks a rule of its kind.
 pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
-    if !path.exists() {
+    if !is_there(path)? {
         let allowed = "a scene, data set (folder), recording, model or table of trials";
         return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
     }
@@ -31,7 +31,7 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
         .and_then(|extension| extension.to_str())
         .unwrap_or_default();
     match extension {
-        _ if path.is_dir() => dataset(path),
+        _ if is_folder(path)? => dataset(path),
         "toml" => scene(path, seed),
         "json" => model(path),
         "parquet" if is_recording(path) => recording(path),

@@ -35,33 +35,36 @@ fn generate(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
-    let listed = match scenes.cast::<PyList>() {
-        Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
-        Err(_) => vec![scene(scenes)?],
-    };
-    let mut names: Vec<&str> = listed.iter().map(|scene| scene.name.as_str()).collect();
-    names.sort_unstable();
-    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        let found = format!("two scenes called {}", pair[0]);
-        return Err(Failure::argument(
-            "scenes",
-            found,
-            "scenes with names of their own",
-            "rename one of them",
-        ));
-    }
     let stop = Arc::new(Stop::default());
-    let (kind, own) = controller::chosen(controller, &stop)?;
-    let campaign = Campaign {
-        scenes: listed.into_iter().map(|scene| (scene, reaches)).collect(),
-        arms: BTreeMap::new(),
-        seed,
-        controller: kind,
-        own_controller: own,
-        verdicts: verdicts.as_deref().map(VerdictControl::load).transpose()?,
-        shard: self::shard(shard)?,
-    };
+    let mut campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
+    campaign.shard = self::shard(shard)?;
     write(py, &campaign, &out, resume, &stop, progress, jobs)
+}
+
+/// Simulate one part of a campaign into a folder that all parts share.
+#[pyfunction]
+#[pyo3(signature = (scenes, reaches, out, shard, *, seed = 0, controller = None, verdicts = None, progress = None, jobs = None))]
+#[allow(clippy::too_many_arguments, reason = "options by name")]
+fn generate_shared(
+    py: Python<'_>,
+    scenes: &Bound<'_, PyAny>,
+    reaches: u64,
+    out: PathBuf,
+    shard: (u64, u64),
+    seed: u64,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    progress: Option<Py<PyAny>>,
+    jobs: Option<usize>,
+) -> Result<Option<PyDataset>, Failure> {
+    let part = self::part(shard)?;
+    let stop = Arc::new(Stop::default());
+    let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
+    let reported = Reported::new(&stop, progress);
+    let run = || Ok(campaign.write_shared(&out, part, &reported)?);
+    let written = watched(py, jobs, &stop, |py| reported.show(py), run)?;
+    reported.show(py)?;
+    Ok(written.map(finished))
 }
 
 /// Make a data set again from what it stores.
@@ -82,19 +85,64 @@ fn generate_again(
     write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)
 }
 
-/// Part I of N, counted from 1.
+/// The whole campaign that the arguments describe.
+fn described(
+    scenes: &Bound<'_, PyAny>,
+    reaches: u64,
+    seed: u64,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+    stop: &Arc<Stop>,
+) -> Result<Campaign, Failure> {
+    let listed = match scenes.cast::<PyList>() {
+        Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
+        Err(_) => vec![scene(scenes)?],
+    };
+    let mut names: Vec<&str> = listed.iter().map(|scene| scene.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        let found = format!("two scenes called {}", pair[0]);
+        return Err(Failure::argument(
+            "scenes",
+            found,
+            "scenes with names of their own",
+            "rename one of them",
+        ));
+    }
+    let (kind, own) = controller::chosen(controller, stop)?;
+    Ok(Campaign {
+        scenes: listed.into_iter().map(|scene| (scene, reaches)).collect(),
+        arms: BTreeMap::new(),
+        seed,
+        controller: kind,
+        own_controller: own,
+        verdicts: verdicts.as_deref().map(VerdictControl::load).transpose()?,
+        shard: None,
+    })
+}
+
+/// Part I of N, counted from 1, if there is one.
 pub fn shard(shard: Option<(u64, u64)>) -> Result<Option<Shard>, Failure> {
-    match shard {
-        None => Ok(None),
-        Some((number, count)) if (1..=count).contains(&number) => Ok(Some(Shard {
+    shard.map(part).transpose()
+}
+
+/// Part I of N, counted from 1.
+fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
+    if (1..=count).contains(&number) {
+        return Ok(Shard {
             index: number - 1,
             count,
-        })),
-        Some((number, count)) => {
-            let found = format!("({number}, {count})");
-            let allowed = "(I, N) with 1 <= I <= N";
-            Err(Failure::argument("shard", found, allowed, "count shards from 1"))
-        }
+        });
+    }
+    let found = format!("({number}, {count})");
+    let allowed = "(I, N) with 1 <= I <= N";
+    Err(Failure::argument("shard", found, allowed, "count shards from 1"))
+}
+
+/// The set, whether it is new or not.
+fn finished(written: Written) -> PyDataset {
+    match written {
+        Written::New(dataset) | Written::Before(dataset) => PyDataset::new(dataset),
     }
 }
 
@@ -112,13 +160,12 @@ pub fn write(
     let run = || Ok(campaign.write(out, resume, &reported)?);
     let written = watched(py, jobs, stop, |py| reported.show(py), run)?;
     reported.show(py)?;
-    match written {
-        Written::New(dataset) | Written::Before(dataset) => Ok(PyDataset::new(dataset)),
-    }
+    Ok(finished(written))
 }
 
 /// Adds the functions of this file.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(generate, module)?)?;
+    module.add_function(wrap_pyfunction!(generate_shared, module)?)?;
     module.add_function(wrap_pyfunction!(generate_again, module)?)
 }

@@ -97,6 +97,31 @@ def test_a_failing_controller_leaves_the_set_sound(tmp_path: Path) -> None:
     done.verify()
 
 
+def test_parts_share_a_folder(tmp_path: Path) -> None:
+    """Pins that parts in one folder make the set of one call, byte for byte: the part that ends last returns it, the other nothing.
+    A part that is run again finds the set, and parts of other campaigns and bad parts are refused."""
+    whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
+    seen: list[tuple[int, int]] = []
+
+    def part(number: int, seed: int = 3) -> ub.Dataset | None:
+        return ub.generate_shared(
+            quick("leaf"), 2, tmp_path / "set", (number, 2), seed=seed, progress=lambda done, total, _: seen.append((done, total))
+        )
+
+    assert part(2) is None
+    assert seen[-1] == (1, 1)
+    with pytest.raises(ub.InputError, match="unfinished"):
+        ub.Dataset(tmp_path / "set")
+    with pytest.raises(ub.InputError, match="seed"):
+        part(1, seed=4)
+    with pytest.raises(ub.InputError, match="I <= N"):
+        part(3)
+    made = part(1)
+    assert made is not None and contents(made.path) == contents(whole.path)
+    again = part(2)
+    assert again is not None and again.path == made.path
+
+
 def test_shards_make_the_whole(tmp_path: Path) -> None:
     """Pins that two shards hold the reaches of the whole set, merge into it byte for byte, and that bad shards are refused."""
     whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)

@@ -41,7 +41,7 @@ from ._core import (
 from ._benchmark import benchmark
 from ._data import FrameDataset, TrialDataset
 from ._errors import InputError, RunError, StorageError
-from ._generate import generate, generate_again
+from ._generate import generate, generate_again, generate_shared
 from ._replay import Page, replay
 from ._study import check, reproduce
 from ._train import fit
@@ -79,6 +79,7 @@ __all__ = [
     "fit",
     "generate",
     "generate_again",
+    "generate_shared",
     "inspect",
     "merge",
     "online",

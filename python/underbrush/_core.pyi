@@ -44,6 +44,7 @@ __all__ = [
     "fit",
     "generate",
     "generate_again",
+    "generate_shared",
     "merge",
     "inspect",
     "online",
@@ -338,6 +339,18 @@ def generate(
     progress: Callable[[int, int, str], object] | None = None,
     jobs: int | None = None,
 ) -> Dataset: ...
+def generate_shared(
+    scenes: Sequence[SceneLike] | SceneLike,
+    reaches: int,
+    out: _Path,
+    shard: tuple[int, int],
+    *,
+    seed: int = 0,
+    controller: ControllerLike | None = None,
+    verdicts: _Path | None = None,
+    progress: Callable[[int, int, str], object] | None = None,
+    jobs: int | None = None,
+) -> Dataset | None: ...
 def merge(parts: Sequence[_Path], out: _Path, *, resume: bool = False) -> Dataset: ...
 def generate_again(
     dataset: _Path,

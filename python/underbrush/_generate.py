@@ -79,6 +79,58 @@ def generate(
         )
 
 
+def generate_shared(
+    scenes: SceneLike | Sequence[SceneLike],
+    reaches: int,
+    out: str | os.PathLike[str],
+    shard: tuple[int, int],
+    *,
+    seed: int = 0,
+    controller: ControllerLike | None = None,
+    verdicts: str | os.PathLike[str] | None = None,
+    progress: Progress | bool = True,
+    jobs: int | None = None,
+) -> _core.Dataset | None:
+    """Simulate part I of N of a data set into a folder that all parts share, as ``underbrush generate --shared`` does.
+
+    All parts have the same arguments but ``shard``. They may run at the same time, on machines that share a file system
+    with locks. The part that finishes last makes the set there, byte for byte that of :func:`generate` without ``shard``,
+    and returns it; others return ``None``. A part that was interrupted goes on when it is run again. Other parameters
+    are those of :func:`generate`.
+
+    Parameters
+    ----------
+    out : path
+        The folder of the set, the same for all parts.
+    shard : (int, int)
+        The part I of N, counted from 1.
+
+    Returns
+    -------
+    Dataset or None
+        The set, if no other part is at work and all reaches are there.
+
+    Raises
+    ------
+    InputError
+        If a scene or an option is bad, or if the folder holds parts of another campaign.
+    """
+    if isinstance(scenes, (_core.Scene, str, os.PathLike)):
+        scenes = [scenes]
+    with Bar("reaches").shown(progress) as shown:
+        return _core.generate_shared(
+            list(scenes),
+            reaches,
+            Path(out),
+            shard,
+            seed=seed,
+            controller=controller,
+            verdicts=None if verdicts is None else Path(verdicts),
+            progress=shown,
+            jobs=jobs,
+        )
+
+
 def generate_again(
     dataset: str | os.PathLike[str],
     out: str | os.PathLike[str],

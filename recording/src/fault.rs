@@ -30,9 +30,11 @@ impl From<crate::disk::DiskError> for Fault {
         use crate::disk::DiskError;
         match error {
             DiskError::Input(input) => input.into(),
-            // Here the run failed. All other errors mean a bad folder or file.
-            DiskError::Io { .. } | DiskError::Unwritable { .. } => Fault::Storage(error.to_string()),
-            DiskError::Encode { .. } => Fault::Run(error.to_string()),
+            // Here the run failed. All other errors mean a bad folder or file. What Parquet cannot write is almost always a
+            // disk that is full or fails, which its errors do not always tell apart.
+            DiskError::Io { .. } | DiskError::Unwritable { .. } | DiskError::Encode { .. } => {
+                Fault::Storage(error.to_string())
+            }
             other => Fault::Usage(other.to_string()),
         }
     }

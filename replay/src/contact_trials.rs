@@ -34,9 +34,12 @@ pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut 
             firsts.push(frame as u32);
             objects.push(contact.object.map_or(-1, |object| object as i16));
             for sample in &samples[known..] {
-                motions.push(sample.motion_m.unwrap_or(f64::NAN));
-                regions.push(sample.region.map_or(0, |region| region.taxels as u16));
-                region_sums.push(sample.region.map_or(f64::NAN, |region| region.force_sum_n));
+                // Without joints, as in a table of trials, nobody knows how the skin moved and what are neighbours.
+                let has_arm = !recording.joint_names.is_empty();
+                let region = sample.region.filter(|_| has_arm);
+                motions.push(sample.motion_m.filter(|_| has_arm).unwrap_or(f64::NAN));
+                regions.push(region.map_or(0, |region| region.taxels as u16));
+                region_sums.push(region.map_or(f64::NAN, |region| region.force_sum_n));
             }
             starts.push(motions.len() as u32);
         }

@@ -20,6 +20,7 @@ mod running;
 mod server;
 mod source;
 mod touch_regions;
+mod trial_table;
 mod verdicts;
 
 pub use error::ReplayError;

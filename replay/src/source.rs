@@ -1,14 +1,14 @@
-//! The reaches of data sets and recordings: a list, and one at a time.
+//! The reaches of data sets, recordings and tables of contact trials: a list, and one at a time.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use underbrush_recording::disk::{Dataset, read_recording};
-use underbrush_recording::{GoalOutcomes, Outcome, Recording, SkinLayout};
+use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
+use underbrush_recording::{GoalOutcomes, InputError, Outcome, Recording, SkinLayout};
 
 use crate::pack::pack;
-use crate::{Judging, Known, ReplayError};
+use crate::{Judging, Known, ReplayError, trial_table};
 
 /// One line of the list of reaches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,8 +43,13 @@ pub struct Summary {
 
 /// Where a reach is read from.
 enum Place {
-    Dataset { input: usize, index: usize },
+    Dataset {
+        input: usize,
+        index: usize,
+    },
     File(PathBuf),
+    /// A reach of a table of trials, to be judged as those from files.
+    Table(Box<Recording>),
     Memory(Box<Held>),
 }
 
@@ -66,10 +71,10 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens data sets (folders) and recordings, in this order.
+    /// Opens data sets (folders), recordings and tables of contact trials, in this order.
     ///
     /// # Errors
-    /// [`ReplayError::Disk`] for a path that is neither, and for damaged files; [`ReplayError::Verdicts`] if the model does
+    /// [`ReplayError::Disk`] for a path that is none of these, and for damaged files; [`ReplayError::Verdicts`] if the model does
     /// not fit the skin.
     pub fn open(paths: &[PathBuf], known: Known, judging: Option<Judging>) -> Result<Self, ReplayError> {
         let mut source = Source {
@@ -80,8 +85,13 @@ impl Source {
             judging,
         };
         for path in paths {
-            if path.is_dir() {
+            if is_folder(path)? {
                 source.add_dataset(path)?;
+            } else if path
+                .extension()
+                .is_some_and(|kind| kind == "csv" || kind == "parquet" && !is_recording(path))
+            {
+                source.add_table(path)?;
             } else {
                 source.add_recording(path)?;
             }
@@ -122,6 +132,7 @@ impl Source {
         let recording = match self.places.get(number) {
             Some(Place::Dataset { input, index }) => self.datasets[*input].read_reach(*index)?,
             Some(Place::File(path)) => read_recording(path)?,
+            Some(Place::Table(recording)) => return pack(recording, &self.known, self.judging.as_ref()),
             Some(Place::Memory(held)) => return pack(&held.recording, &self.known, held.judging.as_ref()),
             None => {
                 let count = self.places.len();
@@ -164,6 +175,19 @@ impl Source {
         check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
         self.list(&recording, file_name(path));
         self.places.push(Place::File(path.to_path_buf()));
+        Ok(())
+    }
+
+    fn add_table(&mut self, path: &Path) -> Result<(), ReplayError> {
+        let bad = |error: InputError| ReplayError::Disk(error.into());
+        if let Some(judging) = &self.judging {
+            trial_table::check_model(path, judging).map_err(bad)?;
+        }
+        for recording in trial_table::reaches(path, &read_trials(path)?).map_err(bad)? {
+            check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
+            self.list(&recording, file_name(path));
+            self.places.push(Place::Table(Box::new(recording)));
+        }
         Ok(())
     }
 

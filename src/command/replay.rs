@@ -23,6 +23,7 @@ const EXAMPLES: &str = "\
 Examples:
   underbrush replay my-set --model model.json     Serve the page until Ctrl-C
   underbrush replay before.parquet after.parquet  Two recordings, which the page can show side by side
+  underbrush replay trials.csv --model model.json What a robot felt, as `underbrush import` has written it
   underbrush replay reach.parquet --out reach.html
                                                   One file to send; it opens from disk without a network
 
@@ -32,7 +33,7 @@ The server listens on 127.0.0.1 only, cannot change anything, and gives out noth
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Data sets (folders) and recordings
+    /// Data sets (folders), recordings and tables of contact trials (.csv or .parquet)
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Write the page and the reaches to this file (HTML) instead of serving them
@@ -76,7 +77,7 @@ struct Written {
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     for path in &options.inputs {
-        input::check_exists(path, "a data set (folder) or recording")?;
+        input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
     }
     let judging = judging(&options)?;
     let source = Source::open(&options.inputs, known(), judging)?;

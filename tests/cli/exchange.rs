@@ -36,7 +36,8 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
 }
 
 /// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
-/// labelled by the scene, and that a classifier can be trained on them and classifies them.
+/// labelled by the scene, that a classifier can be trained on them and classifies them, and that each reach is replayed
+/// with its verdicts, but not with those of a model that needs the motion, which was not imported.
 #[test]
 fn trials_through_hdf5_are_those_of_the_data_set() {
     let folder = tempfile::tempdir().unwrap();
@@ -62,6 +63,29 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
     underbrush!["train", table, "--out", model, "--states", "3"].success();
     let classified = underbrush!["classify", model, table, "--json"].success();
     assert!(classified.contains("\"verdict\""), "{classified}");
+
+    let page = folder.path().join("page.html");
+    let written = underbrush!["replay", table, "--model", model, "--out", page, "--json"].json();
+    let reaches: std::collections::BTreeSet<_> = imported_trials.iter().map(|trial| trial.reach).collect();
+    assert_eq!(written["reaches"], reaches.len());
+    let of_motion = folder.path().join("motion.json");
+    let options = ["--features", "force,motion", "--states", "3"];
+    underbrush![
+        "train",
+        fixture().table_csv(),
+        "--out",
+        of_motion,
+        options[0],
+        options[1],
+        options[2],
+        options[3]
+    ]
+    .success();
+    underbrush!["replay", table, "--model", of_motion, "--out", page].refused(&[
+        "trials.csv",
+        "motion.json with the features force+motion",
+        "--features force",
+    ]);
 }
 
 /// Pins that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and

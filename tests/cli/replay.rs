@@ -41,7 +41,7 @@ fn bad_usage_is_refused() {
     let page = folder.path().join("page.html");
     let set = fixture().dataset();
     underbrush!["replay", "no-such-set", "--out", page].refused(&["no-such-set", "check the path"]);
-    underbrush!["replay", fixture().table_csv(), "--out", page].refused(&["Parquet"]);
+    underbrush!["replay", fixture().trunk_scene(), "--out", page].refused(&["Parquet"]);
     underbrush!["replay", set, "--reaches", "17", "--out", page].refused(&["no reach 17", "below 6"]);
     underbrush!["replay", set, "--margin", "3", "--out", page].refused(&["--margin", "--model"]);
     underbrush![

@@ -1,11 +1,33 @@
-//! Opening files that the user named.
+//! Looking for files, and opening those that the user named.
 
-use std::fs::File;
+use std::fs::{self, File, Metadata};
 use std::io::ErrorKind;
 use std::path::Path;
 
 use super::DiskError;
 use crate::InputError;
+
+/// Whether there is a file or folder at a path. Unlike [`Path::exists`], a disk that fails is an error: a part of a set must not
+/// be taken for missing, and made or removed again, because it could not be read once.
+///
+/// # Errors
+/// [`DiskError::Io`] if the operating system cannot tell.
+pub fn is_there(path: &Path) -> Result<bool, DiskError> {
+    Ok(metadata(path)?.is_some())
+}
+
+/// Whether there is a folder at a path. Errors as of [`is_there`].
+pub fn is_folder(path: &Path) -> Result<bool, DiskError> {
+    Ok(metadata(path)?.is_some_and(|found| found.is_dir()))
+}
+
+/// What the operating system knows about a path; `None` if there is nothing. Errors as of [`is_there`].
+pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>, DiskError> {
+    match fs::metadata(path) {
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+        found => found.map(Some).map_err(DiskError::io(path, "read")),
+    }
+}
 
 /// Opens a file that the user named. A missing file or a folder in its place is bad input, not a failure of the disk.
 pub(super) fn open_input(path: &Path) -> Result<File, DiskError> {

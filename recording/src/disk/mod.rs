@@ -19,6 +19,7 @@ mod features;
 mod frames;
 mod input_file;
 mod parquet_file;
+mod parquet_input;
 mod plain_pages;
 mod recording_file;
 mod seal;
@@ -35,6 +36,7 @@ pub use dataset::{
     Provenance, SceneText, Shard, Shards,
 };
 pub use error::DiskError;
+pub use input_file::{is_folder, is_there};
 pub use recording_file::{is_recording, read_recording, recording_table, write_recording};
 pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;

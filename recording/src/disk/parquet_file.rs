@@ -1,7 +1,5 @@
 //! Reading and writing Parquet files.
 
-use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use arrow_array::RecordBatch;
@@ -15,7 +13,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
 use parquet::schema::types::ColumnPath;
 
-use super::input_file::open_input;
+use super::parquet_input::ParquetInput;
 use super::whole_file::{self, TemporaryFile};
 use super::{DiskError, seal};
 use crate::InputError;
@@ -122,55 +120,33 @@ pub(super) fn write_table(
     file.close()
 }
 
-/// The error for a file that is not a complete Parquet file.
-pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
-    InputError::new(
-        path,
-        "Parquet",
-        cause.to_string(),
-        "a complete Parquet file, uncompressed or compressed with zstd or snappy",
-        "copy the file again, or write it again with zstd or snappy",
-    )
-    .into()
-}
-
-/// Runs a step of the Parquet decoder. Some damaged files (with a negative offset in the footer, for example) make it
-/// panic instead of returning an error, and bad input must never end the program.
-pub(super) fn decode<T, E: ToString>(path: &Path, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
-    match catch_unwind(AssertUnwindSafe(step)) {
-        Ok(result) => result.map_err(|error| broken(path, error)),
-        Err(_) => Err(broken(path, "damaged bytes that cannot be decoded")),
-    }
-}
-
 /// Reads the footer of a Parquet file.
-pub(super) fn read_footer(path: &Path, file: &File) -> Result<ArrowReaderMetadata, DiskError> {
-    decode(path, || ArrowReaderMetadata::load(file, ArrowReaderOptions::default()))
+pub(super) fn read_footer(file: &ParquetInput) -> Result<ArrowReaderMetadata, DiskError> {
+    file.decode(|| ArrowReaderMetadata::load(file, ArrowReaderOptions::default()))
 }
+
+/// What a reader of a file is built from.
+pub(super) type Builder = ParquetRecordBatchReaderBuilder<ParquetInput>;
 
 /// Opens a Parquet file for reading.
-pub(super) fn open(
-    path: &Path,
-    options: ArrowReaderOptions,
-) -> Result<ParquetRecordBatchReaderBuilder<File>, DiskError> {
-    let file = open_input(path)?;
-    decode(path, || {
-        ParquetRecordBatchReaderBuilder::try_new_with_options(file, options)
-    })
+pub(super) fn open(path: &Path, options: ArrowReaderOptions) -> Result<(ParquetInput, Builder), DiskError> {
+    let file = ParquetInput::open(path)?;
+    let builder = file.decode(|| Builder::try_new_with_options(file.clone(), options))?;
+    Ok((file, builder))
 }
 
 /// The rows of an open file, batch by batch, up to the first error.
 pub(super) struct Batches {
-    path: PathBuf,
+    file: ParquetInput,
     reader: Option<ParquetRecordBatchReader>,
 }
 
 impl Batches {
     /// Starts to read.
-    pub(super) fn new(path: &Path, builder: ParquetRecordBatchReaderBuilder<File>) -> Result<Self, DiskError> {
-        let reader = decode(path, || builder.with_batch_size(ROWS_PER_BATCH).build())?;
+    pub(super) fn new(file: ParquetInput, builder: Builder) -> Result<Self, DiskError> {
+        let reader = file.decode(|| builder.with_batch_size(ROWS_PER_BATCH).build())?;
         Ok(Batches {
-            path: path.to_path_buf(),
+            file,
             reader: Some(reader),
         })
     }
@@ -181,7 +157,7 @@ impl Iterator for Batches {
 
     fn next(&mut self) -> Option<Self::Item> {
         let mut reader = self.reader.take()?;
-        let batch = decode(&self.path, || reader.next().transpose());
+        let batch = self.file.decode(|| reader.next().transpose());
         if matches!(batch, Ok(Some(_))) {
             self.reader = Some(reader);
         }
@@ -190,11 +166,7 @@ impl Iterator for Batches {
 }
 
 /// The value of a metadata key of a Parquet file.
-pub(super) fn key_value(
-    path: &Path,
-    builder: &ParquetRecordBatchReaderBuilder<File>,
-    key: &'static str,
-) -> Result<String, DiskError> {
+pub(super) fn key_value(path: &Path, builder: &Builder, key: &'static str) -> Result<String, DiskError> {
     let pairs = builder.metadata().file_metadata().key_value_metadata();
     pairs
         .into_iter()

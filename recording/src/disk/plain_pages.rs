@@ -4,8 +4,6 @@
 //! takes several times as long as decompressing the numbers. In the columns that this program writes, every number is there and
 //! every row is equally wide, so the levels can be skipped.
 
-use std::fs::File;
-use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{Encoding, Type};
@@ -15,7 +13,7 @@ use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::serialized_reader::SerializedPageReader;
 
 use super::DiskError;
-use super::parquet_file::decode;
+use super::parquet_input::ParquetInput;
 
 /// Writes the numbers of a column in a row group into `to`, in their order. Returns whether it could: `false` if they are not as
 /// many as `to` has places, or not stored as plain numbers without nulls, so that Arrow's reader has to read them. What `to` then
@@ -24,8 +22,7 @@ use super::parquet_file::decode;
 /// # Errors
 /// [`DiskError::Input`] for damaged files.
 pub(super) fn read<N>(
-    path: &Path,
-    file: File,
+    file: &ParquetInput,
     group: &RowGroupMetaData,
     column: &str,
     convert: impl Fn(f64) -> N,
@@ -41,9 +38,9 @@ pub(super) fn read<N>(
     if chunk.column_type() != Type::DOUBLE {
         return Ok(false);
     }
-    decode(path, || -> Result<bool, ParquetError> {
+    file.decode(|| -> Result<bool, ParquetError> {
         let mut left = to;
-        for page in SerializedPageReader::new(Arc::new(file), chunk, rows, None)? {
+        for page in SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)? {
             let page = page?;
             let Some(numbers) = numbers_of(&page, chunk) else {
                 return Ok(false);

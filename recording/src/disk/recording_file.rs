@@ -115,12 +115,13 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
 pub fn is_recording(path: impl AsRef<Path>) -> bool {
     let path = path.as_ref();
     path.extension().is_some_and(|extension| extension == "parquet")
-        && open(path, ArrowReaderOptions::default()).is_ok_and(|builder| key_value(path, &builder, FORMAT_KEY).is_ok())
+        && open(path, ArrowReaderOptions::default())
+            .is_ok_and(|(_, builder)| key_value(path, &builder, FORMAT_KEY).is_ok())
 }
 
 /// Opens a recording: everything except its frames, and the batches that hold them.
 fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
-    let builder = open(path, ArrowReaderOptions::default())?;
+    let (file, builder) = open(path, ArrowReaderOptions::default())?;
     let format = key_value(path, &builder, FORMAT_KEY)?;
     if format != FORMAT {
         let remedy = "read it with the version of underbrush that wrote it";
@@ -137,7 +138,7 @@ fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
             remedy,
         )
     })?;
-    Ok((header, Batches::new(path, builder)?))
+    Ok((header, Batches::new(file, builder)?))
 }
 
 /// Reads a reach, equal to the one given to [`write_recording`].

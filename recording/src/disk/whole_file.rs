@@ -9,6 +9,7 @@ use serde::Serialize;
 use tempfile::NamedTempFile;
 
 use super::DiskError;
+use super::input_file::is_there;
 use super::unfinished::Registered;
 
 /// Prefix of the names of unfinished files, by which leftovers of a crash are recognized.
@@ -173,6 +174,8 @@ pub(super) fn json_bytes<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>
 
 /// Creates a folder with all its parents and syncs its parent.
 pub(super) fn create_folder(folder: &Path) -> Result<(), DiskError> {
-    fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
+    if !is_there(folder)? {
+        fs::create_dir_all(folder).map_err(DiskError::io(folder, "create"))?;
+    }
     sync_folder(&folder_of(folder))
 }

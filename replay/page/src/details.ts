@@ -34,7 +34,7 @@ export class Details {
     if (parts.length === 0) {
       parts.push(element("p", { class: "key" }, "Click a taxel on the arm or on the map, or an object, to see its contact, trial, features and scores here."));
     }
-    parts.push(...this.#touching(reach, state.frame));
+    if (!reach.isTable) parts.push(...this.#touching(reach, state.frame));
     this.box.replaceChildren(...parts);
   }
 
@@ -66,8 +66,9 @@ export class Details {
     const row = reach.reading(taxel, frame);
     const object = row < 0 ? -1 : reach.readingObject[row]!;
     const shear = row < 0 ? 0 : Math.hypot(reach.shear[2 * row]!, reach.shear[2 * row + 1]!);
-    const rows: Row[] = [
-      ["sensed force", newtons(row < 0 ? 0 : reach.sensed[row]!)],
+    const sensed: Row = ["sensed force", newtons(row < 0 ? 0 : reach.sensed[row]!)];
+    const rows: Row[] = reach.isTable ? [sensed] : [
+      sensed,
       ["true normal force", newtons(row < 0 ? 0 : reach.trueForce[row]!)],
       ["true shear force", newtons(shear)],
       ["pressed by", object < 0 ? "nothing" : `${reach.objectName(object)} (${reach.category(object)})`],
@@ -87,8 +88,8 @@ export class Details {
       ["from, to", element("span", {}, this.#jump(trial.first, seconds(reach.time[trial.first]!)), " – ", this.#jump(trial.last, seconds(reach.time[trial.last]!)))],
       ["truth of the trial", trial.truth],
       ["peak", this.#jump(trial.peakFrame, newtons(trial.peak))],
-      ["contact motion so far", `${(1000 * trials.motion[sample]!).toFixed(1)} mm`],
     ];
+    if (!reach.isTable) rows.push(["contact motion so far", `${(1000 * trials.motion[sample]!).toFixed(1)} mm`]);
     if (trials.regionTaxels[sample]! > 0) {
       rows.push(["contact region", `${plural(trials.regionTaxels[sample]!, "taxel")}, ${newtons(trials.regionForce[sample]!)}`]);
     }

@@ -62,20 +62,24 @@ export class Header {
   }
 
   /** Says what a reach is and how it went. */
-  describe(summary: Summary, { header }: Reach): void {
+  describe(summary: Summary, reach: Reach): void {
+    const { header } = reach;
     const { reached, stuck, timed_out: timedOut, aborted } = header.goal_outcomes;
     const named: [number, string][] = [[stuck, "stuck"], [timedOut, "timed out"], [aborted, "aborted"]];
     const others = named.filter(([count]) => count > 0).map(([count, name]) => `, ${count} ${name}`);
-    say(find("title"), `${header.scene}, seed ${header.seed}, reach ${header.reach_index}`);
+    const seed = reach.isTable ? "" : `seed ${header.seed}, `;
+    say(find("title"), `${header.scene}, ${seed}reach ${header.reach_index}`);
     document.title = `${find("title").textContent} – underbrush replay`;
     const stop = header.safety_stop;
-    const facts = [
+    const model = header.verdicts === null ? "" : `model ${header.verdicts.model} (${header.verdicts.classifier})`;
+    // A table of trials has neither an arm nor goals, and nothing was simulated that could be audited.
+    const facts = reach.isTable ? ["a table of contact trials", `${summary.duration_s.toFixed(1)}\u00a0s`, model] : [
       header.controller,
       summary.running ? "running" : `${reached} of ${reached + stuck + timedOut + aborted} goals reached${others.join("")}`,
       ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)}\u00a0s`, `peak contact force ${summary.peak_force_n.toFixed(2)}\u00a0N`]),
       stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,
       summary.running ? "" : header.audit_warnings.length === 0 ? "audit within bounds" : `audit: ${header.audit_warnings.join("; ")}`,
-      header.verdicts === null ? "" : `model ${header.verdicts.model} (${header.verdicts.classifier})`,
+      model,
     ];
     say(find("facts"), facts.filter((fact) => fact !== "").join(" · "));
   }

@@ -135,13 +135,16 @@ export class Pane {
     const row = reach.reading(taxel, frame);
     const verdict = trials.verdict(taxel, frame);
     const said = verdict === null ? "" : `, verdict ${verdict.name}`;
-    const force = row < 0 ? "no force" : `${newtons(reach.sensed[row]!)} sensed, ${newtons(reach.trueForce[row]!)} true, ${this.#cause(row)}${said}`;
+    const force = row < 0 ? "no force" : `${newtons(reach.sensed[row]!)} sensed, ${this.#cause(row)}${said}`;
     say(this.#under, `${reach.taxelName(taxel)}: ${force}`);
   }
 
+  /** The true force and its object; of a table of trials the category, if it is known. */
   #cause(row: number): string {
     const { reach } = this.loaded!;
     const object = reach.readingObject[row]!;
-    return object < 0 ? "spurious: no object presses" : reach.objectName(object);
+    if (reach.isTable) return object < 0 ? "category unknown" : reach.category(object);
+    const truth = `${newtons(reach.trueForce[row]!)} true, `;
+    return truth + (object < 0 ? "spurious: no object presses" : reach.objectName(object));
   }
 }

@@ -33,6 +33,11 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
     },
     { id: "distance", title: "Distance from the goal", unit: "cm", time, fromZero: true, curves: [{ name: "distance", colour: "accent", values: series.distance }, ...beside((own) => own.distance)] },
   ];
+  // A table of trials has sensed forces only.
+  if (reach.isTable) {
+    plots.length = 1;
+    plots[0]!.curves = plots[0]!.curves.filter(({ name }) => name !== "true");
+  }
   if (taxel === null) return plots;
   const own = (values: Float32Array) => Array.from(time, (_, frame) => {
     const row = reach.reading(taxel, frame);
@@ -40,7 +45,7 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
   });
   plots.push({
     id: "taxel", title: `Force on ${reach.taxelName(taxel)}`, unit: "N", time, fromZero: true,
-    curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, { name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }],
+    curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, ...(reach.isTable ? [] : [{ name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }])],
   });
   if (verdicts !== null && reach.patchOf[taxel] === verdicts.patch) {
     const count = verdicts.scores.length;

@@ -209,11 +209,16 @@ export class Reach {
     return this.header.patches[this.patchOf[taxel]!]!;
   }
 
+  /** Whether this is a table of contact trials: sensed forces without an arm, without places and without true forces. */
+  get isTable(): boolean {
+    return this.header.joint_names.length === 0;
+  }
+
   /** A taxel as a person names it: "forearm row 3, column 12", or "flipper taxel 5" without a grid. */
   taxelName(taxel: number): string {
     const patch = this.patch(taxel);
     const index = taxel - patch.first_taxel;
-    if (patch.grid === null) return `${patch.name} taxel ${index}`;
+    if (patch.grid === null || this.isTable) return `${patch.name} taxel ${index}`;
     return `${patch.name} row ${Math.floor(index / patch.grid.columns)}, column ${index % patch.grid.columns}`;
   }
 

@@ -45,7 +45,7 @@ export class SkinMap {
     const { name, grid, taxels } = reach.header.patches[patch]!;
     const plan = layOut(reach, patch);
     [this.#cells, this.#width, this.#height] = [plan.cells, plan.width, plan.height];
-    const size = grid === null ? `${taxels} taxels, seen on both sides` : `${grid.rows} rows along × ${grid.columns} columns around`;
+    const size = reach.isTable ? "taxels in the order of their numbers" : grid === null ? `${taxels} taxels, seen on both sides` : `${grid.rows} rows along × ${grid.columns} columns around`;
     this.#canvas = element("canvas", {
       tabindex: 0,
       role: "application",

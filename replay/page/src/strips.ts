@@ -116,16 +116,17 @@ export class Strips {
     const runs = new Map<string, { start: number; end: number }>();
     let before = 0;
     for (let x = 0; x < this.#axis.span; x++) {
-      const end = Math.max(before + 1, Math.min(reach.frameAt(this.#axis.time(LEFT + x + 1)) + 1, reach.frames));
+      const end = Math.min(reach.frameAt(this.#axis.time(LEFT + x + 1)) + 1, reach.frames);
       const counts: Counts = new Map();
       let total = 0;
-      for (let frame = before; frame < end; frame++) {
+      // Where a frame is wider than a pixel, it is in several columns.
+      for (let frame = Math.min(before, end - 1); frame < end; frame++) {
         strip.count(frame, (name) => {
           counts.set(name, (counts.get(name) ?? 0) + 1);
           total++;
         });
       }
-      before = Math.min(end, reach.frames - 1);
+      before = end;
       let bottom = top + HEIGHT;
       for (const name of [...counts.keys()].sort(byName)) {
         const height = (HEIGHT * counts.get(name)!) / total;

@@ -6,6 +6,7 @@ mod pack;
 mod server;
 mod single_file;
 mod touch;
+mod trial_table;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_exchange::live::{LineError, LineParser, Lines, Message};
-use underbrush_recording::disk::{Dataset, is_recording, read_recording};
+use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording};
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
@@ -48,7 +48,7 @@ pub(super) fn run(options: &Options, classifier: &dyn Answers) -> Result<(), Fai
             None => Arm::cody()?.skin.layout,
         };
         online.stream(std::io::stdin().lock(), &layout, options.strict)?;
-    } else if options.input.is_dir() {
+    } else if is_folder(&options.input)? {
         let dataset = Dataset::open(&options.input)?;
         for episode in 0..dataset.episodes().len() {
             let recording = dataset.read_reach(episode)?;
@@ -82,7 +82,7 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
         "a data set (folder), a recording, the file of an arm or a skin file",
     )?;
     let extension = path.extension().unwrap_or_default();
-    if path.is_dir() {
+    if is_folder(path)? {
         Ok(Dataset::open(path)?.layout().clone())
     } else if extension == "toml" {
         Ok(arm::load_layout(path)?)

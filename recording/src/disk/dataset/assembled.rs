@@ -81,6 +81,14 @@ fn hashed(bytes: &[u8]) -> Option<&[u8]> {
     (hash == expected.as_bytes()).then_some(json)
 }
 
+/// The bytes of a file, `None` if there is none.
+fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, DiskError> {
+    match fs::read(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        bytes => bytes.map(Some).map_err(DiskError::io(path, "read")),
+    }
+}
+
 /// Where the episodes of a file are, by the file's number from 0.
 fn list_path(dir: &Path, number: usize) -> PathBuf {
     dir.join(format!("{}/episodes-{:06}.json", names::INCOMPLETE, number + 1))
@@ -100,22 +108,31 @@ impl Assembled {
         }
     }
 
-    /// The progress of an interrupted attempt. `None` if there is none or any of its files is damaged; its reaches then
-    /// count as missing.
-    pub(super) fn read(dir: &Path) -> Option<Self> {
-        let bytes = fs::read(dir.join(names::ASSEMBLED)).ok()?;
-        let mut assembled: Assembled = serde_json::from_slice(hashed(&bytes)?).ok()?;
+    /// The progress of an interrupted attempt. `None` if there is none or any of its files is missing or damaged; its
+    /// reaches then count as missing.
+    ///
+    /// # Errors
+    /// [`DiskError::Io`] if a file cannot be read. Its reaches are no longer staged, so they must not count as missing.
+    pub(super) fn read(dir: &Path) -> Result<Option<Self>, DiskError> {
+        let stored = read_if_there(&dir.join(names::ASSEMBLED))?;
+        let state = stored.as_deref().and_then(hashed);
+        let Some(mut assembled) = state.and_then(|json| serde_json::from_slice::<Assembled>(json).ok()) else {
+            return Ok(None);
+        };
         for (number, sum) in assembled.lists.iter().enumerate() {
-            let bytes = fs::read(list_path(dir, number)).ok()?;
-            if FileSum::of_bytes(&bytes) != *sum {
-                return None;
+            let list = read_if_there(&list_path(dir, number))?.filter(|bytes| FileSum::of_bytes(bytes) == *sum);
+            match list.and_then(|bytes| serde_json::from_slice::<Vec<Episode>>(&bytes).ok()) {
+                Some(list) => assembled.episodes.extend(list),
+                None => return Ok(None),
             }
-            let list: Vec<Episode> = serde_json::from_slice(&bytes).ok()?;
-            assembled.episodes.extend(list);
         }
-        let whole = |name| assembled.checksums.check(dir, name).is_ok();
-        let all_whole = assembled.checksums.names().all(whole);
-        all_whole.then_some(assembled)
+        for name in assembled.checksums.names() {
+            match assembled.checksums.check(dir, name) {
+                Err(DiskError::Input(_)) => return Ok(None),
+                checked => checked?,
+            }
+        }
+        Ok(Some(assembled))
     }
 
     /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer

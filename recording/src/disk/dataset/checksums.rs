@@ -10,6 +10,7 @@ use super::info::read_json;
 use super::names;
 use crate::InputError;
 use crate::disk::DiskError;
+use crate::disk::input_file::{is_there, metadata};
 use crate::disk::whole_file::{json_bytes, write_bytes};
 
 /// The remedy for a damaged data set.
@@ -133,7 +134,7 @@ impl Checksums {
             self.check_size(dir, name)?;
         }
         for folder in names::FOLDERS {
-            if !dir.join(folder).exists() {
+            if !is_there(&dir.join(folder))? {
                 continue;
             }
             for name in files_below(dir, folder)? {
@@ -159,10 +160,10 @@ impl Checksums {
 
     fn check_size(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
         let (path, expected) = (dir.join(name), self.expected(dir, name)?);
-        let (found, allowed) = match fs::metadata(&path) {
-            Ok(metadata) if metadata.len() == expected.bytes => return Ok(()),
-            Ok(metadata) => (format!("{} bytes", metadata.len()), format!("{} bytes", expected.bytes)),
-            Err(cause) => (cause.to_string(), "the file that meta/checksums.json lists".into()),
+        let (found, allowed) = match metadata(&path)? {
+            Some(metadata) if metadata.len() == expected.bytes => return Ok(()),
+            Some(metadata) => (format!("{} bytes", metadata.len()), format!("{} bytes", expected.bytes)),
+            None => ("no such file".into(), "the file that meta/checksums.json lists".into()),
         };
         Err(InputError::new(path, "checksum", found, allowed, REMEDY).into())
     }
@@ -192,7 +193,7 @@ impl Checksums {
     /// Whether a file is there with its hash.
     pub(super) fn is_whole(&self, dir: &Path, name: &str) -> Result<bool, DiskError> {
         let path = dir.join(name);
-        Ok(path.is_file() && self.files.get(name) == Some(&FileSum::of_file(&path)?))
+        Ok(is_there(&path)? && self.files.get(name) == Some(&FileSum::of_file(&path)?))
     }
 }
 

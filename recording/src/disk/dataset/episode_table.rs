@@ -117,7 +117,8 @@ fn read_stops(columns: &Columns) -> Result<Vec<Option<NamedStop>>, DiskError> {
 /// Reads the episodes, in order.
 pub(super) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
     let mut episodes = Vec::new();
-    for batch in Batches::new(path, open(path, ArrowReaderOptions::default())?)? {
+    let (file, builder) = open(path, ArrowReaderOptions::default())?;
+    for batch in Batches::new(file, builder)? {
         read_batch(&Columns { path, batch: &batch? }, &mut episodes)?;
     }
     Ok(episodes)

@@ -27,6 +27,7 @@ use super::{names, staged_reach};
 use crate::disk::DiskError;
 use crate::disk::features::{features, schema};
 use crate::disk::frames::{Numbering, frame_columns};
+use crate::disk::input_file::is_there;
 use crate::disk::parquet_file::ROWS_PER_BATCH;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
 use crate::{Category, Recording};
@@ -44,7 +45,7 @@ pub(super) fn assemble_from(
 ) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(&plan.joint_names, &plan.layout);
-    let mut assembled = Assembled::read(dir).unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
+    let mut assembled = Assembled::read(dir)?.unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
     remove_all_but(dir, assembled.checksums.names().collect())?;
     remove_leftovers(&dir.join(names::CARD));
     for position in 0..assembled.episodes.len() {
@@ -112,7 +113,7 @@ pub(super) fn assemble_from(
 /// Removes what an earlier, killed attempt has left, except complete files.
 fn remove_all_but(dir: &Path, whole: BTreeSet<&str>) -> Result<(), DiskError> {
     for folder in names::FOLDERS {
-        if !dir.join(folder).exists() {
+        if !is_there(&dir.join(folder))? {
             continue;
         }
         for name in files_below(dir, folder)? {

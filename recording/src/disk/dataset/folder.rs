@@ -11,6 +11,7 @@ use super::plan::first_difference;
 use super::{Dataset, DatasetPlan, names};
 use crate::InputError;
 use crate::disk::DiskError;
+use crate::disk::input_file::{is_there, metadata};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, sync_folder, write_new_bytes};
 
 /// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts in that very moment.
@@ -26,18 +27,22 @@ pub(super) enum Folder {
 
 /// Looks what a folder holds.
 pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
-    let of_ours = || match [names::PLAN, names::INFO].map(|name| dir.join(name).exists()) {
-        [true, _] => Some(Folder::Begun),
-        [false, true] => Some(Folder::Finished),
-        [false, false] => None,
+    let of_ours = || -> Result<Option<Folder>, DiskError> {
+        // The plan is removed when the rest is there, so it has to be looked for first.
+        let [plan, info] = [names::PLAN, names::INFO].map(|name| is_there(&dir.join(name)));
+        Ok(match (plan?, info?) {
+            (true, _) => Some(Folder::Begun),
+            (false, true) => Some(Folder::Finished),
+            (false, false) => None,
+        })
     };
-    if let Some(folder) = of_ours() {
+    if let Some(folder) = of_ours()? {
         return Ok(folder);
     }
-    if !dir.exists() {
+    let Some(found) = metadata(dir)? else {
         return Ok(Folder::Empty);
-    }
-    if !dir.is_dir() {
+    };
+    if !found.is_dir() {
         let remedy = "choose an empty or a new folder";
         return Err(InputError::new(dir, "folder of the data set", "a file", "a folder", remedy).into());
     }
@@ -52,7 +57,7 @@ pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
         return Ok(Folder::Empty);
     }
     // What was listed may be of another process that has begun the set in the meantime.
-    Ok(of_ours().unwrap_or(Folder::Foreign))
+    Ok(of_ours()?.unwrap_or(Folder::Foreign))
 }
 
 /// Names of the files and folders in a folder.
@@ -68,7 +73,7 @@ pub(super) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
 /// Stores the plan unless there is one, which then must be the same.
 pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
-    if !path.exists() {
+    if !is_there(&path)? {
         write_new_bytes(&path, &json_bytes(&path, plan)?)?;
     }
     require_same(dir, &read_json(&path)?, plan)

@@ -12,7 +12,8 @@ use crate::disk::table::Columns;
 /// Raises the entry of each reach to the largest contact force in this file, N.
 pub(super) fn add_peak_forces(path: &Path, peaks_n: &mut [f64]) -> Result<(), DiskError> {
     let reaches = peaks_n.len();
-    for batch in Batches::new(path, open(path, ArrowReaderOptions::default())?)? {
+    let (file, builder) = open(path, ArrowReaderOptions::default())?;
+    for batch in Batches::new(file, builder)? {
         let batch = batch?;
         let columns = Columns { path, batch: &batch };
         let episodes = columns.numbers::<Int64Type>(EPISODE_COLUMN)?;

@@ -22,6 +22,7 @@ use crate::disk::dictionary::{
     FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
 };
 use crate::disk::frames::append_frames;
+use crate::disk::input_file::{is_there, metadata};
 use crate::{Category, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk. Frames are read reach by reach.
@@ -45,22 +46,22 @@ fn recognize(dir: &Path) -> Result<(), DiskError> {
     let error = |found: &str, remedy: &str| -> DiskError {
         InputError::new(dir, "data set", found, "the folder of a finished data set", remedy).into()
     };
-    if !dir.exists() {
-        return Err(error("no such folder", "check the path, or generate the data set"));
+    match metadata(dir)? {
+        None => return Err(error("no such folder", "check the path, or generate the data set")),
+        Some(found) if !found.is_dir() => return Err(error("a file", "give the folder of a data set")),
+        Some(_) => {}
     }
-    if !dir.is_dir() {
-        return Err(error("a file", "give the folder of a data set"));
-    }
-    let (info, plan) = (dir.join(names::INFO).exists(), dir.join(names::PLAN).exists());
+    let has = |name: &str| is_there(&dir.join(name));
+    let (info, plan) = (has(names::INFO)?, has(names::PLAN)?);
     if plan {
         return Err(DiskError::Unfinished { dir: dir.to_path_buf() });
     }
     // The files that this program adds to LeRobot's layout. One of them may have been lost.
-    let own = [names::PROVENANCE, names::CHECKSUMS, names::TAXELS];
-    let ours = own.iter().any(|name| dir.join(name).exists());
+    let (provenance, checksums) = (has(names::PROVENANCE)?, has(names::CHECKSUMS)?);
+    let ours = provenance || checksums || has(names::TAXELS)?;
     // If others are missing, the list of checksums names them.
-    let needed = [names::PROVENANCE, names::CHECKSUMS];
-    let lost = needed.into_iter().find(|name| !dir.join(name).exists());
+    let needed = [(provenance, names::PROVENANCE), (checksums, names::CHECKSUMS)];
+    let lost = needed.into_iter().find(|(there, _)| !there).map(|(_, name)| name);
     let incomplete = |name: &str| error(&format!("a data set without {name}"), "copy the data set again");
     match (info, ours, lost) {
         (true, true, None) => Ok(()),

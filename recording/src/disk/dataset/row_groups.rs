@@ -2,20 +2,19 @@
 //! group, so that most row groups are skipped.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use arrow_array::RecordBatch;
 use arrow_array::types::Int64Type;
 use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::ArrowReaderMetadata;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
 
 use crate::disk::DiskError;
-use crate::disk::input_file::open_input;
-use crate::disk::parquet_file::{Batches, EPISODE_COLUMN, broken, read_footer};
+use crate::disk::parquet_file::{Batches, Builder, EPISODE_COLUMN, read_footer};
+use crate::disk::parquet_input::{ParquetInput, broken};
 use crate::disk::plain_pages;
 use crate::disk::table::Columns;
 
@@ -101,13 +100,13 @@ fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
 /// reads only these and the column with the episode.
 pub(in crate::disk) fn read_rows(
     path: &Path,
-    file: File,
+    file: ParquetInput,
     footer: ArrowReaderMetadata,
     episode: usize,
     columns: Option<&[&str]>,
 ) -> Result<EpisodeRows, DiskError> {
     let groups = row_groups_of(footer.metadata(), episode);
-    let mut builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
+    let mut builder = Builder::new_with_metadata(file.clone(), footer).with_row_groups(groups);
     if let Some(columns) = columns {
         let fields = builder.schema().fields().iter().enumerate();
         let wanted =
@@ -116,7 +115,7 @@ pub(in crate::disk) fn read_rows(
         builder = builder.with_projection(mask);
     }
     let mut batches = Vec::new();
-    for batch in Batches::new(path, builder)? {
+    for batch in Batches::new(file, builder)? {
         let batch = batch?;
         let episodes = Columns { path, batch: &batch }.numbers::<Int64Type>(EPISODE_COLUMN)?;
         // Rows are sorted by episode.
@@ -135,7 +134,7 @@ pub(in crate::disk) fn read_rows(
 impl Footers {
     /// The rows of an episode in a file, with all columns or only some.
     pub(super) fn rows(&self, path: &Path, episode: usize, columns: Option<&[&str]>) -> Result<EpisodeRows, DiskError> {
-        let file = open_input(path)?;
+        let file = ParquetInput::open(path)?;
         let footer = self.footer(path, &file)?;
         read_rows(path, file, footer, episode, columns)
     }
@@ -150,17 +149,17 @@ impl Footers {
         convert: impl Fn(f64) -> N,
         to: &mut [N],
     ) -> Result<bool, DiskError> {
-        let file = open_input(path)?;
+        let file = ParquetInput::open(path)?;
         let footer = self.footer(path, &file)?;
         match row_groups_of(footer.metadata(), episode)[..] {
             [group] if holds_one_episode(footer.metadata(), group) => {
-                plain_pages::read(path, file, footer.metadata().row_group(group), column, convert, to)
+                plain_pages::read(&file, footer.metadata().row_group(group), column, convert, to)
             }
             _ => Ok(false),
         }
     }
 
-    fn footer(&self, path: &Path, file: &File) -> Result<ArrowReaderMetadata, DiskError> {
+    fn footer(&self, path: &Path, file: &ParquetInput) -> Result<ArrowReaderMetadata, DiskError> {
         let known = self
             .known
             .lock()
@@ -170,7 +169,7 @@ impl Footers {
         match known {
             Some(footer) => Ok(footer),
             None => {
-                let footer = read_footer(path, file)?;
+                let footer = read_footer(file)?;
                 let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
                 if known.len() >= MOST_FOOTERS {
                     known.clear();

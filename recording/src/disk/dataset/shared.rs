@@ -12,6 +12,7 @@ use super::folder::{Folder, look, not_locked, open_lock, remove_incomplete, requ
 use super::writer::check_plan;
 use super::{Dataset, DatasetPlan, DatasetWriter, names};
 use crate::disk::DiskError;
+use crate::disk::input_file::is_there;
 use crate::disk::whole_file::create_folder;
 
 impl DatasetWriter {
@@ -46,7 +47,7 @@ impl DatasetWriter {
             return Err(finished()?);
         }
         settle_plan(&dir, &plan)?;
-        Ok(Self::locked(dir, plan, lock))
+        Self::locked(dir, plan, lock)
     }
 
     /// Ends this process's share: assembles the set if nobody else is at work in the folder and all reaches are staged.
@@ -61,15 +62,16 @@ impl DatasetWriter {
             Err(DiskError::InUse { .. }) => return Ok(None),
             locked => locked?,
         }
-        if !dir.join(names::PLAN).exists() {
+        if !is_there(&dir.join(names::PLAN))? {
             // Another process has finished the set while nobody held the lock.
             return Dataset::open(dir).map(Some);
         }
-        self.whole = dir.join(names::INFO).exists();
+        self.whole = is_there(&dir.join(names::INFO))?;
         // The checksum of a staged reach is written after it. `finish` compares them, which takes longer.
-        let staged = |position| self.staging.path(position).with_extension("json").exists();
-        if !self.to_assemble().all(staged) {
-            return Ok(None);
+        for position in self.to_assemble()? {
+            if !is_there(&self.staging.path(position).with_extension("json"))? {
+                return Ok(None);
+            }
         }
         self.finish().map(Some)
     }

@@ -34,7 +34,7 @@ pub(super) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskE
 /// Reads a recording, equal to the one given to [`write`].
 ///
 /// # Errors
-/// [`DiskError::Input`] for a file that is missing or changed in any bit.
+/// [`DiskError::Io`] for a file that cannot be read; [`DiskError::Input`] for one that is changed in any bit.
 pub(super) fn read(path: &Path) -> Result<Recording, DiskError> {
     let damaged = |cause: io::Error| {
         let remedy = "remove the file, and generate the set with --resume";
@@ -46,7 +46,7 @@ pub(super) fn read(path: &Path) -> Result<Recording, DiskError> {
             remedy,
         )
     };
-    let bytes = fs::read(path).map_err(damaged)?;
+    let bytes = fs::read(path).map_err(DiskError::io(path, "read"))?;
     let recording = decode(&bytes).map_err(damaged)?;
     check_recording(&recording).map_err(|violation| violation.misread(path))?;
     Ok(recording)

@@ -10,7 +10,8 @@ use parquet::arrow::arrow_reader::ArrowReaderOptions;
 use crate::disk::DiskError;
 use crate::disk::check::check_layout;
 use crate::disk::dictionary::TAXELS;
-use crate::disk::parquet_file::{Batches, broken, key_value, open, write_table};
+use crate::disk::parquet_file::{Batches, key_value, open, write_table};
+use crate::disk::parquet_input::broken;
 use crate::disk::table::{Columns, TableBuilder};
 use crate::{Patch, SkinLayout, Taxel};
 
@@ -70,11 +71,11 @@ pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
 
 /// Reads the skin.
 pub(super) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
-    let builder = open(path, ArrowReaderOptions::default())?;
+    let (file, builder) = open(path, ArrowReaderOptions::default())?;
     let patches: Vec<Patch> = serde_json::from_str(&key_value(path, &builder, PATCHES_KEY)?)
         .map_err(|error| broken(path, format!("{PATCHES_KEY}: {error}")))?;
     let mut layout = SkinLayout { patches };
-    for batch in Batches::new(path, builder)? {
+    for batch in Batches::new(file, builder)? {
         let batch = batch?;
         let columns = Columns { path, batch: &batch };
         let patch = columns.text("patch")?;

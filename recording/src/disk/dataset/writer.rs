@@ -14,6 +14,7 @@ use super::{Dataset, DatasetPlan, Shard, names, staged_reach};
 use crate::Recording;
 use crate::disk::DiskError;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
+use crate::disk::input_file::is_there;
 use crate::disk::whole_file::{create_folder, json_bytes, sync_folder, write_bytes};
 
 /// A data set that is being written.
@@ -62,14 +63,14 @@ impl DatasetWriter {
         let lock = open_lock(&dir)?;
         lock.try_lock().map_err(not_locked(&dir))?;
         settle_plan(&dir, &plan)?;
-        Ok(Self::locked(dir, plan, lock))
+        Self::locked(dir, plan, lock)
     }
 
     /// A writer for a folder that is locked and has this plan.
-    pub(super) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Self {
-        let whole = dir.join(names::INFO).exists();
+    pub(super) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Result<Self, DiskError> {
+        let whole = is_there(&dir.join(names::INFO))?;
         let bytes_per_file = BYTES_PER_FILE;
-        DatasetWriter {
+        Ok(DatasetWriter {
             staging: Staging {
                 dir,
                 plan,
@@ -77,7 +78,7 @@ impl DatasetWriter {
             },
             whole,
             lock,
-        }
+        })
     }
 
     /// The plan.
@@ -100,13 +101,11 @@ impl DatasetWriter {
     /// As [`DatasetWriter::missing`].
     pub fn missing_of(&self, part: Shard) -> Result<Vec<usize>, DiskError> {
         let mut missing = Vec::new();
-        for position in self.to_assemble().filter(|position| part.holds(*position as u64)) {
+        for position in self.to_assemble()?.filter(|position| part.holds(*position as u64)) {
             let path = self.staging.path(position);
             let sum = path.with_extension("json");
             // The checksum is written after the file. Without it the file may be incomplete.
-            let whole =
-                path.exists() && sum.exists() && read_json::<FileSum>(&sum).ok() == Some(FileSum::of_file(&path)?);
-            if !whole {
+            if !(is_there(&path)? && is_there(&sum)? && is_of(&sum, &path)?) {
                 missing.push(position);
             }
         }
@@ -114,12 +113,13 @@ impl DatasetWriter {
     }
 
     /// Positions in the plan whose reaches are not yet in complete files of the set. They have to be staged.
-    pub(super) fn to_assemble(&self) -> Range<usize> {
+    pub(super) fn to_assemble(&self) -> Result<Range<usize>, DiskError> {
         let count = self.staging.plan.episodes.len();
         if self.whole {
-            return count..count;
+            return Ok(count..count);
         }
-        Assembled::read(&self.staging.dir).map_or(0, |assembled| assembled.episodes.len())..count
+        let assembled = Assembled::read(&self.staging.dir)?;
+        Ok(assembled.map_or(0, |assembled| assembled.episodes.len())..count)
     }
 
     /// Stages the reach at a position of the plan. Several threads may call this for different positions, in any order.
@@ -242,6 +242,15 @@ impl DatasetWriter {
         fs::remove_file(&plan).map_err(DiskError::io(&plan, "remove"))?;
         remove_incomplete(dir)?;
         Dataset::open(dir)
+    }
+}
+
+/// Whether a staged file has the checksum that is stored beside it. A damaged checksum is no error: the reach is made again.
+fn is_of(sum: &Path, file: &Path) -> Result<bool, DiskError> {
+    match read_json::<FileSum>(sum) {
+        Ok(stored) => Ok(stored == FileSum::of_file(file)?),
+        Err(DiskError::Input(_)) => Ok(false),
+        Err(error) => Err(error),
     }
 }
 

@@ -137,6 +137,32 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
     }
 }
 
+/// Pins that what the operating system cannot read is an error and does not count as missing: reaches in complete files are no
+/// longer staged, and would be removed and simulated again. Here it cannot read a folder in the place of a file.
+#[test]
+fn what_cannot_be_read_is_not_thrown_away() {
+    for name in ["assembled.json", "reach-000001.json", "reach-000001.bin"] {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("set");
+        let writer = begin(&dir, false);
+        for (position, recording) in recordings().iter().enumerate() {
+            writer.stage(position, recording).unwrap();
+        }
+        drop(writer);
+        let path = dir.join("incomplete").join(name);
+        let _ = fs::remove_file(&path);
+        fs::create_dir(&path).unwrap();
+        let before = contents(&dir);
+        let named = |error: DiskError| match error {
+            DiskError::Io { path, .. } => path,
+            other => panic!("{name}: {other:?}"),
+        };
+        assert_eq!(named(begin(&dir, true).missing().unwrap_err()), path);
+        assert_eq!(named(begin(&dir, true).finish().unwrap_err()), path);
+        assert_eq!(contents(&dir), before, "{name}");
+    }
+}
+
 /// Pins that neither a finished set nor other files can be overwritten, with or without resume. Resuming a finished
 /// set with another plan reports the difference.
 #[test]

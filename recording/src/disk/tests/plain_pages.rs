@@ -8,6 +8,7 @@ use parquet::file::properties::WriterProperties;
 use super::dataset::plan;
 use super::reach;
 use crate::disk::parquet_file::read_footer;
+use crate::disk::parquet_input::ParquetInput;
 use crate::disk::plain_pages;
 use crate::disk::{Dataset, DatasetWriter};
 
@@ -86,10 +87,11 @@ fn other_encodings_are_left_to_arrow() {
     let width = set.width_of_doubles(COLUMN).unwrap();
     let count = set.episodes()[1].frames * width;
     let read = |path: &std::path::Path, group: usize, count: usize| {
-        let footer = read_footer(path, &File::open(path).unwrap()).unwrap();
+        let file = ParquetInput::open(path).unwrap();
+        let footer = read_footer(&file).unwrap();
         let mut to = vec![0.0_f64; count];
         let group = footer.metadata().row_group(group);
-        let done = plain_pages::read(path, File::open(path).unwrap(), group, COLUMN, |number| number, &mut to);
+        let done = plain_pages::read(&file, group, COLUMN, |number| number, &mut to);
         done.map(|done| done.then_some(to))
     };
     let numbers = read(&path, 1, count).unwrap().expect("plain numbers");

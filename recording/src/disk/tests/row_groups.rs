@@ -1,4 +1,4 @@
-use std::fs::{self, File};
+use std::fs;
 
 use super::dataset::plan;
 use super::reach;
@@ -6,6 +6,7 @@ use crate::Recording;
 use crate::disk::dataset::{ROWS_PER_GROUP, read_rows, row_groups_of};
 use crate::disk::dictionary::{TABLES, Table};
 use crate::disk::parquet_file::read_footer;
+use crate::disk::parquet_input::ParquetInput;
 use crate::disk::{Dataset, DatasetWriter};
 
 /// Number of reaches. Together they fill several row groups of every table except goals and objects.
@@ -46,14 +47,14 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
     let mut several = 0;
     for table in tables() {
         let path = folder.path().join(table.path).join("chunk-000/file-000.parquet");
-        let footer = read_footer(&path, &File::open(&path).unwrap()).unwrap();
+        let footer = read_footer(&ParquetInput::open(&path).unwrap()).unwrap();
         let metadata = footer.metadata();
         several += usize::from(metadata.num_row_groups() > 1);
         let whole = fs::read(&path).unwrap();
         for episode in [0, 1, REACHES / 2, REACHES - 1] {
             let groups = row_groups_of(metadata, episode);
             assert_eq!(groups.len(), 1, "{}: reach {episode}", table.path);
-            let expected = read_rows(&path, File::open(&path).unwrap(), footer.clone(), episode, None).unwrap();
+            let expected = read_rows(&path, ParquetInput::open(&path).unwrap(), footer.clone(), episode, None).unwrap();
             // A reach has at most three taxels per frame.
             let longest = 3 * recordings[REACHES - 1].frames.len();
             let rows = metadata.row_group(groups[0]).num_rows() as usize;
@@ -67,7 +68,14 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
             }
             let other = folder.path().join("spoiled.parquet");
             fs::write(&other, spoiled).unwrap();
-            let found = read_rows(&other, File::open(&other).unwrap(), footer.clone(), episode, None).unwrap();
+            let found = read_rows(
+                &other,
+                ParquetInput::open(&other).unwrap(),
+                footer.clone(),
+                episode,
+                None,
+            )
+            .unwrap();
             assert!(
                 found.count() > 0 && found.batches() == expected.batches(),
                 "{}",

@@ -24,7 +24,7 @@ use crate::{InputError, Trial};
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     // Without the Arrow schema in the metadata, large strings, string views, categories and the like are all read as
     // plain strings.
-    let builder = open(path, ArrowReaderOptions::default().with_skip_arrow_metadata(true))?;
+    let (file, builder) = open(path, ArrowReaderOptions::default().with_skip_arrow_metadata(true))?;
     // Tables of other programs do not contain a hash.
     seal::check_if_sealed(path)?;
     let names: Vec<String> = builder
@@ -37,7 +37,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let mask = ProjectionMask::roots(builder.parquet_schema(), known);
     let mut collector = Collector::default();
     let mut line = 0;
-    for batch in Batches::new(path, builder.with_projection(mask))? {
+    for batch in Batches::new(file, builder.with_projection(mask))? {
         let batch = batch?;
         let mut columns = Vec::with_capacity(COLUMNS.len());
         for name in COLUMNS {

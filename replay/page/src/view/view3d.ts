@@ -135,6 +135,7 @@ export class View3D {
     this.#skin.mark(shown.taxel, palette.variable("ink"));
     this.#arrows.show(pushesAt(this.#reach, frame), this.#reach.header.force_limit_n, shown.texts);
     this.#goal.position.fromArray(this.#reach.goalPosition, 3 * frame);
+    this.#goal.visible = this.#reach.header.goals.length > 0;
     this.#path.show(frame);
     this.#viewpoint.look(shown.camera, new Vector3().fromArray(this.#reach.tip, 7 * frame), this.#path.geometry.boundingSphere!.center);
   }

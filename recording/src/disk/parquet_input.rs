@@ -1,0 +1,162 @@
+//! A Parquet file that is being read, which remembers what the operating system said when reading failed.
+//!
+//! The decoder turns such errors into text on some ways, or takes the length of the file for 0. A disk that fails would look
+//! like a damaged file: bad input, which nobody tries to read again.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use bytes::Bytes;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{ChunkReader, Length};
+
+use super::DiskError;
+use super::input_file::open_input;
+use crate::InputError;
+
+/// The file. Clones are the same file.
+#[derive(Clone)]
+pub(super) struct ParquetInput {
+    path: PathBuf,
+    file: Arc<File>,
+    bytes: u64,
+    /// The first error of the operating system.
+    failed: Arc<OnceLock<io::Error>>,
+}
+
+/// Reads the file on from some place.
+pub(super) struct Reader {
+    file: File,
+    failed: Arc<OnceLock<io::Error>>,
+}
+
+/// An error with the same meaning, because errors cannot be cloned.
+fn copy(error: &io::Error) -> io::Error {
+    error
+        .raw_os_error()
+        .map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
+}
+
+impl ParquetInput {
+    /// Opens a file.
+    pub(super) fn open(path: &Path) -> Result<Self, DiskError> {
+        let file = open_input(path)?;
+        let bytes = file.metadata().map_err(DiskError::io(path, "read"))?.len();
+        Ok(ParquetInput {
+            path: path.to_path_buf(),
+            file: Arc::new(file),
+            bytes,
+            failed: Arc::default(),
+        })
+    }
+
+    /// Runs a step of the decoder on this file. Some damaged files (with a negative offset in the footer, for example) make the
+    /// decoder panic instead of returning an error, and bad input must never end the program.
+    pub(super) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
+        let result = catch_unwind(AssertUnwindSafe(step));
+        if let (false, Some(error)) = (matches!(result, Ok(Ok(_))), self.failed.get()) {
+            return Err(DiskError::io(&self.path, "read")(copy(error)));
+        }
+        match result {
+            Ok(result) => result.map_err(|error| broken(&self.path, error)),
+            Err(_) => Err(broken(&self.path, "damaged bytes that cannot be decoded")),
+        }
+    }
+
+    fn reader(&self, start: u64) -> io::Result<Reader> {
+        let positioned = self.file.try_clone().and_then(|mut file| {
+            file.seek(SeekFrom::Start(start))?;
+            Ok(file)
+        });
+        let failed = Arc::clone(&self.failed);
+        match positioned {
+            Ok(file) => Ok(Reader { file, failed }),
+            Err(error) => Err(remembered(&failed, error)),
+        }
+    }
+}
+
+/// Stores the first error.
+fn remembered(failed: &OnceLock<io::Error>, error: io::Error) -> io::Error {
+    // A call that was interrupted is made again.
+    if error.kind() != io::ErrorKind::Interrupted {
+        failed.get_or_init(|| copy(&error));
+    }
+    error
+}
+
+impl Read for Reader {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        self.file.read(to).map_err(|error| remembered(&self.failed, error))
+    }
+}
+
+impl Length for ParquetInput {
+    fn len(&self) -> u64 {
+        self.bytes
+    }
+}
+
+impl ChunkReader for ParquetInput {
+    type T = BufReader<Reader>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        Ok(BufReader::new(self.reader(start)?))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
+        // A damaged footer may ask for more than there is memory.
+        if start.saturating_add(length as u64) > self.bytes {
+            let found = format!("{length} bytes at {start} of a file of {} bytes", self.bytes);
+            return Err(ParquetError::EOF(found));
+        }
+        let mut bytes = vec![0; length];
+        self.reader(start)?.read_exact(&mut bytes)?;
+        Ok(bytes.into())
+    }
+}
+
+/// The error for a file that is not a complete Parquet file.
+pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
+    InputError::new(
+        path,
+        "Parquet",
+        cause.to_string(),
+        "a complete Parquet file, uncompressed or compressed with zstd or snappy",
+        "copy the file again, or write it again with zstd or snappy",
+    )
+    .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pins that a step that fails after the operating system reported an error gives that error, in whatever words the decoder
+    /// says it, and that without one the file is called damaged.
+    #[test]
+    fn a_failing_disk_is_no_damaged_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file.parquet");
+        std::fs::write(&path, b"12345678").unwrap();
+        let input = ParquetInput::open(&path).unwrap();
+        let damaged = input.decode(|| Err::<(), _>("no footer"));
+        assert!(matches!(damaged, Err(DiskError::Input(_))));
+        // A file that is open for writing only cannot be read: the kernel says EBADF.
+        let unreadable = ParquetInput {
+            file: Arc::new(File::options().write(true).open(&path).unwrap()),
+            ..input
+        };
+        let failed = unreadable.decode(|| unreadable.get_bytes(0, 8).map_err(|_| "words of the decoder"));
+        let Err(DiskError::Io {
+            path: named, source, ..
+        }) = failed
+        else {
+            panic!("{failed:?}");
+        };
+        assert_eq!((named, source.raw_os_error()), (path, Some(9)));
+    }
+}

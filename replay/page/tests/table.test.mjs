@@ -1,0 +1,42 @@
+// A table of contact trials, as `underbrush import` makes it of a robot's log.
+
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+
+import { file, finishAll, launch, open, ready, seek, serve } from "./support.mjs";
+
+let browser;
+before(async () => {
+  browser = await launch();
+});
+after(() => finishAll(browser));
+
+/** Rows of a contact of one taxel from sample `first` to `last`, 10 ms apart. */
+function rows(trial, taxel, first, last) {
+  return Array.from({ length: last - first + 1 }, (_, index) => `${trial},towel,0,palm,${taxel},${((first + index) / 100).toFixed(2)},${0.5 + taxel}`);
+}
+
+/** Pins what the page says of a table: no arm, no goals and no true forces, the taxels by their numbers, and a strip that has the
+ * category as long as the contacts last, although frames are wider than pixels. */
+test("a table of trials is shown without what it does not know", async () => {
+  const path = file("trials.csv");
+  writeFileSync(path, ["trial,category,reach,patch,taxel,time_s,force_n", ...rows(0, 5, 0, 49), ...rows(1, 2, 100, 119), ""].join("\n"));
+  const server = await serve(path);
+  const page = await open(browser, `${server.address}#reach=0&taxel=palm.5`);
+  await ready(page);
+  await seek(page, 20);
+  assert.equal(await page.textContent("#title"), "trials, reach 0");
+  assert.match(await page.textContent("#facts"), /^a table of contact trials · 1\.2\s*s$/);
+  const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
+  assert.deepEqual(plots, ["force", "taxel"]);
+  const text = await page.textContent("body");
+  assert.match(text, /palm taxel 5: 5\.50\s*N sensed, towel/);
+  assert.doesNotMatch(text, /NaN|true normal force|Pressing now/);
+  const truth = await page.getAttribute("canvas.strips", "aria-label");
+  const [, seconds] = /towel ([\d.]+)/.exec(truth);
+  assert.ok(Math.abs(Number(seconds) - 0.7) < 0.03, truth);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+  server.close();
+});

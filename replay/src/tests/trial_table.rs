@@ -1,0 +1,135 @@
+use std::path::Path;
+
+use underbrush_recording::disk::write_trials;
+use underbrush_recording::{FRAME_PERIOD_S, InputError, Recording, Sample, Trial};
+
+use super::KNOWN;
+use crate::Source;
+use crate::trial_table::reaches;
+
+/// A contact of a taxel of a palm from sample `first` to `last`, 10 ms apart, that begins at a time of day.
+fn trial(number: u64, reach: u64, taxel: u32, category: &str, first: u32, last: u32) -> Trial {
+    let sample = |index: u32| Sample {
+        time_s: 36_000.0 + f64::from(index) * FRAME_PERIOD_S,
+        force_n: 1.0 + f64::from(index),
+        motion_m: None,
+        region: None,
+        touched: None,
+    };
+    Trial {
+        trial: number,
+        category: Some(category.into()).filter(|name: &String| !name.is_empty()),
+        reach: Some(reach),
+        patch: Some("palm".into()),
+        taxel: Some(taxel),
+        samples: (first..=last).map(sample).collect(),
+    }
+}
+
+/// What each frame of a reach senses: its time in periods, and taxels with forces.
+fn felt(reach: &Recording) -> Vec<(f64, Vec<(u16, f64)>)> {
+    let forces = |frame: &underbrush_recording::Frame| {
+        let readings = frame.taxels.iter();
+        readings
+            .map(|reading| (reading.taxel, reading.sensed_force_n))
+            .collect()
+    };
+    let periods = |time_s: f64| (time_s / FRAME_PERIOD_S * 10.0).round() / 10.0;
+    let frames = reach.frames.iter();
+    frames.map(|frame| (periods(frame.time_s), forces(frame))).collect()
+}
+
+/// Pins what is shown of a table: the forces at their times from the start of each reach, silent frames where no contact goes on,
+/// also where the same taxel has its next contact at once, and the category as the object.
+#[test]
+fn a_table_of_trials_becomes_frames() {
+    let trials = [
+        trial(0, 4, 2, "towel", 0, 2),
+        trial(1, 4, 0, "towel", 1, 3),
+        trial(2, 4, 0, "leaf", 4, 4),
+        trial(3, 4, 1, "leaf", 8, 8),
+        trial(4, 7, 1, "", 9, 9),
+    ];
+    let [first, second] = &reaches(Path::new("log.csv"), &trials).unwrap()[..] else {
+        panic!("not two reaches");
+    };
+    assert_eq!((first.reach_index, second.reach_index), (4, 7));
+    assert_eq!((first.scene.as_str(), first.layout.patches[0].taxels.len()), ("log", 4));
+    assert!((first.rate_hz - 100.0).abs() < 1e-6);
+    let expected = [
+        (0.0, vec![(2, 1.0)]),
+        (1.0, vec![(0, 2.0), (2, 2.0)]),
+        // Taxel 2 ends, but taxel 0 goes on, so that the next frame shows it.
+        (2.0, vec![(0, 3.0), (2, 3.0)]),
+        (3.0, vec![(0, 4.0)]),
+        (3.5, vec![]),
+        (4.0, vec![(0, 5.0)]),
+        (5.0, vec![]),
+        (6.0, vec![]),
+        (7.0, vec![]),
+        (8.0, vec![(1, 9.0)]),
+        (9.0, vec![]),
+    ];
+    assert_eq!(felt(first), expected);
+    assert_eq!(felt(second), [(0.0, vec![(1, 10.0)]), (1.0, vec![])]);
+    let category = |reading: &underbrush_recording::TaxelReading| {
+        let object = &first.objects[usize::from(reading.object.unwrap())];
+        object.category.name()
+    };
+    assert_eq!(category(&first.frames[0].taxels[0]), "towel");
+    assert_eq!(category(&first.frames[5].taxels[0]), "leaf");
+    assert_eq!(second.frames[0].taxels[0].object, None);
+}
+
+/// Pins that the contacts that the page gets from these frames are the trials of the table.
+#[test]
+fn the_trials_of_the_page_are_those_of_the_table() {
+    let trials = [
+        trial(0, 0, 5, "leaf", 0, 2),
+        trial(1, 0, 5, "leaf", 3, 4),
+        trial(2, 0, 1, "towel", 10, 30),
+    ];
+    let [reach] = &reaches(Path::new("log.csv"), &trials).unwrap()[..] else {
+        panic!("not one reach");
+    };
+    let found = underbrush_classifier::trial::taxel_trials(reach, &Default::default()).unwrap();
+    let seen = |trial: &Trial| -> (Option<u32>, Vec<f64>) {
+        (trial.taxel, trial.samples.iter().map(|sample| sample.force_n).collect())
+    };
+    let found: Vec<_> = found.iter().map(|contact| seen(&contact.trial)).collect();
+    assert_eq!(found, trials.iter().map(seen).collect::<Vec<_>>());
+}
+
+/// Pins that a table is listed and packed like other reaches.
+#[test]
+fn a_table_is_a_source() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["log.csv", "log.parquet"] {
+        let path = folder.path().join(name);
+        write_trials(&path, [trial(0, 3, 0, "towel", 0, 9)]).unwrap();
+        let source = Source::open(&[path], KNOWN, None).unwrap();
+        let [line] = source.reaches() else {
+            panic!("{:?}", source.reaches());
+        };
+        assert_eq!((line.source.as_str(), line.reach_index, line.contacts), (name, 3, 0));
+        assert!(source.pack(0).unwrap().starts_with(b"ubreplay"));
+    }
+}
+
+/// Pins that trials which cannot be shown are refused with the field: those of contact regions, those of categories that recordings
+/// cannot hold, and reaches with so long a gap that silence would fill the memory.
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let refused = |trial: Trial| -> InputError { reaches(Path::new("log.csv"), &[trial]).unwrap_err() };
+    let region = Trial {
+        taxel: None,
+        ..trial(8, 0, 0, "leaf", 0, 1)
+    };
+    let error = refused(region);
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("taxel", "nothing"));
+    assert!(error.remedy.contains("trial 8"), "{error}");
+    let far = [trial(0, 0, 0, "leaf", 0, 9), trial(1, 0, 0, "leaf", 900_000, 900_009)];
+    assert_eq!(reaches(Path::new("log.csv"), &far).unwrap_err().field, "time_s");
+    let error = refused(trial(0, 0, 0, "Wet towel", 0, 1));
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("category", "Wet towel"));
+}

@@ -1,0 +1,260 @@
+//! Reaches from a table of contact trials, such as `underbrush import` makes of a robot's log.
+//!
+//! The table says when which taxel felt which force, and perhaps what it touched. It has no arm and no place of the taxels, so that
+//! there is nothing to see in 3-D, and the taxels lie on the map row by row in the order of their numbers. It has no samples without
+//! contact either: between contacts, frames without forces follow one another in the period of the samples.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DVec3;
+use underbrush_recording::limits::MAX_TAXELS;
+use underbrush_recording::{
+    Audit, Category, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
+    Trial,
+};
+
+use crate::{Judging, JudgingModel};
+
+/// Distance of the taxels, m. Choice.
+const PITCH_M: f64 = 0.01;
+/// Frames of a reach, at most: two hours at 100 Hz. A gap of years between two trials would fill the memory with silence.
+const MOST_FRAMES: f64 = 720_000.0;
+/// The name of a patch that has none.
+const UNNAMED: &str = "skin";
+
+/// The reaches of a table, in the order of their indices.
+///
+/// # Errors
+/// For a trial without a taxel, which is one of a contact region, and for a category whose name recordings cannot have.
+pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
+    let layout = layout(path, trials)?;
+    let objects = objects(path, trials)?;
+    let mut by_reach: BTreeMap<u64, Vec<&Trial>> = BTreeMap::new();
+    for trial in trials {
+        by_reach.entry(trial.reach.unwrap_or_default()).or_default().push(trial);
+    }
+    let recording = |(reach_index, trials): (u64, Vec<&Trial>)| {
+        let period_s = period_s(&trials);
+        let spans = Spans::of(&trials);
+        if spans.duration_s() > MOST_FRAMES * period_s {
+            let found = format!(
+                "{} s in reach {reach_index}, with a sample every {period_s} s",
+                spans.duration_s()
+            );
+            let allowed = format!("at most {MOST_FRAMES} samples from the first to the last");
+            let remedy = "number the reaches in the column reach, or correct the times";
+            return Err(InputError::new(path, "time_s", found, allowed, remedy));
+        }
+        Ok(Recording {
+            scene: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            controller: "none".into(),
+            seed: 0,
+            reach_index,
+            rate_hz: 1.0 / period_s,
+            joint_names: Vec::new(),
+            frames: frames(&trials, &spans, &layout, &objects, period_s),
+            layout: layout.clone(),
+            objects: objects.clone(),
+            bodies: Vec::new(),
+            goals: Vec::new(),
+            contacts: Vec::new(),
+            audit: Audit::default(),
+        })
+    };
+    by_reach.into_iter().map(recording).collect()
+}
+
+/// An error unless the model needs nothing but forces.
+pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
+    let found = match &judging.by {
+        JudgingModel::OfTrials(model, _) => match model.classifier.features() {
+            features if features.columns().iter().all(|column| *column == "force_n") => return Ok(()),
+            features => format!("{} with the features {features}", judging.name),
+        },
+        JudgingModel::Touch(_) => format!("the touch model {}", judging.name),
+    };
+    let allowed = "a classifier of trials by force alone, because this table has no motion and no neighbours of taxels";
+    Err(InputError::new(
+        path,
+        "model",
+        found,
+        allowed,
+        "train one with --features force",
+    ))
+}
+
+fn patch_name(trial: &Trial) -> &str {
+    trial.patch.as_deref().unwrap_or(UNNAMED)
+}
+
+/// Each patch with as many taxels as the largest number asks for, and those that fill its last row.
+fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
+    let mut taxels: BTreeMap<&str, usize> = BTreeMap::new();
+    for trial in trials {
+        let taxel = trial
+            .taxel
+            .map(|taxel| taxel as usize)
+            .filter(|taxel| *taxel < MAX_TAXELS);
+        let Some(taxel) = taxel else {
+            let found = trial.taxel.map_or("nothing".to_owned(), |taxel| taxel.to_string());
+            let allowed = format!("the number of a taxel from 0 to {}, in all trials", MAX_TAXELS - 1);
+            let remedy = format!(
+                "fill it in for trial {}; trials of contact regions cannot be replayed",
+                trial.trial
+            );
+            return Err(InputError::new(path, "taxel", found, allowed, remedy));
+        };
+        let count = taxels.entry(patch_name(trial)).or_default();
+        *count = taxel.saturating_add(1).max(*count);
+    }
+    let patch = |(name, count): (&str, usize)| {
+        let columns = (1..).find(|columns| columns * columns >= count).unwrap_or(count);
+        let rows = count.div_ceil(columns);
+        let place = |taxel: usize| DVec3::new((taxel % columns) as f64, -((taxel / columns) as f64), 0.0) * PITCH_M;
+        let taxel = |taxel| Taxel {
+            position_link: place(taxel),
+            normal_link: DVec3::Z,
+            tangent_link: DVec3::X,
+            area_m2: PITCH_M * PITCH_M,
+        };
+        Patch {
+            name: name.into(),
+            link: name.into(),
+            // Only for the map. What are neighbours here need not be on the robot, so that no contact region is shown.
+            grid: Some(Grid {
+                rows,
+                columns,
+                wraps: false,
+            }),
+            taxels: (0..rows * columns).map(taxel).collect(),
+        }
+    };
+    Ok(SkinLayout {
+        patches: taxels.into_iter().map(patch).collect(),
+    })
+}
+
+/// One object for each category.
+fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputError> {
+    let mut names: Vec<&str> = trials.iter().filter_map(|trial| trial.category.as_deref()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mut codes = (0..=i8::MAX).filter(|code| !Category::BUILT_IN.iter().any(|known| known.code() == *code));
+    let object = |name: &str| {
+        let category = Category::from_name(name).or_else(|| Category::from_file(name, codes.next()?));
+        let category = category.ok_or_else(|| {
+            let allowed =
+                "at most 124 names of up to 24 lower-case letters, digits and underscores that begin with a letter";
+            InputError::new(path, "category", name, allowed, "rename the category")
+        })?;
+        Ok(ObjectRecord {
+            kind: name.into(),
+            category,
+            position_world: DVec3::ZERO,
+            parameters: BTreeMap::new(),
+        })
+    };
+    names.into_iter().map(object).collect()
+}
+
+/// The median time between two samples of a trial, s.
+fn period_s(trials: &[&Trial]) -> f64 {
+    let of_trial = |trial: &&Trial| -> Vec<f64> {
+        let pairs = trial.samples.windows(2);
+        pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect()
+    };
+    let mut periods_s: Vec<f64> = trials.iter().flat_map(of_trial).collect();
+    periods_s.sort_by(f64::total_cmp);
+    let median = periods_s.get(periods_s.len() / 2).copied();
+    median.unwrap_or(underbrush_recording::FRAME_PERIOD_S)
+}
+
+/// The first and the last time of each trial, s, each sorted.
+struct Spans {
+    firsts_s: Vec<f64>,
+    lasts_s: Vec<f64>,
+}
+
+impl Spans {
+    fn of(trials: &[&Trial]) -> Self {
+        let sorted = |mut times: Vec<f64>| {
+            times.sort_by(f64::total_cmp);
+            times
+        };
+        let samples = || trials.iter().map(|trial| &trial.samples);
+        Spans {
+            firsts_s: sorted(samples().filter_map(|samples| Some(samples.first()?.time_s)).collect()),
+            lasts_s: sorted(samples().filter_map(|samples| Some(samples.last()?.time_s)).collect()),
+        }
+    }
+
+    fn duration_s(&self) -> f64 {
+        let ends = self.firsts_s.first().zip(self.lasts_s.last());
+        ends.map_or(0.0, |(first_s, last_s)| last_s - first_s)
+    }
+
+    /// Whether a trial has samples both until and after this time.
+    fn go_on_after(&self, time_s: f64) -> bool {
+        let until = |times: &[f64]| times.partition_point(|other_s| *other_s <= time_s);
+        until(&self.firsts_s) > until(&self.lasts_s)
+    }
+}
+
+/// One frame for each time of a sample, and frames without forces wherever no contact goes on. Times begin at 0.
+fn frames(
+    trials: &[&Trial],
+    spans: &Spans,
+    layout: &SkinLayout,
+    objects: &[ObjectRecord],
+    period_s: f64,
+) -> Vec<Frame> {
+    let mut readings: Vec<(f64, TaxelReading)> = Vec::new();
+    for trial in trials {
+        let patch = layout.patch_index(patch_name(trial)).unwrap_or_default() as u16;
+        let object = objects
+            .iter()
+            .position(|object| Some(object.kind.as_str()) == trial.category.as_deref());
+        readings.extend(trial.samples.iter().map(|sample| {
+            let reading = TaxelReading {
+                patch,
+                taxel: trial.taxel.unwrap_or_default() as u16,
+                true_normal_force_n: 0.0,
+                true_shear_force_n: [0.0; 2],
+                sensed_force_n: sample.force_n,
+                object: object.map(|object| object as u16),
+            };
+            (sample.time_s, reading)
+        }));
+    }
+    readings.sort_by(|(a_s, a), (b_s, b)| a_s.total_cmp(b_s).then((a.patch, a.taxel).cmp(&(b.patch, b.taxel))));
+    let start_s = readings.first().map_or(0.0, |(time_s, _)| *time_s);
+    let frame = |time_s: f64, taxels: Vec<TaxelReading>| Frame {
+        time_s: time_s - start_s,
+        joint_angle_rad: Vec::new(),
+        joint_velocity_rad_per_s: Vec::new(),
+        equilibrium_angle_rad: Vec::new(),
+        joint_torque_nm: Vec::new(),
+        // The map shows the row nearest to the hand at the top.
+        end_effector_pose_world: Pose::from_position(PITCH_M * DVec3::Y),
+        goal_position_world: DVec3::ZERO,
+        goal_index: 0,
+        patch_pose_world: vec![Pose::IDENTITY; layout.patches.len()],
+        contact_force_world: vec![DVec3::ZERO; layout.patches.len()],
+        taxels,
+    };
+    let mut frames = Vec::new();
+    let mut groups = readings.chunk_by(|(a_s, _), (b_s, _)| a_s == b_s).peekable();
+    while let Some(group) = groups.next() {
+        let time_s = group[0].0;
+        frames.push(frame(time_s, group.iter().map(|(_, reading)| *reading).collect()));
+        if !spans.go_on_after(time_s) {
+            // At least one before the next contact, which may be of the same taxel.
+            let next_s = groups.peek().map_or(time_s + 2.0 * period_s, |next| next[0].0);
+            let silent = ((next_s - time_s) / period_s - 0.5).floor().max(1.0);
+            let step_s = period_s.min(0.5 * (next_s - time_s));
+            frames.extend((1..=silent as usize).map(|step| frame(time_s + step as f64 * step_s, Vec::new())));
+        }
+    }
+    frames
+}
