@@ -80,7 +80,8 @@ for (const model of ["model.json", "touch.json"]) test(`only what is new is load
 /** Pins that the page of a running reach grows with it, that pause and steps are exact, by mouse and by keyboard, and that the
  * whole reach with its goals is there at the end. */
 test("a running reach is shown, paused and stepped", async () => {
-  const { address, pause, close } = await watch("scenes/mixed.toml", "--seed", "3");
+  // A reach through leaves takes seconds to simulate, so that it can be paused before it ends.
+  const { address, pause, close } = await watch("scenes/leaf.toml", "--seed", "3");
   // It begins when the page is opened, and so stands at its first frame.
   assert.equal(await pause(), 200);
   const page = await open(browser, address);
