@@ -55,7 +55,7 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   if (colour === "force") {
     entries.push(element("span", { class: "entry" }, "sensed force", colourBar(palette, largest, limit)));
     if (limit !== null) entries.push(text(`red line and frame: above the controller's limit of ${limit} N`));
-    entries.push(text("slash: a reading that no object causes"));
+    entries.push(text(reach.isTable ? "slash: the category is unknown" : "slash: a reading that no object causes"));
   } else {
     const names = colour === "truth" ? [...reach.categories, "spurious"] : (verdicts?.verdicts ?? []);
     entries.push(...names.map((name) => swatch(palette, name)));
@@ -63,8 +63,11 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   }
   const objects = reach.categories.map((name) => swatch(palette, name));
   if (colour !== "truth" && objects.length > 0) entries.push(element("span", { class: "entries" }, "objects:", ...objects));
-  const cm = 100 * METRES_PER_NEWTON;
-  const over = limit === null ? "" : "; red if a taxel is above the limit";
-  entries.push(text(`arrows: force on the skin from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
+  // A table of trials has neither true forces nor a hand.
+  if (!reach.isTable) {
+    const cm = 100 * METRES_PER_NEWTON;
+    const over = limit === null ? "" : "; red if a taxel is above the limit";
+    entries.push(text(`arrows: force on the skin from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
+  }
   box.replaceChildren(...entries);
 }

@@ -168,12 +168,15 @@ export class SkinMap {
     const context = prepare(canvas, width, height);
     context.font = "11px system-ui, sans-serif";
     context.fillStyle = palette.variable("quiet");
-    context.fillText("▲ hand end", MARGIN.left, 12);
-    context.save();
-    context.translate(12, height - MARGIN.bottom);
-    context.rotate(-Math.PI / 2);
-    context.fillText(this.reach.header.patches[this.patch]!.grid === null ? "towards the wrist" : "towards the elbow", 0, 0);
-    context.restore();
+    // Of a table of trials, nobody knows where the taxels are.
+    if (!this.reach.isTable) {
+      context.fillText("▲ hand end", MARGIN.left, 12);
+      context.save();
+      context.translate(12, height - MARGIN.bottom);
+      context.rotate(-Math.PI / 2);
+      context.fillText(this.reach.header.patches[this.patch]!.grid === null ? "towards the wrist" : "towards the elbow", 0, 0);
+      context.restore();
+    }
     context.fillStyle = palette.variable("cell");
     context.strokeStyle = palette.variable("line");
     context.lineWidth = 0.6;
