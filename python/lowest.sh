@@ -14,7 +14,9 @@ trap 'rm -rf "$venv"' EXIT
 "${PYTHON:-python3}" -m venv "$venv"
 python=$venv/bin/python
 "$python" -m pip install --quiet 'uv>=0.5'
-"$venv/bin/uv" pip install --quiet --python "$python" --resolution lowest-direct "underbrush[test] @ file://$wheel"
+# By name from pyproject.toml: uv would not take what a wheel needs for direct dependencies.
+"$venv/bin/uv" pip install --quiet --python "$python" --resolution lowest-direct --requirements pyproject.toml --extra test
+"$venv/bin/uv" pip install --quiet --python "$python" --no-deps "$wheel"
 "$venv/bin/uv" pip list --python "$python" --format freeze | grep -v '^pip=\|^uv=\|^setuptools='
 export UNDERBRUSH=${UNDERBRUSH:-$target/release/underbrush}
 "$venv/bin/pytest" tests
