@@ -35,7 +35,7 @@ impl Ranked {
     }
 
     /// The probability that a positive scores higher than a negative, with ties counted half, if each reach counts so
-    /// many times. `None` if no positive counts, or no negative.
+    /// many times. `None` if there are no positives or no negatives among those that count.
     pub(super) fn area(&self, times: &[usize]) -> Option<f64> {
         // All sums are of whole numbers and halves, which are exact.
         let (mut positives, mut negatives, mut area) = (0, 0, 0.0);

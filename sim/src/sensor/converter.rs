@@ -38,7 +38,7 @@ impl Converter {
         }
         let steps = 1.0 / quantum_n;
         // The floating-point number 0.001 is not exactly a thousandth. With a whole number of steps per newton,
-        // readings are the numbers nearest to count / steps, which print with few digits.
+        // a reading is the number that is nearest to count / steps, and prints with few digits.
         let whole = steps.round();
         let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
         Converter {

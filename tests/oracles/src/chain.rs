@@ -157,8 +157,8 @@ mod tests {
         tip
     }
 
-    /// Pins the leading error of far bending: chains in equilibrium under a tip load, and bent by an end moment, are
-    /// off by no more than half as much again, and by at least a third of it in one of the two directions.
+    /// Pins the leading error of far bending: chains in equilibrium under a tip load, and chains bent by an end moment,
+    /// have at most one and a half times this error, and at least a third of it in one of the two directions.
     #[test]
     fn far_bending_error_bounds_chains() {
         let holds = |errors: [f64; 2], bound: f64| {
