@@ -1,4 +1,4 @@
-//! Model files of either kind: those of trials, and touch models.
+//! Model files of both kinds: classifiers of trials, and touch models.
 
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub fn load(path: &Path) -> Result<AnyModel, ModelError> {
             "check the path",
         ))
     })?;
-    // The format may come after what is broken in a file that is no JSON.
+    // In a file that is not valid JSON, the format may come after the error, so search the text for it.
     let is_touch = match serde_json::from_str::<Head>(&text) {
         Ok(head) => head.format.starts_with(TOUCH_NAME),
         Err(_) => text.contains(&format!("\"{TOUCH_NAME}")),
@@ -79,10 +79,10 @@ fn load_onnx(path: &Path) -> Result<Model, ModelError> {
     )))
 }
 
-/// Reads a model of trials.
+/// Reads a classifier of trials.
 ///
 /// # Errors
-/// As [`load`], and for a touch model.
+/// As [`load`], and if the file holds a touch model.
 pub fn load_of_trials(path: &Path) -> Result<Model, ModelError> {
     match load(path)? {
         AnyModel::OfTrials(model) => Ok(model),

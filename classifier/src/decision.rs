@@ -69,7 +69,7 @@ pub enum DecisionError {
         /// The number found.
         found: f64,
     },
-    /// Priors for other categories than the models'.
+    /// Priors for categories other than those of the models.
     #[error("priors are given for {found:?}, models for {expected:?}; give one prior per model, or none at all")]
     PriorCategories {
         /// The categories with a prior.

@@ -35,7 +35,7 @@ pub enum ModelError {
         /// Number of trials given.
         trials: usize,
     },
-    /// Too few reaches to show that an allowed share is kept to.
+    /// Too few reaches to show that a share stays within its limit.
     #[error(
         "{reaches} reaches cannot show that at most {share} of a new reach is judged badly; allowed: {needed} reaches or more; \
          generate more, or allow a larger share"

@@ -1,4 +1,4 @@
-//! What the errors of this crate mean to whoever asked for the work.
+//! What the errors of this crate mean to the user: each becomes a [`Fault`].
 
 use underbrush_recording::fault::Fault;
 
@@ -38,7 +38,7 @@ impl From<OnlineError> for Fault {
     }
 }
 
-/// The others are all about arguments or input.
+/// All other errors are about arguments or input.
 macro_rules! bad_usage {
     ($($error:ty),*) => {
         $(impl From<$error> for Fault {

@@ -34,18 +34,18 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     schema: file::Fitted::<EchoStateNetwork, Parameters>::json_schema,
 };
 
-/// Units. Choice: the cost of a fit grows with the cube.
+/// Units. Choice: the cost of a fit grows with the cube of their number.
 const UNITS: Limits = Limits::new(1.0, 2000.0, "units");
 
 /// Leak rates; at 0 the state would never change.
 const LEAK: Limits = Limits::new(1e-6, 1.0, "");
 
-/// Penalties. Choice: without any the regression may have no solution, and above 1e6 all weights are zero.
+/// Penalties. Choice: without a penalty the regression may have no solution, and above 1e6 all weights are zero.
 const PENALTY: Limits = Limits::new(1e-12, 1e6, "");
 
 /// An echo-state network: ridge regression on the state of a fixed random recurrent network. It stands for the online
-/// recursive kernel Gaussian process of \[3\]: such a network is a finite form of a recursive kernel (Hermans and
-/// Schrauwen 2012, Neural Computation 24), for which the mean of a Gaussian process is ridge regression.
+/// recursive kernel Gaussian process of \[3\]. Such a network is a finite form of a recursive kernel (Hermans and
+/// Schrauwen 2012, Neural Computation 24), and with that kernel the mean of a Gaussian process is ridge regression.
 ///
 /// The state x follows the features u of each sample, x ← (1 − a) x + a tanh(W x + V u). The readout is fitted to the
 /// category (one or zero) at every sample; all categories have equal weight, and so do the trials of a category. The
@@ -92,7 +92,7 @@ pub struct EchoStateNetwork {
     /// The fraction a of the state that each sample renews; above 0, at most 1.
     #[schemars(range(min = LEAK.min, max = LEAK.max))]
     pub leak: f64,
-    /// Weight of half the squared norm of the readout beside the mean squared error; above 0.
+    /// Weight of half the squared norm of the readout, relative to the mean squared error; above 0.
     #[schemars(range(min = PENALTY.min, max = PENALTY.max))]
     pub penalty: f64,
 }
@@ -217,7 +217,7 @@ struct Fitted {
     readout: DMatrix<f64>,
 }
 
-/// The random weights are stored, too, so that a file does not depend on how a program draws them.
+/// The random weights are stored as well, so that a file does not depend on how a program draws them.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "EchoStateNetworkParameters")]

@@ -10,10 +10,11 @@ use underbrush_recording::{InputError, Limits};
 use crate::document::Document;
 use crate::error::{Fault, check_limits};
 
-/// Fitted numbers of any kind. Choice: standardized features and forces stay far below; a larger number means damage.
+/// Fitted numbers of any kind. Choice: standardized features and forces stay far below; a larger number means a damaged
+/// file.
 pub(super) const FITTED: Limits = Limits::new(-1e12, 1e12, "");
 
-/// Numbers that are divided by, such as variances. Choice, as [`FITTED`].
+/// Numbers that are used as divisors, such as variances. Choice, as [`FITTED`].
 pub(super) const POSITIVE: Limits = Limits::new(1e-15, 1e12, "");
 
 /// The keys of a fitted baseline.
@@ -62,7 +63,7 @@ pub(super) fn entries(
     ]
 }
 
-/// Checks that a list has this length and all numbers are within limits.
+/// Checks that a list has this length and that all numbers are within limits.
 pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Limits) -> Result<(), Fault> {
     if values.len() != length {
         return Err(Fault::new(
@@ -75,7 +76,8 @@ pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Lim
     places.try_for_each(|(index, value)| check_limits(format!("{field}[{index}]"), *value, limits))
 }
 
-/// Checks that a table has this many rows of this length and all numbers are within limits.
+/// Checks that a table has this many rows of this length and that all numbers are within limits. `shape` is the number
+/// of rows and their length.
 pub(super) fn check_table(field: &str, rows: &[Vec<f64>], shape: (usize, usize), limits: Limits) -> Result<(), Fault> {
     if rows.len() != shape.0 {
         return Err(Fault::new(

@@ -26,7 +26,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     schema: file::Fitted::<Logistic, Parameters>::json_schema,
 };
 
-/// The same without the contact region: it sees what hidden Markov models of force and motion see.
+/// [`KIND`] without the contact region: it sees what hidden Markov models of force and motion see.
 pub(crate) const TAXEL_KIND: ClassifierKind = ClassifierKind {
     name: "logistic-taxel",
     aliases: &[],
@@ -36,7 +36,7 @@ pub(crate) const TAXEL_KIND: ClassifierKind = ClassifierKind {
     schema: file::Fitted::<Logistic, Parameters>::json_schema,
 };
 
-/// Penalties. Choice: without any the minimum may not exist, and above 1e6 all weights are zero.
+/// Penalties. Choice: without a penalty the minimum may not exist, and above 1e6 all weights are zero.
 const PENALTY: Limits = Limits::new(1e-12, 1e6, "nats");
 
 /// Multinomial logistic regression: the log-posterior of each category is a weighted sum of the stream features of the
@@ -80,14 +80,14 @@ const PENALTY: Limits = Limits::new(1e-12, 1e6, "nats");
 pub struct Logistic {
     /// The features of each sample that stream features are computed from.
     pub features: FeatureSet,
-    /// Weight of half the squared norm of the weights beside the mean cross-entropy, nats; above 0.
+    /// Weight of half the squared norm of the weights, relative to the mean cross-entropy, nats; above 0.
     #[schemars(range(min = PENALTY.min, max = PENALTY.max))]
     pub penalty: f64,
 }
 
 impl Default for Logistic {
-    /// Taxel and region. Choice: a penalty of 0.001; between 0.0001 and 0.01 the accuracy on held-out reaches changes
-    /// by less than its confidence interval.
+    /// The features of taxel and region. Choice: a penalty of 0.001; between 0.0001 and 0.01 the accuracy on held-out
+    /// reaches changes by less than its confidence interval.
     fn default() -> Self {
         Logistic::with(TAXEL_AND_REGION)
     }
@@ -255,11 +255,11 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
     };
     let mut weights = DMatrix::zeros(categories, columns);
     let mut value = objective(&weights);
-    // Newton's method doubles the number of correct digits in each iteration; it usually takes a dozen.
+    // Newton's method doubles the number of correct digits in each iteration; it usually takes a dozen iterations.
     for _ in 0..100 {
         let (gradient, hessian) = derivatives(table, &weights, penalty);
         let step = hessian.cholesky().ok_or_else(failed)?.solve(&gradient);
-        // The quadratic model predicts a further decrease by half of this, nats.
+        // The quadratic model predicts a further decrease of half of this, in nats.
         let decrement = gradient.dot(&step);
         if !decrement.is_finite() {
             return Err(failed());

@@ -1,14 +1,15 @@
-//! Classifiers to compare the hidden Markov models with, behind the same trait ([`crate::estimator::Estimator`]).
+//! Classifiers to compare the hidden Markov models with. They implement the same trait
+//! ([`crate::estimator::Estimator`]).
 //!
-//! | name | after | sees |
+//! | name | based on | sees |
 //! |---|---|---|
 //! | [`NearestNeighbours`] | the authors' earlier method \[1\]: k nearest neighbours on principal components | force, contact area and motion in a fixed window from first contact |
 //! | [`NaiveBayes`] | Liu et al. \[4\]: naive Bayes, updated online | stream features ([`crate::stream_feature`]) of the taxel |
 //! | [`EchoStateNetwork`] | Soh et al. \[3\]: an online recursive kernel method | force and motion of the taxel, sample by sample |
 //! | [`Logistic`] | no paper; chosen by its accuracy on held-out reaches | stream features of taxel and contact region |
 //!
-//! Numbers in brackets are the paper's references. About \[4\] the paper says only that naive Bayes classified shape
-//! and pose while a finger explored. The features are ours.
+//! Numbers in brackets refer to the paper's list of references. About \[4\] the paper says only that naive Bayes
+//! classified shape and pose while a finger explored. The features are ours.
 
 pub(crate) mod echo_state_network;
 mod file;

@@ -32,7 +32,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     schema: file::Fitted::<NearestNeighbours, Parameters>::json_schema,
 };
 
-/// Samples of a window. Choice: ten seconds at 100 Hz; the cost of a fit grows with the cube.
+/// Samples of a window. Choice: ten seconds at 100 Hz; the cost of a fit grows with the cube of the window.
 const WINDOW: Limits = Limits::new(1.0, 1000.0, "samples");
 
 /// Neighbours that vote. Choice: far more than any sensible number.
@@ -114,7 +114,8 @@ impl NearestNeighbours {
         check_limits("explained", self.explained, EXPLAINED)
     }
 
-    /// The first feature at each sample of the window, then the second, and so on. The last sample pads the window.
+    /// The first feature at each sample of the window, then the second, and so on. A window that is not full is padded
+    /// with the last sample.
     fn channels(&self, samples: &[f64]) -> Vec<f64> {
         let dimension = self.features.dimension();
         let last = samples.len() / dimension - 1;
@@ -174,7 +175,8 @@ fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     (mean, scale)
 }
 
-/// The first principal components of centred rows, as columns: as many as explain the fraction, at least one.
+/// The first principal components of centred rows, as columns: as many as are needed to explain the fraction, and at
+/// least one.
 fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
     let eigen = SymmetricEigen::new(rows.transpose() * rows);
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
@@ -209,9 +211,9 @@ struct Fitted {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "NearestNeighboursParameters")]
 struct Parameters {
-    /// Of each channel and sample of the window.
+    /// Mean of each channel at each sample of the window.
     mean: Vec<f64>,
-    /// Of each channel.
+    /// Factor that each channel's deviation from the mean is multiplied by.
     scale: Vec<f64>,
     /// One row per component.
     components: Vec<Vec<f64>>,
@@ -269,8 +271,8 @@ fn check(options: &NearestNeighbours, categories: usize, parameters: &Parameters
 }
 
 impl Fitted {
-    /// The logarithm of votes per training trial of the category: frequent categories have more neighbours. One
-    /// additional vote is divided among all categories, so that none is impossible.
+    /// The logarithm of each category's votes divided by its number of training trials, because frequent categories
+    /// have more neighbours. One additional vote is divided among all categories, so that none is impossible.
     fn scores(&self, mut channels: Vec<f64>, scores: &mut [f64]) {
         for (d, value) in channels.iter_mut().enumerate() {
             *value = (*value - self.mean[d]) * self.scale[d / self.options.window];

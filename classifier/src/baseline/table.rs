@@ -22,15 +22,15 @@ pub(super) struct Row {
     /// Index of the category.
     pub(super) category: usize,
     /// The rows of a trial have equal weight, and so do the trials of a category. The weights of each category sum to 1
-    /// / number of categories, so that fits do not depend on how frequent categories are.
+    /// / (number of categories), so that fits do not depend on how frequent categories are.
     pub(super) weight: f64,
-    /// The features, standardized.
+    /// The stream features; [`Standardization::of`] standardizes them.
     pub(super) features: Vec<f64>,
 }
 
 impl Table {
     /// The trials after 1, 2, 3, 6, … samples and at their end, so that contacts that have just begun count as much as
-    /// those that are over.
+    /// contacts that have ended.
     pub(super) fn of(trials: &[&Trial], set: &Selection) -> Result<Self, ModelError> {
         let by_category = trials_by_category(trials.iter().copied())?;
         let mut rows = Vec::new();
@@ -68,7 +68,7 @@ pub(super) struct Standardization {
 const MAX_DEVIATIONS: f64 = 5.0;
 
 impl Standardization {
-    /// Standardizes the rows of the table, and returns how.
+    /// Standardizes the rows of the table and returns the standardization.
     pub(super) fn of(table: &mut Table, set: &Selection) -> Self {
         let moment = |f: &dyn Fn(&Row) -> f64| table.rows.iter().map(|row| row.weight * f(row)).sum::<f64>();
         let mean: Vec<f64> = (0..set.dimension()).map(|d| moment(&|row| row.features[d])).collect();
@@ -98,7 +98,7 @@ impl Standardization {
         }
     }
 
-    /// Checks the numbers of a file, for so many stream features.
+    /// Checks numbers read from a file, for this many stream features.
     pub(super) fn check(&self, dimension: usize) -> Result<(), Fault> {
         check_list("mean", &self.mean, dimension, FITTED)?;
         let field = "standard_deviation";

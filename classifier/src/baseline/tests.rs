@@ -61,9 +61,8 @@ fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
 
 #[test]
 fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
-    // Pins, for all that implement the trait: new presses are told apart; the scores after k samples are those of a
-    // trial that ended there, and larger counts mean the whole trial; the order of training trials does not matter
-    // much.
+    // Pins, for every classifier in the list, that new presses are told apart, that the scores after k samples are
+    // those of a trial that ended there, and that larger counts mean the whole trial.
     let trials = trials();
     let known: Vec<&Trial> = trials.iter().collect();
     for (name, estimator) in estimators() {
@@ -88,13 +87,13 @@ fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
 
 #[test]
 fn frequent_categories_have_no_advantage() {
-    // Pins equal priors, for all classifiers that are fitted: on presses that both categories make alike, a category
-    // with five times the trials gets half of the verdicts. Sixty training sets, 40 new presses each. The verdicts of
-    // one set come from one classifier and depend on each other, so the standard error is that of the mean over sets; 4
-    // of them are allowed.
+    // Pins, for every classifier in the list, that priors are equal: if both categories press alike, a category with
+    // five times as many trials gets half of the verdicts. There are sixty training sets with 40 new presses each. The
+    // verdicts of one set come from one classifier and depend on each other, so the standard error is computed over the
+    // sets. A deviation of 4 standard errors is allowed.
     //
     // Nearest neighbours cannot halve their 5 votes: a vote for the rare category weighs as much as five for the other,
-    // so it wins with a single one, which it has with probability 1 − (5/6)⁵ = 0.598.
+    // so it wins with a single vote, which it has with probability 1 − (5/6)⁵ = 0.598.
     let draw = |number: u64, category: &str| {
         let mut rng = ChaCha8Rng::seed_from_u64(9000 + number);
         press(number, category, 1.0 + 5.0 * rng.random::<f64>(), 3, 12)
@@ -132,8 +131,8 @@ fn frequent_categories_have_no_advantage() {
 
 #[test]
 fn logistic_regression_is_at_its_minimum() {
-    // Pins the solver by the condition of a minimum of a convex function, computed by central differences of the
-    // objective as it stands in the documentation, and that posteriors sum to one.
+    // Pins that the solver finds the minimum of the convex objective: all its derivatives are zero, computed by central
+    // differences from its definition in the documentation. Also pins that posteriors sum to one.
     let trials: Vec<Trial> = trials();
     let known: Vec<&Trial> = trials.iter().collect();
     let estimator = Logistic::default();
@@ -147,7 +146,7 @@ fn logistic_regression_is_at_its_minimum() {
 
 #[test]
 fn windows_are_padded_with_their_last_sample() {
-    // Pins the fixed window: a press that stopped for good after 10 samples and one that went on unchanged are alike,
+    // Pins the fixed window: a press that ended after 10 samples and one that went on unchanged have the same scores,
     // and samples after the window are ignored.
     let trials = trials();
     let classifier = NearestNeighbours::default()

@@ -1,9 +1,9 @@
-//! The interface of everything that is fitted to trials: the hidden Markov models, the baselines, and whatever is to be
-//! compared with them.
+//! The interface of everything that is fitted to trials: the hidden Markov models, the baselines, and any other
+//! classifier to compare with them.
 //!
-//! An [`Estimator`] holds the options of a classifier. Fitted to trials it gives a [`Classifier`], which scores trials,
-//! scores contacts while they last ([`Classifier::online_scorer`]) and is saved in a model file. A [`ClassifierKind`]
-//! is an entry in the list of classifiers, [`crate::registry::CLASSIFIERS`].
+//! An [`Estimator`] holds the options of a classifier. Fitting it to trials gives a [`Classifier`], which scores
+//! trials, scores contacts while they last ([`Classifier::online_scorer`]) and is saved in a model file. A
+//! [`ClassifierKind`] is an entry in the list of classifiers, [`crate::registry::CLASSIFIERS`].
 
 mod scorer;
 
@@ -24,7 +24,7 @@ pub use scorer::{ContactScorer, Independent, OnlineScorer};
 
 /// Options of a classifier that can be fitted to labelled trials.
 pub trait Estimator: Sync {
-    /// Fits a classifier to these trials. The result is the same bit for bit for any number of threads.
+    /// Fits a classifier to these trials. The result is bit for bit the same for any number of threads.
     ///
     /// Trials without a category, blocks and outliers are skipped ([`is_trained`]).
     ///
@@ -50,14 +50,15 @@ pub trait Classifier: Any + Debug + Send + Sync {
     /// The entries of this classifier's model file besides format, name, decision and provenance, by key.
     fn file_entries(&self) -> Vec<(&'static str, Value)>;
 
-    /// For each number of samples, ascending and from 1, one score per category for that many first samples of the
-    /// trial: a log-likelihood, or a log-posterior under equal priors, in nats, so that priors can be added and
-    /// differences are margins. A number greater than the trial's length means the whole trial.
+    /// The scores after the first k samples of the trial, for each k in `counts`: one row per count, with one score per
+    /// category. A score is a log-likelihood, or a log-posterior under equal priors, in nats, so priors can be added
+    /// and differences are margins. The counts must be ascending and at least 1. A count greater than the trial's
+    /// length means the whole trial.
     ///
     /// Later samples have no influence on a score, so scores are available while a contact lasts.
     ///
     /// # Errors
-    /// [`ModelError`] if the trial is empty or lacks a feature, or as [`OnlineScorer::scores`].
+    /// [`ModelError`] if the trial is empty or lacks a feature, and the errors of [`OnlineScorer::scores`].
     fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
         if trial.samples.is_empty() {
             return Err(FeatureError::Empty { trial: trial.trial }.into());

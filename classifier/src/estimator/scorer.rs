@@ -15,11 +15,11 @@ pub trait OnlineScorer: Debug + Send {
     /// Restarts a contact; its earlier samples are forgotten. Contacts are numbered from 0.
     ///
     /// # Panics
-    /// If there are not that many contacts. The other methods panic likewise.
+    /// If `contact` is not below the number of contacts. The other methods panic in the same case.
     fn begin(&mut self, contact: usize);
 
-    /// Takes in the next sample of a contact. `false` means that the sample has no influence, as after a fixed window:
-    /// the scores stay as they were, and need not be read again.
+    /// Takes in the next sample of a contact. Returns `false` if the sample has no influence, as after a fixed window.
+    /// The scores then stay as they were and need not be read again.
     ///
     /// # Errors
     /// [`SampleFault`] if the sample lacks a feature or has a number that is not finite.
@@ -32,7 +32,7 @@ pub trait OnlineScorer: Debug + Send {
     /// contact's last sample had an influence.
     ///
     /// # Errors
-    /// [`ModelError`] if the classifier runs code of others and that fails, as a network in a file may.
+    /// [`ModelError`] if the classifier runs a network from a file, and the network fails.
     fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError>;
 }
 

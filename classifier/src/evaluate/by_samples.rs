@@ -17,7 +17,7 @@ pub use crate::stream_feature::SAMPLE_COUNTS;
 /// One point of the series.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccuracyBySamples {
-    /// How many samples of each trial, from contact, the classifier has seen at most; `None` for all.
+    /// The largest number of samples of each trial, counted from contact, that the classifier has seen; `None` for all.
     pub samples: Option<usize>,
     /// Fraction of all trials with the right verdict. For a trial that ended earlier, its last verdict counts.
     pub accuracy: f64,
@@ -25,19 +25,18 @@ pub struct AccuracyBySamples {
     pub majority_baseline: f64,
     /// See [`super::Accuracy::balanced_accuracy`]; over all trials.
     pub balanced_accuracy: Option<f64>,
-    /// The same, separately for trials with and without a true contact; `None` if this is unknown for all trials.
+    /// The accuracy, separately for trials with and without a true contact; `None` if this is unknown for all trials.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_touch: Option<AccuracyByTouch>,
     /// 95 % bootstrap interval of the accuracy over whole reaches; `None` if a trial names no reach.
     pub interval_by_reach: Option<Interval>,
-    /// Number of trials that lasted this long, so that the contact was still there (all trials where `samples` is
-    /// `None`).
+    /// Number of trials that lasted this long, so the contact had not ended yet (all trials if `samples` is `None`).
     pub lasting: usize,
-    /// Fraction of these with the right verdict; `None` if there are none.
+    /// Fraction of these lasting trials with the right verdict; `None` if there are none.
     pub accuracy_of_lasting: Option<f64>,
-    /// See [`super::Accuracy::majority_baseline`]; over these.
+    /// See [`super::Accuracy::majority_baseline`]; over the lasting trials.
     pub majority_baseline_of_lasting: Option<f64>,
-    /// See [`super::Accuracy::balanced_accuracy`]; over these.
+    /// See [`super::Accuracy::balanced_accuracy`]; over the lasting trials.
     pub balanced_accuracy_of_lasting: Option<f64>,
 }
 
@@ -45,8 +44,8 @@ pub struct AccuracyBySamples {
 /// Classifiers are fitted on whole trials, as they would be for use while the arm moves.
 ///
 /// The series describes only the trials given. If short trials were left out, as in the paper (20 samples or more), the
-/// accuracy after one sample is that of contacts already known to last 20, which nobody knows at the first sample.
-/// [`accuracy_by_samples_of_all`] gives the accuracy over all contacts.
+/// accuracy after one sample covers only contacts that go on to last 20 samples, which cannot be known at the first
+/// sample. [`accuracy_by_samples_of_all`] gives the accuracy over all contacts.
 ///
 /// # Errors
 /// As [`super::cross_validate`].

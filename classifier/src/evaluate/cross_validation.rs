@@ -55,7 +55,7 @@ pub(super) struct AcrossFolds<T> {
     pub(super) training: Vec<BTreeMap<String, TrainingHistory>>,
 }
 
-/// For each fold, fits on the other folds and runs `test` on this one, which returns one result per trial, in order.
+/// For each fold, fits on the other folds and runs `test` on this one. `test` returns one result per trial, in order.
 ///
 /// Only trials of at least `min_training_samples` samples are used for fitting.
 pub(super) fn across_folds<T: Send>(

@@ -24,7 +24,7 @@ pub struct Evaluation {
     pub majority_baseline: f64,
     /// See [`super::Accuracy::balanced_accuracy`]; over the same trials as the accuracy.
     pub balanced_accuracy: Option<f64>,
-    /// The same, separately for trials with and without a true contact; `None` if this is unknown for all trials.
+    /// The accuracy, separately for trials with and without a true contact; `None` if this is unknown for all trials.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_touch: Option<AccuracyByTouch>,
     /// Wilson's 95 % interval of the accuracy, which assumes independent trials. They are not independent: one contact

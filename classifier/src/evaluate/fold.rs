@@ -53,7 +53,7 @@ impl Folds {
         }
     }
 
-    /// Folds for choosing thresholds: five, or fewer if a category has fewer reaches; grouped as [`FoldBy::advised`].
+    /// Folds for choosing thresholds: five, or fewer if a category has fewer reaches, grouped by [`FoldBy::advised`].
     ///
     /// Choice: with five folds each classifier is fitted on four fifths of the data, nearly as much as the final one.
     pub fn for_thresholds(trials: &[Trial]) -> Self {
@@ -81,8 +81,9 @@ impl Folds {
 
     /// The fold of each trial, in the same order. Every category is in every fold.
     ///
-    /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋. A reach
-    /// counts as the category of most of its trials, and in a tie as the first of them by name.
+    /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋ of k. A
+    /// reach belongs to the category of most of its trials; in a tie, the first of these categories in alphabetical
+    /// order counts.
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });
@@ -136,7 +137,7 @@ fn category(trial: &Trial) -> &str {
     trial.category.as_deref().unwrap_or_default()
 }
 
-/// Number of trials by reach and category, of those that name a reach.
+/// Number of trials by reach and category. Trials that name no reach are left out.
 fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<&'a str, usize>> {
     let mut votes: BTreeMap<u64, BTreeMap<&str, usize>> = BTreeMap::new();
     for trial in trials {

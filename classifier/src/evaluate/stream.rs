@@ -59,9 +59,9 @@ pub struct StreamFrame {
     pub time_s: f64,
     /// Number of taxels in contact.
     pub in_contact: usize,
-    /// The same, by whether the verdict is right.
+    /// The taxels in contact, by whether their verdict is right.
     pub tally: Tally,
-    /// The same, by verdict, in the order of [`Stream::verdicts`].
+    /// The taxels in contact, by verdict, in the order of [`Stream::verdicts`].
     pub by_verdict: Vec<usize>,
     /// Whether an object of each of [`Stream::truths`] truly presses on the patch.
     pub touched: Vec<bool>,

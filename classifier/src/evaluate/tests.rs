@@ -17,8 +17,8 @@ pub(super) struct OneNumber {
 }
 
 impl OneNumber {
-    /// `push` gives the number from the one before, 0 at first, and the force of a sample; `scores` those of leaf and
-    /// trunk.
+    /// `push` computes the number from the previous one (0 at first) and the force of a sample, and `scores` computes
+    /// the scores of leaf and trunk from the number.
     pub(super) fn new(push: fn(f64, f64) -> f64, scores: fn(f64) -> [f64; 2]) -> Self {
         let number = 0.0;
         OneNumber { number, push, scores }
@@ -97,7 +97,7 @@ fn recipe() -> Recipe {
     }
 }
 
-/// Pins that folds by position are the first and second half of each category, also if the categories alternate in the
+/// Pins that folds by position are the first and second half of each category, even if the categories alternate in the
 /// table or have an odd number of trials.
 #[test]
 fn positions_split_each_category_in_order() {
@@ -112,7 +112,7 @@ fn positions_split_each_category_in_order() {
     assert_eq!(Folds::paper().assign(&table), Ok(vec![0, 0, 0, 0, 0, 1, 1, 1]));
 }
 
-/// Pins that folds by reach keep each reach in one fold, in each category.
+/// Pins that folds by reach keep each reach in one fold and divide the reaches of each category.
 #[test]
 fn reaches_stay_together() {
     let table = trials(12, 9);

@@ -1,7 +1,7 @@
 //! Thresholds chosen on training data, without any outlier, for a given false-positive rate and outlier prior.
 //!
-//! The scores are those of whole trials held out by cross-validation, so that the choice reflects how wrong a
-//! classifier is on contacts that it was not fitted on. Group the folds by reach, because contacts of one reach
+//! The scores are those of whole trials held out by cross-validation, so that the choice reflects how often a
+//! classifier is wrong on contacts that it was not fitted on. Group the folds by reach, because contacts of one reach
 //! resemble each other.
 //!
 //! **The category threshold** limits confident mistakes. Let α be the false-positive rate. For every category c, at
@@ -83,7 +83,7 @@ pub enum ThresholdError {
     /// A rate out of range.
     #[error("{name} is {found}; allowed: {allowed}")]
     BadTarget {
-        /// Which one.
+        /// Name of the rate.
         name: &'static str,
         /// The number found.
         found: f64,
@@ -211,7 +211,8 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
             .map(|margin| margin.margin)
             .collect();
         mistakes.sort_by(|a, b| b.total_cmp(a));
-        // With the threshold at the next mistake, which is then not above it, only the allowed ones remain.
+        // If the threshold is the margin of the next mistake, that mistake is not above it, and only the allowed ones
+        // are.
         let next = mistakes.get(allowed as usize).copied().unwrap_or(0.0);
         if next.is_infinite() {
             let category = category.clone();

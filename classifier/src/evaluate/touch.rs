@@ -9,7 +9,7 @@ use super::touch_contact::{JudgedContact, OpenContact};
 use crate::touch::{RegionTouch, TaxelTouch, Touch, TouchClassifier, TouchModel};
 use crate::trial::TrialError;
 
-/// Bins of the probability of the likeliest class.
+/// Number of bins of the probability of the likeliest class.
 pub const CALIBRATION_BINS: usize = 20;
 
 /// Verdicts on the taxel frames of one truth.
@@ -19,11 +19,11 @@ pub struct TouchTally {
     pub right: usize,
     /// The verdict is another category, unknown for a known category, or nothing for a touch.
     pub wrong: usize,
-    /// Not sure yet.
+    /// The verdict is uncertain.
     pub uncertain: usize,
-    /// Of the wrong ones: called nothing.
+    /// Of the wrong verdicts: called nothing.
     pub nothing: usize,
-    /// Of all: called unknown.
+    /// Of all verdicts: called unknown.
     pub unknown: usize,
 }
 
@@ -48,7 +48,7 @@ impl TouchTally {
         }
     }
 
-    /// The sum of two.
+    /// The sum of two tallies.
     pub fn plus(&self, other: &TouchTally) -> TouchTally {
         TouchTally {
             right: self.right + other.right,
@@ -105,7 +105,7 @@ impl TouchEvaluation {
     /// Judges a recording frame by frame.
     ///
     /// # Errors
-    /// [`TrialError`] if patch or a frame do not fit.
+    /// [`TrialError`] if the patch or a frame does not fit.
     pub fn of(model: &Arc<TouchModel>, recording: &Recording) -> Result<Self, TrialError> {
         let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
         let mut evaluation = TouchEvaluation {
@@ -248,8 +248,8 @@ impl TouchEvaluation {
             .map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
     }
 
-    /// Mean difference of probability and frequency of the likeliest class, weighted by the counts of the bins (Naeini
-    /// et al. 2015); `None` without any taxel frame.
+    /// Mean difference between probability and frequency of the likeliest class, weighted by the counts of the bins
+    /// (Naeini et al. 2015); `None` without any taxel frame.
     pub fn expected_calibration_error(&self) -> Option<f64> {
         let count: usize = self.calibration.iter().map(|bin| bin.count).sum();
         let difference = |bin: &CalibrationBin| (bin.probability - bin.true_count as f64).abs();

@@ -26,7 +26,7 @@ pub struct JudgedContact {
 #[derive(Clone, Debug)]
 pub(super) struct OpenContact {
     samples: usize,
-    /// Touched samples of each known category, and of others.
+    /// Number of samples in which each known category touched the taxel, and then in which anything else did.
     votes: Vec<usize>,
     /// Sums of the log-probabilities of the categories, weighted by the probability of a touch.
     evidence: Vec<f64>,

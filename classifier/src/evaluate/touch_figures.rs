@@ -12,7 +12,7 @@ use super::touch_contact::JudgedContact;
 /// The rate of false alarms at which the share of outliers found is given.
 pub const FALSE_ALARMS: f64 = 0.05;
 
-/// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` where there is nothing to share.
+/// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` if there is nothing to count.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TouchFigures {
     /// Verdicts on taxel frames by truth: nothing, the model's categories, then everything else.
@@ -26,7 +26,7 @@ pub struct TouchFigures {
     /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole
     /// contact; `None` without such contacts.
     pub contacts_at_end: Option<Accuracy>,
-    /// The same by the first ten samples, or the whole contact if it is shorter.
+    /// The same contacts, by their first ten samples, or by the whole contact if it is shorter.
     pub contacts_after_tenth_second: Option<Accuracy>,
     /// How many of these contacts had a right verdict after 1, 2, 3, … samples.
     pub first_right_verdict: Vec<RightWithin>,
@@ -59,11 +59,11 @@ pub struct TruthFigures {
     pub called_unknown: Option<f64>,
 }
 
-/// Shares of the taxel frames of a reach that a known category presses on, on average over reaches, each of which
-/// counts the same. This is what limits of risk are about ([`crate::touch::RiskLimits`]).
+/// Shares of the taxel frames of a reach that a known category presses on, on average over reaches. Every reach has the
+/// same weight. [`crate::touch::RiskLimits`] limits these shares.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ReachFigures {
-    /// Number of reaches. One without such taxel frames counts as one without bad verdicts.
+    /// Number of reaches. A reach without such taxel frames counts as a reach without bad verdicts.
     pub reaches: usize,
     /// Share called another known category.
     pub wrong_category: Option<f64>,
@@ -146,7 +146,7 @@ impl TouchFigures {
     }
 }
 
-/// How everything that is no category of the model is named.
+/// The name of everything that is not a category of the model.
 const OTHERS: &str = "anything else";
 
 fn share(part: usize, all: usize) -> Option<f64> {
@@ -170,7 +170,8 @@ fn accuracy(
     })
 }
 
-/// `until_right` in ascending order, without the contacts that never had a right verdict.
+/// The share of contacts with a right verdict after 1, 2, 3, … samples. `until_right` is in ascending order, without
+/// the contacts that never had a right verdict.
 fn first_right(until_right: &[usize], contacts: usize) -> Vec<RightWithin> {
     let within = |samples: Option<usize>| {
         let count = until_right.partition_point(|own| samples.is_none_or(|samples| *own <= samples));
@@ -315,7 +316,7 @@ mod tests {
         assert!((outliers.found_at_5_percent - 2.0 / 3.0).abs() < 1e-12, "{outliers:?}");
     }
 
-    /// Pins that an evaluation without anything has no figures, rather than zeros.
+    /// Pins that an empty evaluation has no figures, rather than zeros.
     #[test]
     fn nothing_has_no_figures() {
         let figures = TouchFigures::of(&TouchEvaluation::default(), &["leaf".to_owned()]);

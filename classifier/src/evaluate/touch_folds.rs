@@ -45,7 +45,7 @@ pub enum TouchFoldsError {
     },
 }
 
-/// What touch models made of reaches with ground truth.
+/// The verdicts of touch models on reaches with ground truth, summarized.
 #[derive(Clone, Debug, Serialize)]
 pub struct TouchReport {
     /// `None` without cross-validation.
@@ -73,7 +73,7 @@ pub trait ReadReaches {
     /// Number of reaches.
     fn count(&self) -> usize;
 
-    /// Hands the reaches whose positions `keeps` returns true for to `each`, in their order.
+    /// Calls `each` with every reach for whose position `keeps` returns true, in order.
     ///
     /// # Errors
     /// If a reach cannot be read, and the errors of `each`.
@@ -127,7 +127,7 @@ impl Judged {
     }
 }
 
-/// What a model makes of reaches.
+/// Judges reaches with a model.
 ///
 /// # Errors
 /// If a reach cannot be read, or the model does not fit its skin.
@@ -151,12 +151,12 @@ pub fn check_folds(folds: usize, reaches: usize) -> Result<(), TouchFoldsError> 
     Ok(())
 }
 
-/// Cross-validates touch models. Reach i belongs to part i modulo `folds`, and each part is judged by a model of the
-/// others, which `fit` makes from its rows of `examples`. These are the rows of all reaches, in their order.
+/// Cross-validates touch models. Reach i belongs to part i modulo `folds`. Each part is judged by a model that `fit`
+/// fits to the other parts. `examples` holds the rows of all reaches, in order.
 ///
 /// # Errors
-/// What `refused` makes of a [`TouchFoldsError`], if there are too few folds, reaches or categories; also if a reach
-/// cannot be read, and the errors of `fit`.
+/// The result of `refused` for a [`TouchFoldsError`], if there are too few folds, reaches or categories; also the
+/// errors of reading a reach and of `fit`.
 pub fn cross_validate_touch<R: ReadReaches>(
     folds: usize,
     examples: &TouchExamples,

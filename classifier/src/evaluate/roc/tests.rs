@@ -2,7 +2,7 @@ use super::*;
 use crate::decision::Decision;
 use crate::evaluate::tests::scored;
 
-/// Pins the area against counting all pairs, with ties counted half, on scores with ties and infinities.
+/// Pins the area against a count of all pairs, with ties counted half, on scores with ties and infinities.
 #[test]
 fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     let positives = [3.0, 1.0, 1.0, f64::INFINITY, -2.0, 0.0];
@@ -25,7 +25,7 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     assert!((curve.area + swapped.area - 1.0).abs() < 1e-15);
 }
 
-/// Pins both ends, that the curve never decreases, and each point against counting the scores at or above its
+/// Pins both ends of the curve, that it never decreases, and each point against a count of the scores at or above its
 /// threshold.
 #[test]
 fn points_are_the_counts_at_their_thresholds() {
@@ -80,7 +80,7 @@ fn rates(curve: &RocCurve) -> Vec<(f64, f64)> {
 #[test]
 fn the_smallest_leads_are_called_outliers_first() {
     let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()]).unwrap();
-    // Margins: outliers 60 and 85, known 90, 30 and 200. Of the 2 · 3 pairs the outlier has the smaller margin in 4.
+    // Margins: outliers 60 and 85, known 90, 30 and 200. The outlier has the smaller margin in 4 of the 2 · 3 pairs.
     let evaluation = scored(&[
         ("leaf", [90.0, 0.0]),
         ("trunk", [0.0, 30.0]),

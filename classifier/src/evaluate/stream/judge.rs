@@ -17,7 +17,7 @@ struct Judged {
     taxel: usize,
     /// Samples since its contact began, at least 1.
     samples: usize,
-    /// Its place in [`Stream::verdicts`].
+    /// Index of the verdict in [`Stream::verdicts`].
     verdict: usize,
 }
 
@@ -26,14 +26,14 @@ struct Judged {
 struct Last {
     verdict: Option<usize>,
     samples_used: usize,
-    /// Its present contact in [`Stream::contacts`].
+    /// Index of the taxel's present contact in [`Stream::contacts`].
     contact: Option<usize>,
 }
 
-/// Classifies a recorded reach frame by frame, as online while the arm moves.
+/// Classifies a recorded reach frame by frame, as the online classifier does while the arm moves.
 ///
 /// # Errors
-/// [`OnlineError`] if patch, classifier, rule or a frame do not fit.
+/// [`OnlineError`] if the patch, the classifier, the rule or a frame does not fit.
 pub fn classify_stream(
     classifier: &dyn Classifier,
     recording: &Recording,
@@ -65,7 +65,7 @@ pub fn classify_stream(
     Ok(stream)
 }
 
-/// The same by a touch model. Something unlike all known categories counts as an outlier.
+/// Like [`classify_stream`], but by a touch model. Something unlike all known categories counts as an outlier.
 ///
 /// # Errors
 /// [`TrialError`] if the skin lacks the model's patch, the patch has no grid, or a frame does not fit.
@@ -145,7 +145,7 @@ impl Pressing {
 }
 
 impl Stream {
-    /// A stream without frames, with these verdicts after the usual ones.
+    /// A stream without frames. `further` are the names of verdicts after the usual ones.
     fn new(categories: &[String], further: &[&str], recording: &Recording, truth: StreamTruth) -> Self {
         let mut verdicts = categories.to_vec();
         let usual = [Verdict::Uncertain, Verdict::Outlier];
@@ -214,7 +214,7 @@ impl Stream {
         self.frames.push(frame);
     }
 
-    /// Counts a sample of a contact; `place` is where the contact is in the list, once it has a truth.
+    /// Counts a sample of a contact; `place` is the index of the contact in [`Stream::contacts`], once it has a truth.
     fn follow(&mut self, place: &mut Option<usize>, truth: Option<Category>, taxel: &Judged) {
         if place.is_none()
             && let Some(truth) = truth

@@ -10,8 +10,8 @@ use crate::hmm_classifier::HmmClassifier;
 use crate::online::OnlineOptions;
 use crate::trial::tests::{Drawn, recording};
 
-/// Leaf: 0.5 N, trunk: 3 N, both with variance 1 N² and one state. A sample of 0.5 N or of 3 N then adds to the margin
-/// (3 − 0.5)² / 2 = 3.125 nats.
+/// Models of leaf (mean 0.5 N) and trunk (3 N), both with one state and variance 1 N². A sample of 0.5 N or of 3 N then
+/// adds (3 − 0.5)² / 2 = 3.125 nats to the margin.
 fn models() -> HmmClassifier {
     let model = |mean_n: f64| {
         let parameters = HmmParameters {
@@ -76,8 +76,8 @@ fn verdicts_are_tallied_by_truth() {
     assert_eq!(stream.seconds.len(), 6);
 }
 
-/// Pins when each contact is judged rightly for the first time, on the same reach. A sample adds 3.125 nats to the
-/// margin, so that a margin of 5 takes two. A break begins a new contact, and contacts without an object are left out.
+/// Pins when each contact of [`reach`] is judged rightly for the first time. A sample adds 3.125 nats to the margin, so
+/// a margin of 5 takes two samples. A break begins a new contact, and contacts without an object are left out.
 #[test]
 fn the_first_right_verdict_of_each_contact_is_found() {
     let rule = Rule::UncertainBelow { margin: 5.0 };
@@ -96,7 +96,8 @@ fn the_first_right_verdict_of_each_contact_is_found() {
     assert_eq!(stream.contacts, expected);
 }
 
-/// Pins the tally of one category: it is its row of the matrix, and the rows of all categories add up to the total.
+/// Pins that the tally of one category is its row of the matrix, and that the rows of all categories add up to the
+/// total.
 #[test]
 fn a_category_has_a_tally_of_its_own() {
     let rule = Rule::UncertainBelow { margin: 5.0 };
@@ -148,8 +149,8 @@ fn samples_used_are_those_at_the_verdict() {
     assert_eq!(stream.frames[5].tally.uncertain, 1);
 }
 
-/// Pins that for a category without a model outlier is right and a known category wrong, and that a known category
-/// called outlier is wrong.
+/// Pins that, for a category without a model, outlier is the right verdict and a known category is wrong, and that a
+/// known category called outlier is wrong.
 #[test]
 fn a_foreign_object_is_rightly_an_outlier() {
     let mut recording = reach();
@@ -170,8 +171,8 @@ fn a_foreign_object_is_rightly_an_outlier() {
     assert_eq!(stream.total().misclassified, 3 + 4);
 }
 
-/// Pins that the same verdicts are right in a stream and for a whole trial, for each category and verdict. Earlier, a
-/// block called outlier was right in a stream and wrong as a trial.
+/// Pins that the same verdicts are right in a stream and for a whole trial, for each category and verdict. A block
+/// called outlier was once right in a stream and wrong as a trial.
 #[test]
 fn right_in_a_stream_is_right_as_a_trial() {
     let verdicts = [

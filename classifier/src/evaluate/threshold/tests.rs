@@ -15,8 +15,8 @@ const TARGETS: ThresholdTargets = ThresholdTargets {
     outlier_prior: 0.05,
 };
 
-/// Scores of `count` trials per category, whose margin in favour of the true one is normal with mean 3 and standard
-/// deviation 3 nats.
+/// Scores of `count` trials per category. The margin in favour of the true category is normal with mean 3 nats and
+/// standard deviation 3 nats.
 fn drawn(count: usize, seed: u64) -> Evaluation {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let margin = Normal::new(3.0, 3.0).unwrap();
@@ -54,7 +54,7 @@ fn thresholds_are_the_quantiles_of_the_distribution() {
     let chosen = choose_thresholds(&drawn(50_000, 1), &BTreeMap::new(), targets).unwrap();
     let (uncertain_below, category_above) = band(&chosen);
     let expected = 3.0 * z_at_2_percent - 3.0;
-    // Standard error of the quantile: sqrt(α(1 − α)/n) over the density, 0.039 here; four of them.
+    // Standard error of the quantile: sqrt(α(1 − α)/n) over the density, here 0.039. The tolerance is four of these.
     assert!(
         (category_above - expected).abs() < 0.16,
         "{category_above} for {expected}"
@@ -86,11 +86,12 @@ fn new_trials_keep_the_rate_on_average() {
         }
     }
     let rate = mistakes as f64 / trials as f64;
-    // Two categories share the larger threshold, so the mean is below the bound, but a bound this far off is useless.
+    // Both categories use the larger threshold, so the mean is below the bound, but it must not be far below.
     assert!(rate <= 0.1 && rate > 0.06, "{rate}");
 }
 
-/// Pins the counting on eleven hand-made trials per category: at a rate of 0.25 of 12, two mistakes may remain above.
+/// Pins the counting on eleven hand-made trials per category: at a rate of 0.25, (k + 1) / 12 ≤ 0.25 allows two
+/// mistakes above the threshold.
 #[test]
 fn counts_stand_at_the_border() {
     let mut rows: Vec<(&str, [f64; 2])> = Vec::new();
@@ -173,7 +174,7 @@ fn what_cannot_be_held_is_refused() {
     assert!(matches!(error, ThresholdError::Decision(_)), "{error}");
 }
 
-/// The score of a trunk after k samples is the sum of their forces, that of a leaf 0; nothing is fitted.
+/// The score of trunk after k samples is the sum of their forces, and the score of leaf is 0. Nothing is fitted.
 struct Sum;
 
 impl Estimator for Sum {
@@ -183,9 +184,9 @@ impl Estimator for Sum {
 }
 
 /// Pins the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand.
-/// Right ones have a margin of 1 nat per sample; three leaves are wrong by 0.5 nats per sample, so that at a rate of
-/// 0.25 of 13 the threshold is 5. No whole trial is uncertain, but right ones are for 4 of their 10 samples and wrong
-/// ones for 9.
+/// Trials that are judged rightly have a margin of 1 nat per sample. Three leaves are judged wrongly, by 0.5 nats per
+/// sample; a rate of 0.25 allows two mistakes, (k + 1) / 13 ≤ 0.25, so the threshold is 5. No whole trial is uncertain,
+/// but right ones are uncertain for 4 of their 10 samples and wrong ones for 9.
 #[test]
 fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let trial = |number: u64, category: &str, force_n: f64| Trial {
