@@ -1,6 +1,6 @@
 //! Classifies what an arm touches: hidden Markov models distinguish leaf, trunk and outlier, taxel by taxel, from the
-//! forces (and motions) that tactile skin senses in incidental contact, after Bhattacharjee, Kapusta, Rehg and Kemp,
-//! "Rapid Categorization of Object Properties from Incidental Contact with a Tactile Sensing Robot Arm", 2013.
+//! forces (and motions) that tactile skin senses in incidental contact. This follows Bhattacharjee, Kapusta, Rehg and
+//! Kemp, "Rapid Categorization of Object Properties from Incidental Contact with a Tactile Sensing Robot Arm", 2013.
 //!
 //! The modules follow the data:
 //!
@@ -20,7 +20,8 @@
 //!
 //! # Tutorial
 //!
-//! Twenty presses against something soft and twenty against something stiff; train; ask about a new one.
+//! This trains on twenty presses against something soft and twenty against something stiff, and then classifies a new
+//! press.
 //!
 //! ```
 //! use underbrush_classifier::HmmClassifier;

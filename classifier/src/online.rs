@@ -51,7 +51,7 @@ pub enum OnlineError {
 pub struct OnlineOptions {
     /// Name of the patch; the skin's first if `None`.
     pub patch: Option<String>,
-    /// A taxel is in contact where its sensed force is above this, N.
+    /// A taxel is in contact while its sensed force is above this, N.
     pub threshold_n: f64,
     /// From scores to verdicts.
     pub decision: Decision,
@@ -62,7 +62,8 @@ pub struct OnlineOptions {
 pub struct TaxelVerdict {
     /// Index of the taxel in its patch.
     pub taxel: usize,
-    /// Samples since its contact began, at least 1. After those that the classifier uses, the scores stay the same.
+    /// Samples since its contact began, at least 1. After the samples that the classifier uses, the scores stay the
+    /// same.
     pub samples: usize,
     /// Score of each category, nats, in the order of [`Classifier::categories`]; without priors.
     pub scores: Vec<f64>,
@@ -82,7 +83,7 @@ pub struct OnlineClassifier {
     image: PatchImage,
     /// Only if a feature describes the contact region.
     regions: Option<Regions>,
-    /// Free contacts of the scorer. The smallest is used first, so that those in use are next to each other.
+    /// Numbers of free contacts in the scorer. The smallest is used first, so that those in use are next to each other.
     free: BinaryHeap<Reverse<usize>>,
     /// One per taxel.
     contacts: Vec<Contact>,
@@ -92,7 +93,7 @@ pub struct OnlineClassifier {
 /// The state of a taxel.
 #[derive(Clone, Debug)]
 struct Contact {
-    /// Its contact in the scorer, if it has one.
+    /// Number of its contact in the scorer, if it is in contact.
     slot: Option<usize>,
     travel: Travel,
     /// Whether the sample of the current frame can change the scores.
@@ -105,8 +106,8 @@ impl OnlineClassifier {
     /// A classifier for a stream of frames of this skin, without contacts so far.
     ///
     /// # Errors
-    /// [`OnlineError`] if the patch is unknown, threshold, priors or rule do not fit, or a feature describes the
-    /// contact region and the patch has no grid.
+    /// [`OnlineError`] if the patch is unknown, the threshold, the priors or the rule do not fit, or a feature
+    /// describes the contact region and the patch has no grid.
     pub fn new(classifier: &dyn Classifier, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let categories = classifier.categories();
         let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;

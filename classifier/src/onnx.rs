@@ -1,6 +1,6 @@
-//! Networks of others: a model in the ONNX format, trained with scikit-learn or PyTorch, as a classifier of contacts.
+//! Networks trained elsewhere: a model in the ONNX format, from scikit-learn or PyTorch, as a classifier of contacts.
 //!
-//! The file says in its metadata what it expects:
+//! The metadata of the file say what it expects:
 //!
 //! | key | value |
 //! |---|---|
@@ -11,8 +11,8 @@
 //!
 //! The input is one tensor of 32-bit floats of shape (1, window × features), sample by sample, or (1, window,
 //! features). A contact shorter than the window, or not yet as long, is padded with its last sample, and samples after
-//! the window are ignored. The first output of 32-bit floats with one value per category is the answer. An answer that
-//! is none, such as NaN or probabilities that do not sum to 1, is an error.
+//! the window are ignored. The first output of 32-bit floats with one value per category is the answer. An invalid
+//! answer, such as NaN or probabilities that do not sum to 1, is an error.
 
 mod metadata;
 
@@ -31,7 +31,7 @@ use crate::feature::{FeatureSet, SampleFault};
 
 use metadata::Expected;
 
-/// Probabilities below this count as this, so that no category is impossible.
+/// Smaller probabilities count as this, so that no category is impossible.
 const SMALLEST_PROBABILITY: f64 = 1e-9;
 /// How far probabilities and their sum may be off. Choice: far above the rounding of 32-bit floats, and far below what
 /// matters.
@@ -40,8 +40,8 @@ const PROBABILITY_TOLERANCE: f64 = 1e-3;
 /// Reads and checks a model.
 ///
 /// # Errors
-/// [`InputError`] if the file is no ONNX model, lacks a key, uses an operator that is not known, or has inputs and
-/// outputs of other shapes.
+/// [`InputError`] if the file is not an ONNX model, lacks a key, uses an unknown operator, or has inputs or outputs of
+/// other shapes.
 pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
     let fail = |field: &str, found: String, allowed: &str, remedy: &str| {
         InputError::new(path, field.to_owned(), found, allowed.to_owned(), remedy.to_owned())
@@ -98,7 +98,7 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
     }))))
 }
 
-/// Runs a step of tract. With some files it panics where others give an error, and bad input must never end the
+/// Runs a step of tract and turns a panic into an error. Some files make tract panic, and bad input must never end the
 /// program.
 fn guarded<T>(step: impl FnOnce() -> TractResult<T>) -> TractResult<T> {
     catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|panic| {
@@ -133,7 +133,7 @@ impl Network {
     }
 }
 
-/// A model that was read.
+/// A model read from a file.
 struct Loaded {
     path: PathBuf,
     expected: Expected,
@@ -141,7 +141,7 @@ struct Loaded {
 }
 
 impl Loaded {
-    /// What the network makes of the samples of a window: one number per category.
+    /// Runs the network on the samples of a window and writes one number per category to `answer`.
     fn answer(&self, input: &[f32], answer: &mut [f64]) -> Result<(), InputError> {
         let fail = |field: &str, found: String, allowed: String, remedy: &str| {
             InputError::new(&self.path, field, found, allowed, remedy)

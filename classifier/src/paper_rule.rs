@@ -1,5 +1,5 @@
-//! Which scores the paper's thresholds, [`Decision::paper`](crate::decision::Decision::paper), belong to: Viterbi
-//! scores of hidden Markov models of unscaled force. On other scores they would give verdicts without a meaning.
+//! Which scores the paper's thresholds, [`Decision::paper`](crate::decision::Decision::paper), apply to: Viterbi scores
+//! of hidden Markov models of unscaled force. With other scores they would give meaningless verdicts.
 
 use crate::feature::FeatureSet;
 use crate::hmm::ScoreKind;
@@ -9,7 +9,7 @@ use crate::recipe::{Recipe, ScalingKind};
 /// Why the thresholds do not apply to classifiers other than hidden Markov models.
 pub const NOT_HMM: &str = "this classifier gives log-posteriors";
 
-/// Why the thresholds do not apply to the scores of a model; `None` if they do.
+/// Why the thresholds do not apply to the scores of a model; `None` if they do apply.
 pub fn misfit_of_model(model: &Model) -> Option<String> {
     match model.as_hmm() {
         None => Some(NOT_HMM.to_owned()),
@@ -17,8 +17,8 @@ pub fn misfit_of_model(model: &Model) -> Option<String> {
     }
 }
 
-/// Why the thresholds do not apply to the scores of hidden Markov models of a recipe, or of another classifier if there
-/// is none; `None` if they do.
+/// Why the thresholds do not apply to the scores of hidden Markov models that are trained by `recipe`, or of another
+/// kind of classifier if there is no recipe. `None` if they do apply.
 pub fn misfit_of_recipe(recipe: Option<&Recipe>) -> Option<String> {
     match recipe {
         None => Some(NOT_HMM.to_owned()),

@@ -9,19 +9,19 @@ use crate::error::{Fault, check_limits};
 use crate::feature::FeatureSet;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
 
-/// States of a model: the paper has up to 20, and the cost of a sample grows with the square.
+/// States of a model: the paper has up to 20, and the cost of a sample grows with the square of their number.
 pub(crate) const STATES: Limits = Limits::new(1.0, 1000.0, "states");
 
-/// Samples of a trial that are used: weeks at 100 Hz.
+/// Samples of a trial that are used: at most some weeks at 100 Hz.
 const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");
 
-/// Iterations of Baum-Welch, which converges in some hundred.
+/// Iterations of Baum-Welch, which usually converges within hundreds.
 const ITERATIONS: Limits = Limits::new(0.0, 1e6, "iterations");
 
 /// Relative gain at which training ends. With 1 it ends after the first iteration.
 const TOLERANCE: Limits = Limits::new(0.0, 1.0, "");
 
-/// Floor of variances: as small as a variance that a model file may hold, or off.
+/// Floor of variances: at least the smallest variance that a model file may hold, or 0 for no floor.
 const VARIANCE_FLOOR: Limits = Limits::new(1e-30, 1e12, "").or_off_at(0.0);
 
 /// Whether the models use features as measured or z-scored.
@@ -78,8 +78,8 @@ impl Recipe {
         }
     }
 
-    /// What one would choose today: the forward likelihood of eq. 2 as score, and z-scored features, so that the
-    /// variance floor means the same (a hundredth of the data's deviation) for every feature.
+    /// The recipe that one would choose today: the forward likelihood of eq. 2 as score, and z-scored features, so that
+    /// the variance floor means the same (a hundredth of the data's deviation) for every feature.
     pub fn modern() -> Self {
         Recipe {
             score: ScoreKind::Forward,

@@ -1,4 +1,4 @@
-//! The list of classifiers. The command line, model files and tests know classifiers from here only.
+//! The list of classifiers. The command line, model files and tests take classifiers only from this list.
 
 use crate::baseline::{echo_state_network, logistic, naive_bayes, nearest_neighbours};
 use crate::estimator::ClassifierKind;

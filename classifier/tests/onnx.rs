@@ -1,7 +1,7 @@
 //! ONNX models: scores, padding, files that do not fit, and networks that fail while they run. `onnx/make.py` wrote the
-//! files. `linear.onnx` is softmax(x W + b) of the forces of two samples; its weights stand below. `other_window.onnx`
-//! is the same network with a window of three samples in its metadata. The others fail where a force is above 1 N or
-//! from 2 N on.
+//! files. `linear.onnx` is softmax(x W + b) of the forces of two samples; its weights are [`WEIGHTS`] and
+//! [`CONSTANTS`]. `other_window.onnx` is the same network with a window of three samples in its metadata. The others
+//! fail with certain forces; see [`FAILING`].
 #![cfg(feature = "onnx")]
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
@@ -49,7 +49,7 @@ fn expected(window: [f64; 2]) -> Vec<f64> {
 }
 
 /// Pins the scores after each sample against the formula, the padding of a short contact, and that samples after the
-/// window are ignored. 32-bit floats have 24 bits.
+/// window are ignored. The tolerance allows for 32-bit floats, which have 24 significant bits.
 #[test]
 fn scores_are_those_of_the_formula() {
     let model = onnx::load(&file("linear.onnx")).unwrap();
@@ -62,7 +62,7 @@ fn scores_are_those_of_the_formula() {
     }
 }
 
-/// Pins that files that do not fit are refused with what is wrong and what to do.
+/// Pins that files that do not fit are refused with an error that names the file and what is wrong.
 #[test]
 fn files_that_do_not_fit_are_refused() {
     let broken = std::env::temp_dir().join(format!("underbrush-{}.onnx", std::process::id()));

@@ -125,7 +125,7 @@ fn check(configuration: &str) {
 
 #[test]
 fn five_states_force_left_right() {
-    // Pins scores (1e-9) and training (1e-6) against the oracle; likewise below.
+    // Pins scores (1e-9) and training (1e-6) against the oracle.
     check("5-states-force-left-right");
 }
 

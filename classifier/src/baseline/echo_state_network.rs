@@ -181,8 +181,8 @@ impl Network {
         let mut draw = |rows: usize, columns: usize, max: f64| {
             DMatrix::from_fn(rows, columns, |_, _| max * (2.0 * rng.random::<f64>() - 1.0))
         };
-        // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform ones have σ = max /
-        // √3.
+        // Independent entries of standard deviation σ give a spectral radius of σ √units; uniform entries have
+        // `σ = max / √3`.
         let max = RADIUS * (3.0 / options.units as f64).sqrt();
         Network {
             options: *options,

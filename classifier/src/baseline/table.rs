@@ -21,8 +21,8 @@ pub(super) struct Table {
 pub(super) struct Row {
     /// Index of the category.
     pub(super) category: usize,
-    /// The rows of a trial have equal weight, and so do the trials of a category. The weights of each category sum to 1
-    /// / (number of categories), so that fits do not depend on how frequent categories are.
+    /// The rows of a trial have equal weight, and so do the trials of a category. The weights of each category sum to
+    /// one over the number of categories, so that fits do not depend on how frequent categories are.
     pub(super) weight: f64,
     /// The stream features; [`Standardization::of`] standardizes them.
     pub(super) features: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Errors in trials as input of a classifier.
+//! Errors in the input of a classifier: in samples, trials and lists of features.
 
 use thiserror::Error;
 

@@ -46,7 +46,7 @@ pub const MOTION: Feature = Feature {
     of_region: false,
 };
 
-/// Contact area as the number of taxels in contact. Regions have some ten taxels at most.
+/// Contact area as the number of taxels in contact. Regions have about ten taxels at most.
 pub const AREA: Feature = Feature {
     name: "area",
     column: "region_taxels",

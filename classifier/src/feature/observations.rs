@@ -35,7 +35,7 @@ impl Observations {
         self.values.len() / self.dimension
     }
 
-    /// The sample of an index.
+    /// The sample with this index.
     ///
     /// # Panics
     /// Where `index` is not below [`Observations::sample_count`].

@@ -19,7 +19,7 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The scaling of these sequences' samples, all weighted alike.
+    /// The scaling for the samples of these sequences, which all have the same weight.
     ///
     /// # Errors
     /// [`FeatureError::Constant`] if a feature never varies.

@@ -15,7 +15,7 @@ use super::observations::Observations;
 
 /// The features that a classifier uses, in order: one or more, none twice.
 ///
-/// As text the names are joined by `+`, such as `force+motion`; commas are read, too.
+/// As text, the names are joined by `+`, as in `force+motion`. Commas are read as well.
 ///
 /// ```
 /// use underbrush_classifier::feature::FeatureSet;
@@ -57,7 +57,7 @@ impl FeatureSet {
         for (index, name) in names.iter().enumerate() {
             let name = name.as_ref();
             let feature = Feature::find(name).ok_or_else(|| FeatureError::Unknown { found: name.to_owned() })?;
-            // A list longer than that of all features must repeat one, so every valid list fits.
+            // A list longer than [`FEATURES`] must repeat a feature, so every valid list fits.
             if features.contains(&Some(feature)) {
                 return Err(FeatureError::Repeated { found: feature.name });
             }

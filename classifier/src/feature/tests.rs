@@ -24,7 +24,8 @@ fn trial(samples: &[(f64, Option<f64>)]) -> Trial {
     }
 }
 
-/// Pins that names, columns and text give the same list in the same order, and that the old notation still works.
+/// Pins that names, columns and text give the same list in the same order, and that lists joined by `+` are read and
+/// written.
 #[test]
 fn names_columns_and_text_agree() {
     let every = FeatureSet::from_names(&FEATURES.map(|feature| feature.name)).unwrap();
@@ -42,7 +43,7 @@ fn names_columns_and_text_agree() {
     assert_eq!(FeatureSet::FORCE_AND_MOTION.to_string(), "force+motion");
 }
 
-/// Pins the errors for invalid lists, also for one longer than that of all features.
+/// Pins the errors for invalid lists, including a list longer than [`FEATURES`].
 #[test]
 fn bad_lists_are_refused() {
     let unknown = FeatureError::Unknown { found: "warmth".into() };

@@ -9,7 +9,7 @@ use crate::vector::vectorized;
 /// Filters of a fixed number of streams under several models of the same features.
 ///
 /// Samples are put in one by one; then all filters advance together, four streams at a time. Nothing is allocated after
-/// [`FilterBank::new`]. The scores are those of [`super::RunningScore`], bit for bit.
+/// [`FilterBank::new`]. The scores equal those of [`super::RunningScore`], bit for bit.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterBank {
     dimension: usize,
@@ -97,7 +97,8 @@ impl FilterBank {
                     let Some(some) = group.waiting.iter().position(|&waiting| waiting) else {
                         continue;
                     };
-                    // Streams without a sample are fed that of another, and start again with their next one.
+                    // Streams without a sample are given the sample of another stream, and start again with their own
+                    // next sample.
                     for stream in 0..STREAMS {
                         if !group.waiting[stream] {
                             group.spoiled[stream] = true;

@@ -1,4 +1,4 @@
-//! What keeps estimated covariances positive definite.
+//! The variance floor, which keeps estimated covariances positive definite.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 ///
 /// For D = 1 this is the plain variance floor. For D > 1 the eigenvalues are clipped rather than the diagonal: that
 /// keeps the matrix safely positive definite whatever the correlation. Among all covariances whose eigenvalues are at
-/// least `floor`, the clipped one has the highest likelihood, so Baum-Welch with this floor still never decreases.
+/// least `floor`, the clipped one has the highest likelihood, so Baum-Welch with this floor still never decreases the
+/// likelihood.
 pub(super) fn floor_eigenvalues(covariance: &mut [f64], dimension: usize, floor: f64) {
     if floor <= 0.0 {
         return;
@@ -29,7 +30,7 @@ pub(super) fn floor_eigenvalues(covariance: &mut [f64], dimension: usize, floor:
 }
 
 /// Whether the standard deviation of a covariance (D × D, row-major) is below 1e-8 of `largest_observation` in some
-/// direction: in f64 the squares cannot be told apart from no spread at all.
+/// direction: in f64 such a variance cannot be distinguished from zero.
 pub(super) fn is_singular(covariance: &[f64], dimension: usize, largest_observation: f64) -> bool {
     let min_variance = (1e-8 * largest_observation).powi(2);
     let smallest = if dimension == 1 {

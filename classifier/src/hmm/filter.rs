@@ -18,7 +18,7 @@ pub enum ScoreKind {
     /// ln P(O|λ), summed over all state paths (paper, eq. 2).
     Forward,
     /// ln of the joint probability of the observations and the best state path. The authors' published code uses this
-    /// score, and their thresholds of 80 and 15 belong to it.
+    /// score, and their thresholds of 80 and 15 nats apply to it.
     Viterbi,
 }
 

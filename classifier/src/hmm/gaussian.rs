@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(of_states.to_bits(), of_samples.to_bits());
     }
 
-    /// Pins that the second state's fault is found, and that extreme samples give −inf, not NaN.
+    /// Pins that an invalid covariance of the second state is found, and that extreme samples give −inf, not NaN.
     #[test]
     fn a_matrix_that_is_not_positive_definite_is_refused_by_state() {
         let covariance = [1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 1.0];

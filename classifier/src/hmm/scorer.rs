@@ -6,9 +6,9 @@ use super::tile::Tile;
 use crate::feature::{FeatureError, Observations};
 use crate::vector::vectorized;
 
-/// A model together with what scoring prepares from it, once.
+/// A model with the tables that scoring needs, which are prepared once.
 ///
-/// Training changes a model in every iteration and never builds one of these.
+/// Training changes its model in every iteration and does not use these tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scorer {
     model: GaussianHmm,
@@ -44,7 +44,7 @@ impl Scorer {
         Ok(self.log_probabilities(kind, &[observations])?[0])
     }
 
-    /// The scores of many sequences in nats, bit for bit those of [`Scorer::log_probability`].
+    /// The scores of many sequences in nats, bit for bit the same as those of [`Scorer::log_probability`].
     ///
     /// Four sequences are scored at a time, which is about three times as fast for the forward score and one and a half
     /// times as fast for the Viterbi score.
@@ -75,7 +75,7 @@ impl Scorer {
                     for time in 0..ends[group.len() - 1] {
                         let used = ends.map(|end| time < end);
                         for stream in 0..STREAMS {
-                            // A stream that has ended, or is not in use, is fed the samples of the longest one.
+                            // A stream that has ended, or is not in use, is given the samples of the longest one.
                             let source = if used[stream] { streams[stream] } else { longest };
                             for (tile, value) in sample.iter_mut().zip(source.sample(time)) {
                                 tile[stream] = *value;

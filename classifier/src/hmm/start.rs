@@ -100,7 +100,8 @@ mod tests {
         }
     }
 
-    /// Pins the stretching: two samples over four states give means 1 1 2 2; the floor makes up for the spread.
+    /// Pins that short sequences are stretched: two samples over four states give the means 1, 1, 2 and 2. The slices
+    /// have no spread, so training needs the variance floor.
     #[test]
     fn short_sequences_reach_every_state() {
         let sequences = [Observations::new(1, vec![1.0, 2.0]).unwrap()];

@@ -44,12 +44,12 @@ impl Statistics {
 
     /// Expected counts over all sequences. The error is the index of a sequence that the model rules out.
     ///
-    /// Uses the scaled pass (`scaled.rs`) where it can show that its result is exact, and log space (`exact.rs`)
-    /// elsewhere.
+    /// Uses the scaled pass (`scaled.rs`) for sequences for which its result is known to be exact, and log space
+    /// (`exact.rs`) for all others.
     pub(super) fn collect(model: &GaussianHmm, sequences: &[Observations]) -> Result<Self, usize> {
         let statistics = Self::collect_scaled(model, sequences)?;
         let few = |&count: &f64| count < FEW;
-        // A state without any departure keeps its transition probabilities.
+        // A state without any departure keeps its transition probabilities, so it needs no exact count.
         let departures = |row: &[f64]| row.iter().sum::<f64>();
         let scarce = statistics.occupancy.iter().any(few)
             || statistics

@@ -98,7 +98,7 @@ const EXP2: [f64; 12] = [
 /// 2^x for x from −½ to ½.
 #[inline(always)]
 pub(super) fn exp2_fraction(x: f64) -> f64 {
-    // Estrin's scheme: its parts are independent, while each step of Horner's waits for the one before.
+    // Estrin's scheme: its parts are independent, while each step of Horner's scheme waits for the previous one.
     let (square, pair) = (x * x, |k: usize| EXP2[k] + EXP2[k + 1] * x);
     let four = |k: usize| pair(k) + pair(k + 2) * square;
     let fourth = square * square;

@@ -46,8 +46,8 @@ pub enum Stop {
     },
     /// All iterations were used, or the tolerance is 0.
     MaxIterations,
-    /// The log-likelihood decreased, which exact Baum-Welch cannot do; near the maximum rounding can. The model of the
-    /// previous iteration is kept.
+    /// The log-likelihood decreased. Exact Baum-Welch never decreases it, but near the maximum rounding can. The model
+    /// of the previous iteration is kept.
     Fell {
         /// The iteration, counted from 1.
         iteration: usize,
@@ -56,7 +56,7 @@ pub enum Stop {
     },
 }
 
-/// How one model's training went.
+/// The course of one model's training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingHistory {
@@ -72,7 +72,7 @@ pub struct TrainingHistory {
     pub empty_states: Vec<usize>,
 }
 
-/// A state with a smaller expected count is empty: its counts are near the end of the range of f64.
+/// A state with a smaller expected count is empty: its counts are near the smallest numbers of f64.
 const EMPTY_OCCUPANCY: f64 = 1e-250;
 
 /// Trains a model by Baum-Welch (expectation maximization), starting from `start`. Initial and transition probabilities
@@ -82,7 +82,8 @@ const EMPTY_OCCUPANCY: f64 = 1e-250;
 /// rounding.
 ///
 /// # Errors
-/// [`TrainingError`].
+/// [`TrainingError`] if an option is out of range, there are no sequences, a sequence does not have the model's number
+/// of features or has probability zero, or a covariance becomes singular.
 pub fn train(
     start: &GaussianHmm,
     sequences: &[Observations],

@@ -1,5 +1,5 @@
-//! The range of every number in a file of hidden Markov models, with its reason, and the rules that its parts must
-//! agree on.
+//! The range of every number in a file of hidden Markov models, with its reason, and the rules by which its parts must
+//! agree.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::feature::{FeatureSet, Scaling};
 use crate::hmm::{GaussianHmm, InitialDistribution, Stop, Topology, TrainingHistory};
 use crate::recipe::{STATES, ScalingKind};
 
-/// Means of a state: forces reach 1e4 N, z-scores the square root of the number of samples.
+/// Means of a state: forces reach 1e4 N, and z-scores reach the square root of the number of samples.
 const MEAN: Limits = Limits::new(-1e6, 1e6, "");
 
 /// Variances of a state: from deviations of 1e-15, the rounding of a double near 1, to the largest mean.

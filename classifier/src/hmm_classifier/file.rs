@@ -24,9 +24,9 @@ pub(super) struct HmmFile {
     models: BTreeMap<String, HmmParameters>,
     /// How features are scaled before the models see them; none if left out.
     scaling: Option<Scaling>,
-    /// What made the models, where known.
+    /// The recipe of the models, if known.
     recipe: Option<Recipe>,
-    /// How the training of each category went, where known.
+    /// The training report of each category, if known.
     #[serde(default)]
     training: BTreeMap<String, TrainingHistory>,
 }

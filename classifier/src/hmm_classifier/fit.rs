@@ -18,12 +18,12 @@ use crate::recipe::{Recipe, ScalingKind};
 pub struct TrainingReport {
     /// By category.
     pub categories: BTreeMap<String, TrainingHistory>,
-    /// Number of trials without a category that models are fitted to.
+    /// Number of trials that were skipped, because no model is fitted to their category.
     pub skipped_trials: usize,
 }
 
 impl HmmClassifier {
-    /// Trains one model per category by `recipe`, in parallel. The result is the same to the bit for any number of
+    /// Trains one model per category by `recipe`, in parallel. The result is bit for bit the same for any number of
     /// threads.
     ///
     /// Trials without a category, blocks and outliers are skipped.
@@ -35,7 +35,7 @@ impl HmmClassifier {
         Self::train_on(trials, recipe)
     }
 
-    /// [`HmmClassifier::train`] on trials from anywhere, for folds that borrow.
+    /// [`HmmClassifier::train`] for any iterator over trials, such as a fold that borrows them.
     pub(crate) fn train_on<'a>(
         trials: impl IntoIterator<Item = &'a Trial, IntoIter: Clone>,
         recipe: &Recipe,

@@ -40,7 +40,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 ///
 /// The options are a [`Recipe`]. Each category's model has Gaussian emissions and is trained by Baum-Welch on the
 /// category's trials; a trial's score is the forward log-likelihood or that of the best state path ([`ScoreKind`]).
-/// Samples are assumed to depend on each other through the hidden state alone, and to come at a fixed rate.
+/// Samples are assumed to depend on each other only through the hidden state, and to come at a fixed rate.
 ///
 /// ```
 /// use underbrush_classifier::HmmClassifier;
@@ -71,15 +71,15 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Made by [`HmmClassifier::train`], [`HmmClassifier::train_from`], [`HmmClassifier::new`] or read from a model file;
-/// all of them check it.
+/// It is made by [`HmmClassifier::train`], [`HmmClassifier::train_from`] or [`HmmClassifier::new`], or read from a
+/// model file. All of these check it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HmmClassifier {
     features: FeatureSet,
     /// Prepared for scoring once, when the classifier is made.
     models: BTreeMap<String, Scorer>,
     scaling: Option<Scaling>,
-    /// Chosen instead of the recipe's.
+    /// The kind of score that was chosen instead of the recipe's.
     score: Option<ScoreKind>,
     /// The recipe of the models, if known; models made elsewhere have none.
     pub recipe: Option<Recipe>,
@@ -145,7 +145,8 @@ impl HmmClassifier {
         self.models.keys().cloned().collect()
     }
 
-    /// The kind of score: that chosen by [`HmmClassifier::score_by`], else that of the recipe, else forward (eq. 2).
+    /// The kind of score: the one chosen by [`HmmClassifier::score_by`]; if none was chosen, the recipe's; without a
+    /// recipe, forward (eq. 2).
     pub fn score_kind(&self) -> ScoreKind {
         self.score.unwrap_or_else(|| self.own_score_kind())
     }
@@ -169,7 +170,7 @@ impl HmmClassifier {
     /// The score of a trial under each category's model, in nats, by category in alphabetical order.
     ///
     /// If features are scaled, these are densities of the scaled features. Differences between categories do not depend
-    /// on it.
+    /// on the scaling.
     ///
     /// # Errors
     /// [`ModelError::Feature`] if the trial does not give the models' features.
@@ -178,8 +179,9 @@ impl HmmClassifier {
         Ok(self.models.keys().cloned().zip(scores).collect())
     }
 
-    /// What [`HmmClassifier::score`] gives for each of many trials, in the order of [`HmmClassifier::categories`]. This
-    /// uses all threads and is several times as fast as one by one.
+    /// The scores of many trials, as [`HmmClassifier::score`] gives them: one row per trial, in the order of
+    /// [`HmmClassifier::categories`]. This uses all threads and is several times as fast as scoring the trials one by
+    /// one.
     ///
     /// # Errors
     /// [`ModelError::Feature`] if a trial does not give the models' features.

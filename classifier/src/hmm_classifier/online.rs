@@ -70,7 +70,8 @@ impl OnlineScorer for HmmOnlineScorer {
 }
 
 impl HmmOnlineScorer {
-    /// The bank refuses only numbers that are not finite, and those that were read are finite.
+    /// The fault of a sample that the filter bank refused. The bank refuses only numbers that are not finite, and all
+    /// features that were read are finite, so the scaling made one infinite.
     fn scaled_to_infinity(&self) -> SampleFault {
         let mut features = self.features.iter().zip(&self.values);
         let (column, value) = features

@@ -41,7 +41,7 @@ fn three_keys_are_enough_and_unknown_ones_are_passed_over() {
 
 #[test]
 fn what_is_written_is_read_back_bit_for_bit() {
-    // Pins exactness with every optional key filled.
+    // Pins that a written model is read back exactly, with every optional key filled.
     let mut set = read(MINIMAL).unwrap();
     set.scaling = Some(Scaling {
         mean: vec![1.0 / 3.0],
@@ -92,7 +92,7 @@ fn numbers_that_json_cannot_hold_are_refused_on_reading_back() {
 
 #[test]
 fn faults_name_field_and_line() {
-    // Pins the field path of unsound numbers, and field and line of wrong types and broken JSON.
+    // Pins that errors name the field of invalid numbers, and the field and line of wrong types and broken JSON.
     assert_eq!(fault("[0.0, 1.0]", "[0.0, 0.9]").field, "models.leaf.transition[1]");
     assert_eq!(fault("[[1e-4]]", "[[-1e-4]]").field, "models.leaf.covariance[1]");
     assert_eq!(fault("model/1", "model/2").field, "format");
@@ -120,7 +120,7 @@ fn faults_name_field_and_line() {
     assert_eq!(fault("[0.1]", "[1e999]").line, Some(8));
 }
 
-/// Pins that a recipe that contradicts the models is refused, whichever part of it does.
+/// Pins that a recipe that contradicts the models is refused, for each key that must agree with them.
 #[test]
 fn recipes_that_contradict_the_models_are_refused() {
     let recipe = Recipe {
@@ -150,7 +150,7 @@ fn recipes_that_contradict_the_models_are_refused() {
 }
 
 proptest::proptest! {
-    // Pins that no text makes the reader panic, however similar to a model file.
+    // Pins that no text makes the reader panic, even if it is almost a model file.
     #[test]
     fn damaged_files_never_panic(position in 0usize..300, junk in "[0-9eE+.,\\[\\]{}\":a-z-]{0,6}", cut in 0usize..8) {
         let start = position.min(MINIMAL.len());

@@ -6,10 +6,10 @@ use crate::decision::{Decision, Rule};
 use crate::document::Document;
 use crate::error::{Fault, check_limits};
 
-/// Priors in a common unit. At a thousand million to one nothing is left to decide.
+/// Priors in a common unit. A category that is a thousand million times as likely as another hardly needs data.
 const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 
-/// Margins: days at 100 Hz with a hundred nats per sample.
+/// Margins: more than a day at 100 Hz with a hundred nats per sample.
 const MARGIN_NATS: Limits = Limits::new(0.0, 1e9, "nats");
 
 /// Checks that a decision fits the categories and that its numbers are within their ranges.

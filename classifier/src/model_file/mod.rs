@@ -70,7 +70,7 @@ pub struct Model {
 }
 
 /// A model file: the keys of all classifiers, and those of the classifier that the file names. Other keys are skipped.
-/// Sizes that depend on each other are checked when the file is read.
+/// Whether the sizes agree with each other is checked when the file is read.
 #[derive(Deserialize, JsonSchema)]
 #[schemars(rename = "ModelFile")]
 struct Head {
@@ -88,7 +88,7 @@ struct Head {
     provenance: BTreeMap<String, String>,
 }
 
-/// The order of keys in a file: short ones first, for readability.
+/// The order of keys in a file: short entries first, for readability.
 const ORDER: [&str; 12] = [
     "format",
     "classifier",

@@ -83,7 +83,7 @@ fn the_tag_names_the_classifier() {
     }
 }
 
-/// Changes every number of a JSON value in turn, and gives the path of each.
+/// Adds the JSON pointers of all numbers in a value to `found`.
 fn each_number(value: &Value, path: &str, found: &mut Vec<String>) {
     match value {
         Value::Number(_) => found.push(path.to_owned()),
@@ -101,8 +101,8 @@ fn each_number(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Pins that in the files of all classifiers a number out of range, a number that is text, and a list that lost its
-/// last entry are refused by an error that names the field.
+/// Pins that in the files of all classifiers a number out of range, a number that is text, and a list without its last
+/// entry are refused by an error that names the field.
 #[test]
 fn damaged_files_are_refused_by_field() {
     for kind in CLASSIFIERS.into_iter().filter(|kind| kind.name != "hmm") {
@@ -112,7 +112,7 @@ fn damaged_files_are_refused_by_field() {
         for part in ["options", "parameters"] {
             each_number(&whole[part], &format!("/{part}"), &mut places);
         }
-        // All are too many for the larger files.
+        // The larger files have too many numbers to try them all.
         for place in places.iter().step_by(1 + places.len() / 60) {
             for damage in [serde_json::json!(1e300), serde_json::json!("much")] {
                 let mut file = whole.clone();
@@ -149,7 +149,7 @@ fn refused(file: &Value, field: &str, kind: &str) {
     }
 }
 
-/// Pins that a model of another classifier is not taken for hidden Markov models.
+/// Pins that a model of another classifier cannot be used as hidden Markov models.
 #[test]
 fn kinds_are_not_confused() {
     let mut model = fitted("naive-bayes");

@@ -54,7 +54,7 @@ fn options() -> OnlineOptions {
     }
 }
 
-/// Asserts that at every sample of every contact the online scores are those of the trial so far, bit for bit.
+/// Asserts that, at every sample of every contact, the online scores equal those of the trial so far, bit for bit.
 #[track_caller]
 fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, options: &OnlineOptions) {
     let trials = taxel_trials(recording, &any_force()).unwrap();
@@ -83,8 +83,8 @@ fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, opt
     assert!(compared > 100, "{compared} comparisons");
 }
 
-/// Pins that online and offline scores of hidden Markov models are the same bits: scaled, truncated or plain, of both
-/// kinds, and with features of the contact region.
+/// Pins that online and offline scores of hidden Markov models are the same bits, for scaled, truncated and plain
+/// features, both kinds of score, and features of the contact region.
 #[test]
 fn running_scores_are_those_of_the_trial_so_far() {
     let recording = reach();
@@ -115,7 +115,8 @@ fn running_scores_are_those_of_the_trial_so_far() {
     }
 }
 
-/// Pins the same for every classifier of the list, after it was saved and loaded.
+/// Pins that online and offline scores of every classifier of the list are the same bits, before and after it is saved
+/// and loaded.
 #[test]
 fn every_classifier_runs_online_as_offline() {
     let recording = reach();

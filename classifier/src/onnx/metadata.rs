@@ -1,4 +1,4 @@
-//! What an ONNX model says of itself in its metadata.
+//! The metadata of an ONNX model.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Stream features: running statistics of a contact, updated with each sample, so that a classifier can be asked for
-//! scores while the contact lasts.
+//! Stream features: running statistics of a contact, updated with each sample, so that a classifier can give scores
+//! while the contact lasts.
 //!
 //! An update costs the same for every sample and never looks ahead. Forces, motions and rates span decades, from grazes
 //! to full contacts, so they are compressed logarithmically.
@@ -117,8 +117,8 @@ impl Selection {
         self.chosen.iter().map(|index| all[*index]).collect()
     }
 
-    /// The values for a trial after each of these numbers of samples, ascending and from 1. A number greater than the
-    /// trial's length means the whole trial.
+    /// The values for a trial after each of these numbers of samples, which must be ascending and at least 1. A number
+    /// greater than the trial's length means the whole trial.
     ///
     /// # Errors
     /// [`FeatureError`] if the trial is empty, lacks a feature, or holds NaN or infinity.

@@ -4,7 +4,7 @@ use underbrush_recording::Sample;
 
 use super::STREAM_FEATURES;
 
-/// Values well below a knee pass unchanged, up to a factor; values above it are compressed logarithmically. Choice:
+/// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choice:
 /// forces near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two
 /// samples at 100 Hz, and for slopes over motion the stiffness of the softest leaves.
 const FORCE_KNEE_N: f64 = 0.1;
@@ -46,7 +46,7 @@ struct Course {
     variation: f64,
     largest_step: f64,
     moments: Moments,
-    /// Sums of the products of its deviations with those of time, N s, and of motion, N m.
+    /// Sums of the products of the force's deviations with those of time, N s, and of motion, N m.
     with_time: f64,
     with_motion: f64,
 }
@@ -90,7 +90,7 @@ pub struct StreamFeatures {
 
 impl StreamFeatures {
     /// Adds the next sample. Missing motion counts as zero and a missing region is skipped: a `Selection` refuses such
-    /// samples where a selected feature depends on them.
+    /// samples if a selected feature depends on them.
     pub fn push(&mut self, sample: &Sample) {
         self.count += 1.0;
         let count = self.count;

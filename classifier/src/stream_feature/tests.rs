@@ -2,7 +2,7 @@ use underbrush_recording::Region;
 
 use super::*;
 
-/// Time, s; force, N; motion, m; the region's taxels, largest force and sum, N.
+/// Time, s; force, N; motion, m; the region's number of taxels, largest force, N, and sum of forces, N.
 type Row = (f64, f64, f64, u32, f64, f64);
 
 fn trial(rows: &[Row]) -> Trial {
@@ -36,7 +36,7 @@ fn expand(value: f64, knee: f64) -> f64 {
 
 #[test]
 fn features_are_those_of_the_whole_computed_at_once() {
-    // Pins the recursions against sums over the whole trial, at uneven times.
+    // Pins the recursions against sums over the whole trial, for samples at uneven times.
     let rows = [
         (2.00, 0.2, 0.0, 1, 0.2, 0.2),
         (2.01, 0.5, 0.001, 3, 1.0, 1.7),
@@ -105,7 +105,8 @@ fn nothing_looks_ahead() {
     }
 }
 
-/// Pins which stream features each list of inputs gives: with force and motion all of the taxel, with everything all.
+/// Pins which stream features each list of inputs gives: force and motion give all features of the taxel, and all
+/// inputs give all features.
 #[test]
 fn inputs_select_stream_features() {
     let names = |inputs: FeatureSet| Selection::of(inputs).names().collect::<Vec<_>>();
@@ -124,7 +125,8 @@ fn inputs_select_stream_features() {
     );
 }
 
-/// Pins that unselected inputs have no influence: with force alone, motion and region may be anything or missing.
+/// Pins that unselected inputs have no influence: with force alone, motion and region may have any values or be
+/// missing.
 #[test]
 fn inputs_that_are_not_selected_do_not_matter() {
     let rows = [(0.0, 0.2, 0.0, 1, 0.2, 0.2), (0.01, 0.4, 0.01, 3, 2.0, 3.0)];

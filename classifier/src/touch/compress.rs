@@ -5,7 +5,7 @@ use crate::vector::{parts, vectorized};
 /// The knee of counts: ln(1 + count).
 pub(super) const COUNT_KNEE: f64 = 1.0;
 
-/// What has this instead of a knee stays as it is.
+/// The knee of features that are not compressed.
 pub(super) const PLAIN: f64 = 0.0;
 
 /// sign(x) ln(1 + |x| / knee) of each value with its knee.
@@ -18,7 +18,7 @@ pub(super) fn compress<const COUNT: usize>(values: [f64; COUNT], knees: &[f64; C
     lanes.map(|[value]| value)
 }
 
-/// The same for several rows side by side, in place.
+/// [`compress`] for several rows side by side, in place.
 #[inline(always)]
 pub(super) fn compress_lanes<const LANES: usize>(values: &mut [[f64; LANES]], knees: &[f64]) {
     for (lanes, knee) in values.iter_mut().zip(knees) {
@@ -34,7 +34,7 @@ pub(super) fn compress_lanes<const LANES: usize>(values: &mut [[f64; LANES]], kn
     }
 }
 
-/// The names in a table of features and their knees.
+/// The names in a table of features and knees.
 pub(super) const fn names<const COUNT: usize>(features: &[(&'static str, f64); COUNT]) -> [&'static str; COUNT] {
     let mut names = [""; COUNT];
     let mut index = 0;
@@ -45,7 +45,7 @@ pub(super) const fn names<const COUNT: usize>(features: &[(&'static str, f64); C
     names
 }
 
-/// The knees in such a table.
+/// The knees in a table of features and knees.
 pub(super) const fn knees<const COUNT: usize>(features: &[(&'static str, f64); COUNT]) -> [f64; COUNT] {
     let mut knees = [PLAIN; COUNT];
     let mut index = 0;
@@ -56,8 +56,9 @@ pub(super) const fn knees<const COUNT: usize>(features: &[(&'static str, f64); C
     knees
 }
 
-/// The natural logarithm of a number of at least 1, within 1e-9. Own code, because the standard one comes from the
-/// platform's library, so its last digits differ between platforms, and because it has no vector instructions.
+/// The natural logarithm of a number of at least 1, within 1e-9. The standard function is not used, because it comes
+/// from the platform's library, so its last digits differ between platforms, and because it does not use vector
+/// instructions.
 #[inline(always)]
 fn ln(value: f64) -> f64 {
     // value = 2^exponent * mantissa with a mantissa between √½ and √2, and ln m = 2 artanh((m - 1) / (m + 1)).
@@ -78,7 +79,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Pins the logarithm against the standard one, over all sizes that features have.
+        /// Pins the logarithm against the standard function, over all sizes that features have.
         #[test]
         fn the_logarithm_is_right(exponent in -20.0f64..20.0, sign in prop::bool::ANY, knee in 1e-4f64..10.0) {
             let value = if sign { exponent.exp() } else { -exponent.exp() };

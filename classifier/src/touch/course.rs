@@ -1,4 +1,4 @@
-//! What a contact region has felt since its contact began.
+//! What a contact region has sensed since its contact began.
 
 use glam::DVec3;
 
@@ -11,14 +11,14 @@ pub struct Measure {
     pub taxels: f64,
     /// Sum of the sensed forces, N.
     pub force_n: f64,
-    /// The largest of them, N.
+    /// The largest of the sensed forces, N.
     pub largest_force_n: f64,
-    /// How far the skin moved along its outward normal since the last frame, m: what it touches must have given way by
-    /// that.
+    /// How far the skin moved along its outward normal since the last frame, m. The object that it touches must have
+    /// given way by this much.
     pub press_m: f64,
     /// How far the skin moved sideways since the last frame, m.
     pub slide_m: f64,
-    /// Standard deviation of the places of the forces, m.
+    /// Standard deviation of the positions of the forces, m.
     pub extent_m: f64,
     /// Centre of the forces, link frame, m.
     pub center_link: DVec3,
@@ -29,7 +29,7 @@ pub struct Measure {
 /// Number of features that describe a contact: see [`Course::description`].
 pub const DESCRIPTION_COUNT: usize = 5;
 
-/// Values well below a knee are unchanged, up to a factor; values above it are compressed logarithmically. Choices: a
+/// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choices: a
 /// contact force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
 const FORCE_KNEE_N: f64 = 0.1;
 const MOTION_KNEE_M: f64 = 5e-4;
@@ -37,10 +37,9 @@ const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 const RATE_KNEE_N_PER_S: f64 = 1.0;
 const SPEED_KNEE_M_PER_S: f64 = 0.01;
 const WORK_KNEE_J: f64 = 1e-4;
-/// Averages of the recent past forget with this time, s; a tenth of a second is the time in which a verdict is wanted.
+/// Time constant of averages of the recent past, s. A verdict is wanted within a tenth of a second.
 const RECENT_S: f64 = 0.1;
-/// What describes a contact is a mean that forgets with this time, s. Choice: from 0.3 to 5 s outliers are found
-/// equally well.
+/// Time constant of the means that describe a contact, s. Choice: from 0.3 to 5 s outliers are found equally well.
 const DESCRIBED_S: f64 = 1.0;
 /// How many samples count as the beginning.
 const FIRST_SAMPLES: f64 = 5.0;
@@ -115,18 +114,18 @@ pub struct Course {
     first_press_m: f64,
     first_rise_n: f64,
     first_s: f64,
-    /// Means and sums of squared deviations or of their products: force, press, time.
+    /// Means, and sums of squared deviations or of products of deviations, of force, press and time.
     mean: [f64; 3],
     force_squares: f64,
     press_squares: f64,
     time_squares: f64,
     force_press: f64,
     force_time: f64,
-    /// Means of force, taxel force, taxels and extent in the last second, as features, weighted by force; and the sum
-    /// of the weights.
+    /// Means of force, taxel force, taxels and extent in the last second, compressed like features and weighted by
+    /// force; and the sum of the weights.
     described: [f64; 4],
     described_weight_n: f64,
-    /// The same of the steps in the recent past.
+    /// Sums of squared steps of press, and of products of steps of press and force, in the recent past.
     recent_press_squares: f64,
     recent_force_press: f64,
 }
@@ -147,7 +146,7 @@ impl Course {
         self.press_path_m + self.slide_path_m
     }
 
-    /// How much the force changed from sample to sample in the recent past, as a share of it.
+    /// How much the force changed from sample to sample in the recent past, as a share of the force.
     pub(super) fn roughness(&self) -> f64 {
         self.roughness
     }
@@ -226,9 +225,8 @@ impl Course {
         }
     }
 
-    /// What describes the contact regardless of how it was brought about: how strong it is, altogether and at its
-    /// strongest taxel, how many taxels it covers and how far it is spread out, in the last second; and how far its
-    /// object gave way so far.
+    /// Features that describe the contact regardless of how it came about: its force, the force of its strongest taxel,
+    /// its number of taxels and its extent, all in the last second; and how far the object has given way so far.
     pub fn description(&self) -> [f64; DESCRIPTION_COUNT] {
         let [force, taxel_force, taxels, extent] = self.described;
         let [press] = compress([self.largest_press_m], &[MOTION_KNEE_M]);

@@ -13,12 +13,12 @@ pub struct TouchDecision {
     /// A reading is called nothing if the probability that nothing presses on the taxel is above this.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub nothing_above: f64,
-    /// A contact is called unknown if at most this share of contacts with known categories is as unusual. So this is
-    /// also the share of false alarms.
+    /// A contact is called unknown if at most this share of contacts with known categories is as unusual. This is
+    /// therefore also the share of false alarms.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub unknown_share: f64,
-    /// What it costs not to decide, relative to a wrong category. A category is called if its probability is above 1
-    /// minus this.
+    /// The cost of an uncertain verdict, relative to the cost of a wrong category. A category is named if its
+    /// probability is above 1 minus this.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub cost_of_uncertain: f64,
 }
@@ -28,8 +28,8 @@ const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 impl Default for TouchDecision {
     /// Choices: one false alarm in a hundred, and a wrong category is five times as bad as none. On the development
-    /// seeds 3000 to 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many are uncertain
-    /// as when a wrong category is ten times as bad. `nothing_above` is chosen in training.
+    /// seeds 3000 to 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many verdicts are
+    /// uncertain as with a wrong category that is ten times as bad. `nothing_above` is chosen in training.
     fn default() -> Self {
         TouchDecision {
             nothing_above: 0.5,
@@ -44,16 +44,20 @@ impl Default for TouchDecision {
 pub enum Touch {
     /// Nothing: a spurious reading.
     Nothing,
-    /// The known category of this index.
+    /// The known category with this index.
     Category(usize),
-    /// One of the known categories, but it is not sure yet which one.
+    /// One of the known categories, but it is not yet certain which one.
     Uncertain,
     /// Something unlike all known categories.
     Unknown,
 }
 
 impl Touch {
-    /// The name of the verdict, if the categories are these: `nothing`, a category, `uncertain` or `unknown`.
+    /// The name of the verdict, for a model with these categories: `nothing`, a category, `uncertain` or `unknown`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no category with the verdict's index.
     pub fn name<'a>(&self, categories: &'a [String]) -> &'a str {
         match self {
             Touch::Nothing => "nothing",

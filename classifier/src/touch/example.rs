@@ -12,9 +12,10 @@ use super::taxel::TAXEL_FEATURE_COUNT;
 use crate::estimator::is_trained;
 use crate::trial::TrialError;
 
-/// Contacts are used after these numbers of samples, so that verdicts are learned for the beginning of a contact, too.
+/// Contacts give a row after each of these numbers of samples, so that verdicts on the beginning of a contact are
+/// learned as well.
 const EARLY_SAMPLES: [usize; 6] = [1, 2, 3, 5, 10, 20];
-/// Apart from these, every frame whose index is a multiple of this is used.
+/// In addition, every frame whose index is a multiple of this gives rows.
 const EVERY: usize = 10;
 
 /// A taxel in contact in one frame.
@@ -23,7 +24,7 @@ pub(super) struct TaxelExample {
     pub(super) features: [f64; TAXEL_FEATURE_COUNT],
     /// Whether an object presses on it.
     pub(super) is_touched: bool,
-    /// Whether the frame is used whatever happens in it. Such rows are a fair sample of all frames.
+    /// Whether the index of the frame is a multiple of [`EVERY`]. These rows are an unbiased sample of all frames.
     pub(super) is_regular: bool,
 }
 
@@ -86,7 +87,8 @@ impl Examples {
     }
 }
 
-/// The category of the object that presses on most of a region's force, by ground truth; `None` if nothing does.
+/// Ground truth: the category of the object whose taxels have most of a region's force; `None` if nothing presses on
+/// the region.
 pub(super) fn truth(tracker: &SkinTracker, region: &Region, recording: &Recording) -> Option<String> {
     let image = tracker.image();
     let mut forces: BTreeMap<u16, f64> = BTreeMap::new();

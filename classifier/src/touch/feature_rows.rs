@@ -6,8 +6,8 @@ use super::compress::compress_lanes;
 use super::network::{HIDDEN, MAX_DEVIATIONS, Network};
 use crate::vector::{level, vectorized};
 
-/// Rows side by side. What a network adds up for one row must wait for the sum before; several rows need not wait for
-/// each other.
+/// Number of rows side by side. Within one row, each addition must wait for the previous sum; different rows need not
+/// wait for each other.
 const FOUR: usize = 4;
 /// Hidden units that are summed at a time: as many sums as fit into registers.
 const UNITS: usize = 8;
@@ -20,7 +20,7 @@ pub(super) struct FeatureRows<const INPUTS: usize> {
 }
 
 impl<const INPUTS: usize> FeatureRows<INPUTS> {
-    /// No rows, with room for so many.
+    /// No rows, with room for this many.
     pub(super) fn with_capacity(rows: usize) -> Self {
         FeatureRows {
             fours: Vec::with_capacity(rows.div_ceil(FOUR)),
@@ -67,7 +67,7 @@ impl Network {
         });
     }
 
-    /// Writes the same of one row after the other to `classes`.
+    /// Writes the log-odds of each class, up to a common constant, to `classes`, one row after the other.
     pub(super) fn scores_of<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
         let (_, count) = self.shape();
         classes.clear();
@@ -117,7 +117,7 @@ impl Network {
             *units = sums.map(|sum| sum.max_precise(zero));
         }
         for (class, (weights, constant)) in self.output.iter().zip(&self.output_constant).enumerate() {
-            // In the order in which a single row is summed while the network is fitted.
+            // The order of the sums is that of [`Network::fit`], which sums single rows.
             let mut sums = [zero; 4];
             for (units, weights) in units.as_chunks::<4>().0.iter().zip(weights.as_chunks::<4>().0) {
                 for ((sum, unit), weight) in sums.iter_mut().zip(units).zip(weights) {

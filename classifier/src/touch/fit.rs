@@ -18,16 +18,16 @@ impl TouchExamples {
     /// itself is then fitted to all. The result is the same for any number of threads.
     ///
     /// # Errors
-    /// [`ModelError::NoCategories`] if no known category touches the patch, or the recordings are fewer than two.
+    /// [`ModelError::NoCategories`] if no known category touches the patch, or there are fewer than two recordings.
     pub fn fit(&self) -> Result<TouchModel, ModelError> {
         self.fit_within(&RiskLimits::default())
     }
 
-    /// The same, with a decision that keeps to the allowed shares of bad verdicts in new reaches.
+    /// Fits a model with a decision that keeps the shares of bad verdicts in new reaches within limits.
     ///
     /// # Errors
-    /// Those of [`TouchExamples::fit`]; also [`ModelError::BadOption`] for shares out of range, and
-    /// [`ModelError::FewReaches`].
+    /// Those of [`TouchExamples::fit`]; also [`ModelError::BadOption`] for limits out of range, and
+    /// [`ModelError::FewReaches`] for limits that need more reaches.
     pub fn fit_within(&self, limits: &RiskLimits) -> Result<TouchModel, ModelError> {
         limits.check(self.reaches.len())?;
         let categories = self.categories();
@@ -63,7 +63,8 @@ impl TouchExamples {
             ..TouchDecision::default()
         };
         let false_alarm = |region: &HeldOutRegion| {
-            // The verdict is unknown at this limit, too, not only above it.
+            // The verdict is unknown even if the limit equals the share, so the limit above which it is bad is just
+            // below.
             Some(usual.share_beyond(region.distance).next_down())
         };
         Ok(TouchModel {

@@ -20,7 +20,7 @@ pub struct SkinTracker {
 }
 
 impl SkinTracker {
-    /// Follows the named patch, or the skin's first. A taxel is in contact where it senses more than `threshold_n`.
+    /// Follows the named patch, or the skin's first. A taxel is in contact while it senses more than `threshold_n`.
     ///
     /// # Errors
     /// [`TrialError`] if the patch is unknown or has no grid, or the threshold is out of range.
@@ -87,7 +87,7 @@ impl SkinTracker {
         Some(compress(values, &TAXEL_KNEES))
     }
 
-    /// The same before they are compressed.
+    /// The features of a taxel in contact, before they are compressed.
     pub(super) fn taxel_values(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
         let forces = self
             .regions

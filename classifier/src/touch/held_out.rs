@@ -1,5 +1,5 @@
-//! The scores of networks on reaches that they were not fitted to. Probabilities are calibrated, and limits chosen, by
-//! them.
+//! The scores of networks on reaches that they were not fitted to. They are used to calibrate probabilities and to
+//! choose limits.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use super::rows::TouchExamples;
 /// that a controller should lose at most.
 const LOST_SHARE: f64 = 0.015;
 
-/// What networks say of held-out reaches.
+/// The scores of networks on held-out reaches.
 #[derive(Default)]
 pub(super) struct HeldOut {
     pub(super) taxels: Vec<Judged>,
@@ -20,7 +20,7 @@ pub(super) struct HeldOut {
 }
 
 impl HeldOut {
-    /// Judges the reaches of a fold by a model of the others.
+    /// Judges the reaches of a fold by networks that are fitted to the other folds.
     pub(super) fn of(examples: &TouchExamples, folds: &[usize], fold: usize, categories: &[String]) -> Self {
         let others = examples.of_fold(folds, fold, false);
         let touched = touched_network(&others);
@@ -63,7 +63,7 @@ impl HeldOut {
 /// A region of a held-out reach.
 pub(super) struct HeldOutRegion {
     pub(super) judged: Judged,
-    /// From the usual contacts of the nearest category.
+    /// Distance from the usual contacts of the nearest category.
     pub(super) distance: f64,
     /// Number of its taxels that an object presses on.
     pub(super) touched: usize,
@@ -112,7 +112,8 @@ pub(super) fn wrong_above(region: &Judged, sharpness: f64) -> Option<f64> {
     (index != region.class).then_some(1.0 - probability)
 }
 
-/// The regions whose verdict is bad above some limit, with their shares of the touched taxel frames of their reaches.
+/// The regions whose verdict is bad above a certain limit, with their shares of the touched taxel frames of their
+/// reaches.
 pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegion) -> Option<f64>) -> Vec<Lapse> {
     let mut touched: BTreeMap<usize, usize> = BTreeMap::new();
     for region in regions {
@@ -127,7 +128,7 @@ pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegi
     regions.iter().filter_map(lapse).collect()
 }
 
-/// The probability of nothing that only the allowed share of true contacts exceeds.
+/// The limit on the probability of nothing that only the allowed share of true contacts exceeds.
 pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
     let touched = taxels.iter().filter(|taxel| taxel.class == 1);
     let mut nothing: Vec<f64> = touched

@@ -23,7 +23,7 @@ const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 /// The format of the file.
 pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
 
-/// What a touch model is made of: two networks, the usual contacts, and a decision.
+/// The parts of a touch model: two networks, the usual contacts, and a decision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TouchModel {
@@ -37,15 +37,15 @@ pub struct TouchModel {
     pub(super) categories: Vec<String>,
     /// From probabilities to verdicts.
     pub decision: TouchDecision,
-    /// Features of a taxel → nothing, touched.
+    /// From the features of a taxel to the probabilities of nothing and of a touch.
     pub(super) touched: Calibrated,
-    /// Features of a touched region → categories.
+    /// From the features of a touched region to the probabilities of the categories.
     pub(super) category: Calibrated,
     /// What contacts of known categories look like.
     pub(super) usual: Usual,
 }
 
-/// A network and the factor of its scores that makes its probabilities right on reaches that were held out.
+/// A network, and the factor that its scores are multiplied by so that its probabilities are right on held-out reaches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Calibrated {
@@ -54,8 +54,8 @@ pub(super) struct Calibrated {
 }
 
 impl Calibrated {
-    /// Writes the probabilities of the classes for one row after the other. Nothing is allocated if there is room for
-    /// them.
+    /// Writes the probabilities of the classes for one row after the other. Nothing is allocated if `classes` has room
+    /// for them.
     pub(super) fn probabilities<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
         self.network.scores_of(rows, classes);
         for classes in classes.chunks_exact_mut(self.network.shape().1) {

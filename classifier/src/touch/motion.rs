@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use underbrush_recording::Pose;
 
-/// The motion of a link between two frames, in the axes of the link in the later one: lengths and components along
-/// normals need no others.
+/// The motion of a link between two frames, in the axes of the link at the later frame. These are enough for lengths
+/// and for components along normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
     turn: DMat3,

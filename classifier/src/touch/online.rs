@@ -23,7 +23,7 @@ pub struct TaxelTouch {
     pub region: usize,
     /// Probability that nothing presses on it.
     pub nothing: f64,
-    /// The verdict: nothing, or that of its region.
+    /// The verdict: nothing, or the verdict on its region.
     pub touch: Touch,
 }
 
@@ -38,7 +38,7 @@ pub struct RegionTouch {
     pub taxels: [usize; 2],
     /// The share of contacts with known categories that are as unusual.
     pub share_beyond: f64,
-    /// The verdict; nothing if all its taxels are called so.
+    /// The verdict; nothing if all its taxels are called nothing.
     pub touch: Touch,
 }
 

@@ -12,13 +12,13 @@ pub struct TouchOptions {
     /// Name of the patch; the skin's first if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patch: Option<String>,
-    /// A taxel is in contact where its sensed force is above this, N.
+    /// A taxel is in contact while its sensed force is above this, N.
     #[schemars(range(min = 0.0))]
     pub threshold_n: f64,
 }
 
 impl Default for TouchOptions {
-    /// As for trials.
+    /// The patch and threshold of [`TrialOptions::default`].
     fn default() -> Self {
         let trials = TrialOptions::default();
         TouchOptions {

@@ -7,18 +7,18 @@ use super::course::{Course, Measure};
 use super::motion::Motion;
 use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
 
-/// A region of a frame continues the region of the last frame that pressed on the same taxels. Where none did, it
-/// continues one that pressed on a neighbour, with this weight.
+/// A region continues the region of the last frame that gets the most votes. Each taxel votes with its force for the
+/// last region of its own, and with this share of its force for those of its neighbours.
 const NEIGHBOUR_WEIGHT: f64 = 0.1;
 
-/// Taxels that touch each other and are in contact.
+/// Neighbouring taxels in contact.
 #[derive(Clone, Debug)]
 pub struct Region {
     /// Number of the contact. A contact keeps its number while it slides over the skin.
     pub contact: u64,
-    /// What its forces and motions have been since the contact began.
+    /// Its forces and motions since the contact began.
     pub course: Course,
-    /// Where its taxels are in the list of all.
+    /// The range of its taxels in [`RegionTracker::taxels`].
     taxels: std::ops::Range<usize>,
 }
 
@@ -33,9 +33,9 @@ pub(super) struct RegionTracker {
     before: Vec<Region>,
     /// The taxels of one region after the other.
     taxels: Vec<usize>,
-    /// How much of a region continues each region of the last frame.
+    /// The votes of a region for each region of the last frame, N.
     votes: Vec<f64>,
-    /// The region that continues each of the last frame with the most votes, and those votes.
+    /// For each region of the last frame: the region with the most votes for it, and these votes, N.
     heirs: Vec<(usize, f64)>,
     contacts: u64,
 }
@@ -61,8 +61,8 @@ impl RegionTracker {
         })
     }
 
-    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`; `motion` is the patch's since
-    /// the last frame.
+    /// Finds the regions of the frame that the image holds, which was sensed at `time_s`. `motion` is the motion of the
+    /// patch since the last frame.
     pub fn update(&mut self, image: &PatchImage, motion: &Motion, time_s: f64) {
         std::mem::swap(&mut self.regions, &mut self.before);
         std::mem::swap(&mut self.region_of, &mut self.region_before);
@@ -120,8 +120,8 @@ impl RegionTracker {
         }
     }
 
-    /// Gives each region the course of the region that it continues. If several continue the same one, all have its
-    /// course, and the one with the most votes keeps its number.
+    /// Gives each region the course of the region that it continues. If several continue the same region, all get its
+    /// course, and the one with the most votes also gets its number.
     fn continue_contacts(&mut self, image: &PatchImage) {
         self.heirs.clear();
         self.heirs.resize(self.before.len(), (usize::MAX, 0.0));

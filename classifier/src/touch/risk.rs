@@ -1,13 +1,13 @@
 //! Limits of verdicts that also hold in new reaches, by conformal risk control.
 //!
 //! The taxel frames of one reach are alike, so a share over all frames tells little about the next reach. Whole reaches
-//! that are drawn in the same way are exchangeable. For these, Angelopoulos et al., "Conformal risk control" (ICLR
-//! 2024, theorem 1), show: if each reach has a loss from 0 to 1 that does not fall when a limit is raised, and the
-//! limit is so low that the losses L of n held-out reaches satisfy
+//! that are drawn in the same way are exchangeable. For exchangeable reaches, Angelopoulos et al., "Conformal risk
+//! control" (ICLR 2024, theorem 1), show the following. If each reach has a loss from 0 to 1 that does not fall when a
+//! limit is raised, and the limit is so low that the losses L of n held-out reaches satisfy
 //!
 //! > (ΣL + 1) / (n + 1) ≤ α,
 //!
-//! then the loss of a new reach is at most α on average. The loss is a share of the reach's touched taxel frames here.
+//! then the loss of a new reach is at most α on average. Here the loss is a share of the reach's touched taxel frames.
 //!
 //! The theorem assumes one model that was fitted to none of the n reaches. Here each reach is judged by a model that
 //! was fitted to the other fold, and the final model is fitted to all reaches. So the bound is not proven here;
@@ -16,13 +16,14 @@
 use super::decision::TouchDecision;
 use crate::error::ModelError;
 
-/// Largest allowed shares of the taxel frames of a new reach that a known category presses on, on average over reaches.
+/// The largest allowed shares of bad verdicts in a new reach, on average over reaches. The shares refer to the taxel
+/// frames on which a known category presses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RiskLimits {
-    /// The share whose region is called another known category. The largest cost of an uncertain verdict that keeps to
-    /// it is chosen, so that as few verdicts as possible are uncertain.
+    /// The share whose region is called another known category. The largest cost of an uncertain verdict within this
+    /// limit is chosen, so that as few verdicts as possible are uncertain.
     pub wrong: Option<f64>,
-    /// The share whose region is called unknown. The largest share of false alarms that keeps to it is chosen, so that
+    /// The share whose region is called unknown. The largest share of false alarms within this limit is chosen, so that
     /// as many unknown objects as possible are found.
     pub false_alarms: Option<f64>,
 }
@@ -37,10 +38,11 @@ pub(super) struct Lapse {
 }
 
 impl RiskLimits {
-    /// Checks that every share is between 0 and 1, and that there are enough reaches for it.
+    /// Checks that every allowed share is between 0 and 1, and that there are enough reaches for it.
     ///
     /// # Errors
-    /// [`ModelError::BadOption`] for a share that is not between 0 and 1, [`ModelError::FewReaches`].
+    /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few
+    /// reaches.
     pub(super) fn check(&self, reaches: usize) -> Result<(), ModelError> {
         for (option, share) in [("wrong", self.wrong), ("false_alarms", self.false_alarms)] {
             let Some(share) = share else { continue };
@@ -122,7 +124,7 @@ mod tests {
     }
 
     /// Pins that the mean loss of a new reach is at most the allowed share, and not much less, for reaches whose losses
-    /// are drawn alike: 4,000 draws, of which the mean is known to a hundredth.
+    /// are drawn from the same distribution. The mean of 4,000 draws is known to about a hundredth.
     #[test]
     fn new_reaches_keep_to_the_allowed_share() {
         use rand::{RngExt, SeedableRng};
@@ -130,7 +132,7 @@ mod tests {
         let (reaches, allowed, draws) = (30, 0.1, 4000);
         let mut sum = 0.0;
         for _ in 0..draws {
-            // A reach's loss rises with the limit from 0 to 1 at a place of its own: one region is the whole reach.
+            // Each reach's loss rises from 0 to 1 at a limit of its own, because one region is the whole reach.
             let mut draw = || Lapse {
                 above: random.random::<f64>(),
                 share: 1.0,
@@ -145,7 +147,7 @@ mod tests {
         assert!(mean > allowed - 1.0 / (reaches + 1) as f64 - error, "{mean}");
     }
 
-    /// Pins that shares out of range, and shares that so few reaches cannot show, are refused with what is needed.
+    /// Pins that shares out of range, and shares that need more reaches, are refused with what is needed.
     #[test]
     fn shares_need_reaches() {
         let limits = RiskLimits {

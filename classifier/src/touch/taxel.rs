@@ -1,9 +1,9 @@
-//! What one taxel has felt since its contact began, to tell a touch from a spurious reading.
+//! What one taxel has sensed since its contact began, to tell a touch from a spurious reading.
 
 use super::compress::{COUNT_KNEE, PLAIN, knees, names};
 use super::course::Course;
 
-/// As for regions; changes of a steady reading are noise of some millinewtons.
+/// Knees as for regions. Changes of a steady reading are noise of about 2 mN.
 const FORCE_KNEE_N: f64 = 0.05;
 const CHANGE_KNEE_N: f64 = 0.002;
 const MOTION_KNEE_M: f64 = 5e-4;
@@ -62,7 +62,8 @@ impl TaxelCourse {
         self.count as usize
     }
 
-    /// Adds a sample: force, and how far the skin moved along its outward normal and altogether since the last frame.
+    /// Adds a sample: the force, and how far the skin moved since the last frame, along its outward normal (`press_m`)
+    /// and in total (`way_m`).
     pub fn push(&mut self, force_n: f64, press_m: f64, way_m: f64) {
         self.count += 1.0;
         if self.count == 1.0 {
@@ -83,8 +84,8 @@ impl TaxelCourse {
         self.force_press += press_deviation * (force_n - self.mean_n);
     }
 
-    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], within its region, before they
-    /// are compressed.
+    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], before they are compressed.
+    /// `region` is the course of the region that the taxel belongs to.
     pub(super) fn values(&self, region: &Course, strongest_neighbour_n: f64) -> [f64; TAXEL_FEATURE_COUNT] {
         let share = |part: f64, whole: f64| part / whole.max(f64::MIN_POSITIVE);
         let now = region.now();

@@ -1,7 +1,7 @@
-//! What contacts of a known category look like, to tell those of an unknown one.
+//! What contacts of known categories look like, to recognize contacts of unknown ones.
 //!
-//! A few features describe a contact ([`super::Course::description`]). Each known category has a normal distribution of
-//! them. A contact is unusual if it is far from all of these in the distance of Mahalanobis (1936).
+//! Five features describe a contact ([`super::Course::description`]). Each known category has a normal distribution of
+//! them. A contact is unusual if its Mahalanobis distance (1936) from all of these is large.
 
 use nalgebra::{SMatrix, SVector};
 use schemars::JsonSchema;
@@ -22,7 +22,7 @@ const QUANTILES: usize = 31;
 struct Normal {
     /// Mean of the features.
     mean: [f64; DESCRIPTION_COUNT],
-    /// Lower triangle L of the inverse covariance L Lᵀ, row by row with zeros above the diagonal.
+    /// Lower triangular factor L of the inverse covariance L Lᵀ, row by row with zeros above the diagonal.
     factor: [[f64; DESCRIPTION_COUNT]; DESCRIPTION_COUNT],
 }
 
@@ -37,8 +37,8 @@ pub struct Usual {
 }
 
 impl Usual {
-    /// Fits the normal distributions to the descriptions of contacts, a list for each category. No distances are known
-    /// so far.
+    /// Fits the normal distributions to the descriptions of contacts, a list for each category.
+    /// [`Usual::keep_distances`] adds the distances.
     pub(super) fn fit(categories: &[Vec<[f64; DESCRIPTION_COUNT]>]) -> Self {
         let normal = |rows: &Vec<[f64; DESCRIPTION_COUNT]>| {
             let count = rows.len().max(1) as f64;
@@ -93,7 +93,7 @@ impl Usual {
         self.normals.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt()
     }
 
-    /// The share of contacts with known categories that are farther away than this. The smallest share that is told is
+    /// The share of contacts with known categories that are farther away than this. The smallest share that is given is
     /// 0.001.
     pub fn share_beyond(&self, distance: f64) -> f64 {
         let above = self.distances.partition_point(|other| *other < distance);
@@ -112,7 +112,7 @@ impl Usual {
         10f64.powf(-0.1 * (above as f64 - 1.0 + part))
     }
 
-    /// Whether all numbers are finite and there are as many as belong together.
+    /// Whether all numbers are finite and there are as many as this number of categories needs.
     pub(super) fn is_sound(&self, categories: usize) -> bool {
         let numbers = self
             .normals

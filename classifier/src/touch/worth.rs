@@ -11,8 +11,8 @@ use super::rows::{FOLDS, TouchExamples};
 use super::taxel::TAXEL_FEATURES;
 
 /// What a feature is worth: how much worse the probabilities on held-out reaches are if its values are shuffled among
-/// the rows (Breiman 2001). A feature that others can stand in for is worth little by this measure, even if it tells
-/// much by itself.
+/// the rows (Breiman 2001). A feature that others can replace is worth little by this measure, even if it is
+/// informative by itself.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeatureWorth {
     /// The network: `touched` (nothing against a touch) or `category`.
@@ -21,8 +21,8 @@ pub struct FeatureWorth {
     pub feature: &'static str,
     /// How much the mean negative log-probability of the true class rises, nats.
     pub log_loss_rise_nats: f64,
-    /// How much the balanced accuracy falls: the mean over the true classes of the share of rows that get the right
-    /// class.
+    /// How much the balanced accuracy falls, which is the mean over the true classes of the share of rows that get the
+    /// right class.
     pub balanced_accuracy_fall: f64,
 }
 
@@ -60,7 +60,7 @@ impl TouchExamples {
     }
 }
 
-/// Losses of rows as they are, and with each feature shuffled.
+/// Losses of the unchanged rows, and of the rows with each feature shuffled.
 struct Shuffled<const INPUTS: usize> {
     names: &'static [&'static str; INPUTS],
     plain: Losses,
@@ -145,8 +145,8 @@ impl Losses {
 mod tests {
     use super::*;
 
-    /// Pins that shuffling the feature that decides brings the accuracy down to chance, and that a feature that says
-    /// nothing is worth nothing.
+    /// Pins that shuffling the feature that decides brings the accuracy down to chance, and that an uninformative
+    /// feature is worth nothing.
     #[test]
     fn the_feature_that_decides_is_worth_the_accuracy() {
         const ROWS: usize = 4000;

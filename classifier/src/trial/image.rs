@@ -127,7 +127,7 @@ impl PatchImage {
         self.touched.get(taxel).copied().unwrap_or(false)
     }
 
-    /// Pose of the patch's link, world frame; the world's before the first frame is read.
+    /// Pose of the patch's link, world frame; the identity before the first frame is read.
     pub fn pose_world(&self) -> Pose {
         self.pose_world.unwrap_or_default()
     }

@@ -26,7 +26,7 @@ pub enum Labels {
     Contact,
     /// From the environment: if the clutter contains a single category apart from foam blocks, every trial is of that
     /// category, even where nothing touched the taxel. The paper's models were trained this way (section IV-B), because
-    /// a robot does not know what touches a taxel. In mixed clutter the same as [`Labels::Contact`].
+    /// a robot does not know what touches a taxel. In mixed clutter this is the same as [`Labels::Contact`].
     Environment,
 }
 
@@ -74,8 +74,8 @@ impl TrialOptions {
     ///
     /// The category is the environment's (section IV-B). Trials have at least 20 samples (0.2 s): the recipe divides
     /// every trial into as many equal time slices as a model has states, up to 20, and a slice needs at least one
-    /// sample. The paper does not state this, but with shorter trials a reach would have several times as many as it
-    /// counts.
+    /// sample. The paper does not state this, but with shorter trials a reach would have several times as many trials
+    /// as the paper counts.
     pub fn paper() -> Self {
         TrialOptions {
             min_samples: 20,

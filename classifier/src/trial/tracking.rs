@@ -10,14 +10,14 @@ use super::{TrialError, TrialOptions};
 
 /// One trial for each connected component, tracked from the start to the end of its contact (section IV-C).
 ///
-/// Force is the largest force among its taxels in each frame. Motion is the length of the path of its centre in the
-/// world frame since the trial started.
+/// Force is the largest force among the component's taxels in each frame. Motion is the length of the path of its
+/// centre in the world frame since the trial started.
 ///
 /// Components are associated with those of the previous frame by the distance between their centres in the world frame:
 /// nearest pair first, each used once, and none farther apart than [`TrialOptions::association_distance_m`]. Hence:
 /// * If two components merge, the one with the nearer centre continues and the other's trial ends.
-/// * If one splits, the part nearer to the old centre continues and the other starts a new trial.
-/// * If a component moves farther than that between frames, its trial ends and a new one starts.
+/// * If a component splits, the part nearer to the old centre continues and the other starts a new trial.
+/// * If a component moves farther than this limit between frames, its trial ends and a new one starts.
 ///
 /// # Errors
 /// [`TrialError`] as for [`super::taxel_trials`], and if the patch has no grid.

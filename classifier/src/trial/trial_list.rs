@@ -1,4 +1,4 @@
-//! Trials that are still in contact, and the list of those that ended.
+//! Trials that are still in contact, and the list of trials that have ended.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +14,8 @@ pub struct ContactTrial {
     /// The trial. Trials are numbered from 0 within a recording, by first frame and then by taxel. The category follows
     /// [`TrialOptions::labels`].
     pub trial: Trial,
-    /// Index in [`Recording::objects`] of the object that was the true contact in most samples, in a tie the smallest
-    /// such index; `None` if no sample has an object.
+    /// Index in [`Recording::objects`] of the object that was the true contact in most samples. In a tie, it is the
+    /// smallest such index. `None` if no sample has an object.
     pub object: Option<u16>,
 }
 

@@ -1,11 +1,11 @@
-//! The forward filter: sums of plain numbers wherever they are accurate enough.
+//! The forward filter. It sums plain numbers wherever that is accurate enough.
 //!
 //! Each weight has a mantissa (1 … 2) and its own base-2 exponent, an integer stored as a float, so that no weight
 //! underflows. A weight of zero has an exponent far below all others.
 //!
 //! Sums over states use plain numbers relative to the largest weight. Where a sum comes out so small that weights lost
 //! to underflow could matter, only that sum is repeated with the exponents of its own terms. This costs a small factor,
-//! not orders of magnitude, and is exact also for data of another category, which every classifier has to score.
+//! not orders of magnitude, and is also exact for data of another category, which every classifier has to score.
 
 use std::f64::consts::LN_2;
 use std::ops::Range;
@@ -20,14 +20,14 @@ use crate::vector::parts;
 const CHUNK: usize = 4;
 /// Exponent of a probability or weight of zero.
 const ZERO_EXPONENT: f64 = -1e300;
-/// Log2-densities are raised to at least this value …
+/// Lower log2-densities are raised to this value.
 const MIN_LOG2_DENSITY: f64 = -1e290;
-/// … and a stream whose largest weight has a lower exponent is ruled out.
+/// A stream whose largest weight has a lower exponent is ruled out.
 const RULED_OUT: f64 = -1e289;
-/// The largest weight is brought to this exponent before summing …
+/// Before summing, the weights are scaled so that the largest has this exponent.
 const HEADROOM: f64 = 900.0;
-/// … and smaller ones are raised to this exponent below it, so that no product with a probability of at least 2^−900 is
-/// subnormal.
+/// Exponents of weights relative to the largest weight are raised to at least this, so that no product with a
+/// probability of at least 2^−900 is subnormal.
 const DEPTH: f64 = -1000.0;
 /// Sums of at least 2^70 are exact to 2^−60 for up to a thousand states: a raised weight adds at most 2^−99, and a
 /// probability below 2^−900, which is left out, at most 1.
@@ -43,7 +43,7 @@ pub(super) struct ForwardTables {
     into: Vec<(Range<usize>, Range<usize>)>,
     /// Transition probabilities, grouped by target state; 0 for those too small for plain sums.
     probability: Vec<f64>,
-    /// Their mantissas and base-2 exponents, however small.
+    /// The mantissas and base-2 exponents of all transition probabilities, however small.
     mantissa: Vec<f64>,
     exponent: Vec<f64>,
     initial: Vec<(f64, f64)>,

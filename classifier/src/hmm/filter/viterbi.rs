@@ -11,8 +11,8 @@ pub(super) struct ViterbiTables {
     tiles: usize,
     left_to_right: bool,
     initial: Vec<Tile>,
-    /// Transitions, grouped by target tile and then by source tile, four rows each. In a left-to-right model a tile has
-    /// rows only for the tiles up to itself.
+    /// Transitions, grouped by target tile and then by source tile, four rows each. In a left-to-right model, a target
+    /// tile has rows only for the source tiles up to itself.
     transition: Vec<[Tile; WIDTH]>,
 }
 
@@ -52,7 +52,7 @@ impl ViterbiTables {
 #[derive(Clone, Debug)]
 pub(in crate::hmm) struct Viterbi {
     log2: Vec<Tile>,
-    /// The same without the density of the current sample.
+    /// The same logarithms, without the density of the current sample.
     into: Vec<Tile>,
 }
 
@@ -94,7 +94,7 @@ impl Viterbi {
     fn advance(&mut self, tiles: usize, tables: &ViterbiTables) {
         let (log2, into) = (&self.log2[..tiles], &mut self.into[..tiles]);
         for (tile, into) in into.iter_mut().enumerate() {
-            // A maximum is the same in any order.
+            // A maximum does not depend on the order, so four partial maxima are kept side by side.
             let mut best = [[f64::NEG_INFINITY; WIDTH]; WIDTH];
             for (rows, log2) in tables.rows_into(tile, tiles).iter().zip(log2) {
                 for k in 0..WIDTH {

@@ -100,8 +100,8 @@ proptest! {
     }
 }
 
-/// Pins scores where plain scaling fails against a log-space recursion over all pairs of states: models whose
-/// transitions training drove to 0 or 1e-150, on long sequences that no state fits.
+/// Pins scores where plain scaling fails, against a log-space recursion over all pairs of states: models with
+/// transition probabilities that training drove to 0 or 1e-150, on long sequences that fit no state.
 #[test]
 fn left_to_right_models_score_foreign_data_exactly() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -175,7 +175,7 @@ fn slow_log_forward(parameters: &HmmParameters, values: &[f64]) -> f64 {
     alpha.into_iter().fold(f64::NEG_INFINITY, add)
 }
 
-/// A left-to-right model of 10 states like those that training produces: narrow states, zeros, probabilities down to
+/// A left-to-right model of 10 states, as training produces them: with narrow states, zeros, and probabilities down to
 /// 1e-300.
 fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     let n = 10;
@@ -206,8 +206,9 @@ fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     }
 }
 
-/// Pins forward scores within 1e-9 of a log-space recursion: a hold of 20 000 samples after which the force decreases
-/// again, where early states have fallen behind by thousands of powers of 2; oscillations; outliers; a single sample.
+/// Pins forward scores within 1e-9 of a log-space recursion, for oscillations, outliers, a single sample, and a hold of
+/// 20 000 samples after which the force decreases again. By then the weights of early states have fallen behind by
+/// thousands of powers of 2.
 #[test]
 fn holds_oscillations_and_outliers_are_exact() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -243,7 +244,7 @@ fn holds_oscillations_and_outliers_are_exact() {
     }
 }
 
-/// Pins that scores depend neither on which sequences share a filter nor on whether samples arrive one by one.
+/// Pins that scores do not depend on which sequences share a filter, or on whether samples arrive one by one.
 #[test]
 fn one_by_one_and_together_are_the_same_bits() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);

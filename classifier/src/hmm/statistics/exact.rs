@@ -1,4 +1,4 @@
-//! The expectation step in log space: slow, and exact whatever the model and the data.
+//! The expectation step in log space: slow, but exact for any model and any data.
 
 use super::Statistics;
 use crate::feature::Observations;
@@ -118,13 +118,13 @@ impl Pass {
     }
 }
 
-/// Writes the items of an iterator over a buffer of the same length.
+/// Overwrites a buffer with the items of an iterator of the same length.
 fn fill(buffer: &mut [f64], items: impl Iterator<Item = f64>) {
     buffer.iter_mut().zip(items).for_each(|(out, item)| *out = item);
 }
 
-/// exp of a log-probability. Results below exp(−690), near the end of the range of f64, count as zero: subnormal
-/// numbers are slow and inexact.
+/// exp of a log-probability. Results below exp(−690), near the smallest numbers of f64, count as zero, because
+/// subnormal numbers are slow and inexact.
 fn probability(log_probability: f64) -> f64 {
     if log_probability < -690.0 {
         0.0
@@ -133,8 +133,8 @@ fn probability(log_probability: f64) -> f64 {
     }
 }
 
-/// ln Σ exp(terms), −inf where all terms are. The terms are replaced by exp(term − largest term), whose sum is returned
-/// as well.
+/// ln Σ exp(terms); −inf if all terms are −inf. The terms are replaced by exp(term − largest term), whose sum is
+/// returned as well.
 fn log_sum_exp(terms: &mut [f64]) -> (f64, f64) {
     let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if largest == f64::NEG_INFINITY {

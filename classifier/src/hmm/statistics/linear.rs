@@ -84,9 +84,9 @@ pub(super) struct TiledMatrix {
 /// The rows of one tile.
 #[derive(Clone)]
 pub(super) struct Span {
-    /// Of the matrix.
+    /// Range of the rows in the matrix.
     pub(super) rows: Range<usize>,
-    /// In the list of the rows of all tiles.
+    /// Their range in [`TiledMatrix::rows`].
     pub(super) places: Range<usize>,
 }
 
@@ -127,7 +127,7 @@ impl TiledMatrix {
         &self.spans
     }
 
-    /// The sums over rows of `weights` times entries, for one tile of columns.
+    /// For one tile of columns, the sums of the entries of all rows times `weights`.
     #[inline(always)]
     pub(super) fn weighted_sum(&self, tile: usize, weights: &[f64]) -> Tile {
         let span = &self.spans[tile];

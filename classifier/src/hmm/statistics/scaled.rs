@@ -9,7 +9,7 @@
 //! j's probability at one sample, the share α_i a_ij / Σ_k α_k a_kj came from state i. Errors of γ therefore never
 //! grow. A path that starts where a weight was raised contributes at most its γ there, so the result is exact if γ is
 //! negligible wherever a weight is near the bound. If it is not, because later data favour a state that earlier data
-//! all but ruled out, the sequence is left to the log-space pass.
+//! had almost ruled out, the sequence is left to the log-space pass.
 
 mod backward;
 
@@ -21,7 +21,7 @@ use crate::hmm::tile::{
     Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, power_of_two, scale, sum, zip,
 };
 
-/// The largest weight has about this base-2 exponent, the smallest its negative.
+/// The largest weight has about this base-2 exponent, and the smallest has the negative of it.
 const TOP: i64 = 250;
 /// 2^−[`TOP`].
 const MIN_WEIGHT: f64 = 5.527147875260445e-76;
@@ -45,11 +45,11 @@ pub(super) struct Pass {
     forward: TiledMatrix,
     /// Its transpose.
     backward: TiledMatrix,
-    /// Samples × tiles: densities, later γ over the sum of incoming weights.
+    /// Samples × tiles: densities in the forward pass, then γ divided by the sum of incoming weights.
     ahead: Vec<Tile>,
     /// Samples × tiles: α as used for the next sample.
     weight: Vec<Tile>,
-    /// Samples × tiles: one over the sum of incoming weights.
+    /// Samples × tiles: the reciprocal of the sum of incoming weights.
     per_sum: Vec<Tile>,
     /// Samples × tiles: γ.
     probability: Vec<Tile>,
@@ -57,7 +57,7 @@ pub(super) struct Pass {
     sound: Vec<f64>,
     /// Blocks × tiles: the states' exponents.
     exponents: Vec<Tile>,
-    /// One tile each.
+    /// Tiles: expected starts and expected samples of each state.
     initial: Vec<Tile>,
     occupancy: Vec<Tile>,
     /// D × tiles.
@@ -148,7 +148,7 @@ impl Pass {
                 highest = zip(*weight, highest, larger);
             }
             top = exponent(largest(highest));
-            // After small weights, raising sums adds more than raising weights does.
+            // If the weights were small, raising sums adds more than raising weights does.
             self.sound[sample] = SOUND_WEIGHT * larger(factor * MIN_WEIGHT, 1.0);
             if (sample + 1) % BLOCK == 0 && sample + 1 < samples {
                 self.follow(model, sample, top);

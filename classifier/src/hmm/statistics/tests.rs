@@ -5,7 +5,7 @@ use super::*;
 use crate::hmm::{HmmParameters, ScoreKind, Scorer, Topology};
 use crate::vector::BASELINE_ONLY;
 
-/// A model with the authors' initial transitions over 0 … 3 N, with narrow and wide states.
+/// A model with the authors' initial transitions, whose narrow and wide states have means from 0 to 3 N.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
     let mean = |state: usize, rng: &mut ChaCha8Rng| -> Vec<f64> {
         (0..dimension)
@@ -85,7 +85,7 @@ fn the_scaled_pass_counts_what_log_space_counts() {
             pass.add_to(&mut found, &model);
             let expected = exactly(&model, &sequence);
             let tolerance = if samples > 2000 { 1e-6 } else { 1e-9 };
-            // The probabilities add up to the samples more precisely than in log space.
+            // The probabilities add up to the number of samples, more precisely than in log space.
             let total: f64 = found.occupancy.iter().sum();
             assert!(
                 (total / samples as f64 - 1.0).abs() < 1e-12,
@@ -116,8 +116,9 @@ fn the_scaled_pass_counts_what_log_space_counts() {
     assert!(10 * counted >= 9 * tried, "{counted} of {tried}");
 }
 
-/// Pins that the scaled pass declines a sequence whose likely path runs through a weight below its range: narrow states
-/// without a transition back, and data that rule out the right state by 10 000 nats and then all others by 20 000.
+/// Pins that the scaled pass returns `None` for a sequence whose likely path runs through a weight below its range: the
+/// states are narrow, there are no transitions between them, and the data rule out the right state by 10 000 nats and
+/// then the other one by 15 000.
 #[test]
 fn a_state_ruled_out_that_returns_is_left_to_log_space() {
     let variance = 1e-4;
@@ -135,7 +136,7 @@ fn a_state_ruled_out_that_returns_is_left_to_log_space() {
     };
     assert!(count(&[0.0, 0.0, 0.01, 0.0]).is_some());
     assert_eq!(count(&[0.0, 0.0, 1.0, 1.0, 1.0]), None);
-    // The expectation step as a whole still counts it exactly.
+    // The whole expectation step still counts the sequence exactly.
     let sequence = Observations::new(1, vec![0.0, 0.0, 1.0, 1.0, 1.0]).unwrap();
     let statistics = Statistics::collect(&model, &[sequence]).ok().unwrap();
     let peak = -0.5 * (std::f64::consts::TAU * variance).ln();
@@ -145,7 +146,7 @@ fn a_state_ruled_out_that_returns_is_left_to_log_space() {
 }
 
 /// Pins that code with and without this processor's vector instructions gives the same scores and counts to the last
-/// bit, on data of the model and on data that no state fits.
+/// bit, on data that fit the model and on data that fit no state.
 #[test]
 fn every_processor_gets_the_same_bits() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

@@ -271,7 +271,7 @@ fn invalid_requests_are_refused() {
 }
 
 proptest! {
-    // Pins that no iteration makes a sequence less likely, whatever the start, including extreme ones.
+    // Pins that no iteration makes a sequence less likely, for any start, including extreme ones.
     #[test]
     fn training_never_falls((parameters, samples) in small_problem()) {
         let observations = Observations::new(parameters.mean[0].len(), samples).unwrap();

@@ -1,4 +1,4 @@
-//! Tests on hand-made presses: objects like springs, pressed by a skin that moves along its normal.
+//! Tests on hand-made presses: a skin that moves along its normal presses on objects that behave like springs.
 
 mod network;
 mod regions;
@@ -41,7 +41,7 @@ fn presses(object: u16, stiffness_n_per_m: f64, depth_m: f64, spurious_n: f64) -
     recording
 }
 
-/// Reaches with one kind of object each, of several depths.
+/// Reaches with one kind of object each, pressed to different depths.
 fn reaches() -> Vec<Recording> {
     let objects = (0..12).map(|index| (index % 2, 1.0 + 0.1 * index as f64));
     objects

@@ -2,7 +2,7 @@ use super::super::feature_rows::FeatureRows;
 use super::super::network::{Network, Row, softmax};
 use crate::vector::BASELINE_ONLY;
 
-/// Points in a square; the class is whether the signs of their coordinates differ, which no linear function tells.
+/// Points in a square; the class is whether the signs of their coordinates differ, which no linear function can tell.
 fn checkerboard() -> Vec<Row<2>> {
     let place = |index: usize| ((index as f64 + 0.5) / 20.0) * 2.0 - 1.0;
     let points = (0..400).map(|index| [place(index % 20), place(index / 20)]);
@@ -14,7 +14,7 @@ fn checkerboard() -> Vec<Row<2>> {
     points.map(row).collect()
 }
 
-/// Pins that a network learns what a linear classifier cannot, and that a fit depends on nothing but its rows.
+/// Pins that a network learns what a linear classifier cannot, and that a fit depends only on its rows.
 #[test]
 fn a_network_learns_a_checkerboard() {
     let rows = checkerboard();
@@ -54,8 +54,8 @@ fn weights_are_odds() {
     }
 }
 
-/// Pins the scores against the sums that the model file describes, and that they have the same bits for one row as for
-/// several side by side, with the instructions of this processor as with those that every processor has.
+/// Pins the scores against the sums that the model file describes, and that they have the same bits for one row and for
+/// several side by side, and with the instructions of this processor and those that every processor has.
 #[test]
 fn rows_side_by_side_have_the_scores_of_one_row() {
     let rows = checkerboard();
@@ -88,7 +88,7 @@ fn rows_side_by_side_have_the_scores_of_one_row() {
             let mut scores = [0.0; 2];
             network.scores(&features, &mut scores);
             for (score, described) in scores.iter().zip(described(&features)) {
-                // Sums of 24 terms in another order.
+                // The sums have 24 terms in another order.
                 assert!(
                     (score - described).abs() < 1e-12 * (1.0 + described.abs()),
                     "{score} {described}"

@@ -48,8 +48,8 @@ fn a_contact_is_followed_over_the_skin() {
     );
 }
 
-/// Pins that both parts of a region that splits go on with its course, the larger one with its number, and that the
-/// larger course survives when they merge.
+/// Pins that both parts of a region that splits keep its course and the larger part keeps its number, and that the
+/// course of the larger part continues when they merge.
 #[test]
 fn parts_of_a_region_keep_its_course() {
     let recording = recording(&[
@@ -71,8 +71,8 @@ fn parts_of_a_region_keep_its_course() {
     assert_eq!(found, [vec![(1, 1)], vec![(1, 2), (2, 2)], vec![(1, 3)]]);
 }
 
-/// Pins that the slope of force over press is the stiffness of what is pressed, and the press how far the skin moved
-/// outwards, for a spring: compressed as the documentation says, ln(1 + x / knee).
+/// Pins, for a spring, that the slope of force over press is its stiffness and that the press is how far the skin moved
+/// outwards, both compressed as the documentation says, ln(1 + x / knee).
 #[test]
 fn the_slope_of_force_over_press_is_the_stiffness() {
     let recording = presses(0, 400.0, 0.05, 0.0);
@@ -83,12 +83,12 @@ fn the_slope_of_force_over_press_is_the_stiffness() {
     }
     let expand = |value: f64, knee: f64| value.exp_m1() * knee;
     let stiffness = expand(feature(&tracker, "slope of force over press"), 10.0);
-    // The knee of the press counts as noise: it lowers the slope by the square of the ratio of 0.5 mm to the spread,
-    // which is more than 12 mm.
+    // The knee of the press counts as noise. It lowers the slope by the square of the ratio of 0.5 mm to the standard
+    // deviation of the press, which is more than 12 mm.
     assert!((stiffness / 400.0 - 1.0).abs() < 2e-3, "{stiffness}");
     let press_m = expand(feature(&tracker, "press"), 5e-4);
     let depth = |index: f64| 0.05 * (2.0 * std::f64::consts::PI * index / 40.0).sin();
-    // The logarithm is right within 1e-9, and a change of it by that changes 43 mm by 43e-12 m.
+    // The logarithm is right within 1e-9, and an error of 1e-9 changes 43 mm by 43e-12 m.
     assert!((press_m - (depth(10.0) - depth(1.0))).abs() < 1e-10, "{press_m}");
     let share = feature(&tracker, "share of the strongest taxel");
     assert!((share - 0.75).abs() < 1e-12, "{share}");

@@ -48,14 +48,14 @@ fn distances_are_those_of_mahalanobis() {
 }
 
 /// Pins the share of known contacts beyond a distance: for the distances 0.001, 0.002, … 1 it is 1 minus the distance,
-/// down to the smallest share told.
+/// down to the smallest share that is given.
 #[test]
 fn shares_beyond_are_those_of_the_distances() {
     let mut usual = Usual::fit(&[rows(0.0)]);
     usual.keep_distances((1..=1000).map(|index| f64::from(index) * 1e-3).rev().collect());
     for distance in [0.05, 0.3, 0.5, 0.9, 0.95, 0.99] {
         let share = usual.share_beyond(distance);
-        // Between two quantiles, a quarter apart, the share is interpolated by its logarithm.
+        // Between two quantiles, a quarter apart, the logarithm of the share is interpolated.
         assert!((share / (1.0 - distance) - 1.0).abs() < 0.05, "{share} at {distance}");
     }
     assert_eq!(usual.share_beyond(0.0), 1.0);

@@ -15,8 +15,8 @@ fn examples() -> TouchExamples {
     examples
 }
 
-/// Pins that soft, stiff and spurious readings are told apart in a new reach, by the same model however many threads
-/// fit it, and that something unlike both is called unknown.
+/// Pins that soft, stiff and spurious readings are told apart in a new reach, that the model is the same for any number
+/// of threads, and that something unlike both is called unknown.
 #[test]
 fn springs_are_told_apart() {
     let model = examples().fit().unwrap();
@@ -51,8 +51,8 @@ fn springs_are_told_apart() {
     assert_eq!(touch, Some(Touch::Unknown));
 }
 
-/// Pins that a reach judged for a suite has the verdicts of the evaluation, counted by truth, with the spurious taxel
-/// apart.
+/// Pins that the verdicts on a reach that is judged for a suite are those of the evaluation, counted by truth, and that
+/// the spurious taxel is counted separately.
 #[test]
 fn streams_count_what_evaluations_count() {
     let model = Arc::new(examples().fit().unwrap());
@@ -94,7 +94,8 @@ fn verdicts_allocate_nothing() {
     assert_eq!(allocations.count_total, 0);
 }
 
-/// Pins that a model read back is the model written, and that damaged files are refused with the place.
+/// Pins that a model that is read back equals the model that was written, and that damaged files are refused with the
+/// place of the damage.
 #[test]
 fn files_are_exact_and_checked() {
     let model = examples().fit().unwrap();
@@ -119,7 +120,8 @@ fn files_are_exact_and_checked() {
     }
 }
 
-/// Pins the rule: unknown before all else, then the likeliest category if an error costs less than no verdict.
+/// Pins the rule: unknown comes first, then the likeliest category, if the expected cost of an error is below the cost
+/// of an uncertain verdict.
 #[test]
 fn verdicts_follow_the_costs() {
     let decision = TouchDecision {

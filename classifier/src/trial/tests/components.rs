@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins 4-connectivity (no diagonals), wrap-around as the layout says, and its override.
+/// Pins 4-connectivity (no diagonals), wrap-around as the layout says, and the option that overrides it.
 #[test]
 fn components_wrap_around_only_where_asked() {
     let recording = recording(&[(
@@ -21,8 +21,8 @@ fn components_wrap_around_only_where_asked() {
     assert_eq!(largest(Some(false)), [1.0, 2.0, 3.0, 4.0]);
 }
 
-/// Pins both features: taxels 7, 8 (centre at column 1.5), then 7, 8, 9 (centre at column 2) with the patch moved by
-/// 1 mm.
+/// Pins force and motion of a component: taxels 7 and 8 (centre at column 1.5), then 7, 8 and 9 (centre at column 2)
+/// with the patch moved by 1 mm.
 #[test]
 fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
     let recording = recording(&[

@@ -119,8 +119,8 @@ fn motions_mm(contact: &ContactTrial) -> Vec<f64> {
         .collect()
 }
 
-/// Pins that trials start and end with contact, motion in the world frame from the start of each contact, and the order
-/// and numbers of trials.
+/// Pins that trials start and end with contact, that motion is measured in the world frame from the start of each
+/// contact, and the order and numbers of trials.
 #[test]
 fn a_taxel_makes_one_trial_per_contact() {
     let recording = recording(&[

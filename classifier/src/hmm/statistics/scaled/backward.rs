@@ -15,8 +15,8 @@ const MIN_RATIO: f64 = MIN_SUM;
 const MIN_RATIO_SUM: f64 = 1.901_093_488_999_021_5e-211;
 
 impl Pass {
-    /// Fills `probability` with γ, `ahead` with γ over sums, and `own_transitions`. Returns the largest γ of an unsound
-    /// weight.
+    /// Fills `probability` with γ, `ahead` with γ divided by the sums of incoming weights, and `own_transitions`.
+    /// Returns the largest γ of an unsound weight.
     #[inline(always)]
     pub(super) fn backward(&mut self, model: &LinearModel, samples: usize) -> f64 {
         let tiles = model.tiles;
