@@ -106,7 +106,7 @@ impl OnlineClassifier {
     /// A classifier for a stream of frames of this skin, without contacts so far.
     ///
     /// # Errors
-    /// [`OnlineError`] if the patch is unknown, the threshold, the priors or the rule do not fit, or a feature
+    /// [`OnlineError`] if the patch is unknown, the threshold, the priors or the rule does not fit, or a feature
     /// describes the contact region and the patch has no grid.
     pub fn new(classifier: &dyn Classifier, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let categories = classifier.categories();

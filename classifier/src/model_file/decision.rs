@@ -6,7 +6,7 @@ use crate::decision::{Decision, Rule};
 use crate::document::Document;
 use crate::error::{Fault, check_limits};
 
-/// Priors in a common unit. A category that is a thousand million times as likely as another hardly needs data.
+/// Priors in a common unit. If one is a thousand million times another, hardly anything is left to decide.
 const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 
 /// Margins: more than a day at 100 Hz with a hundred nats per sample.

@@ -56,7 +56,6 @@ impl Touch {
     /// The name of the verdict, for a model with these categories: `nothing`, a category, `uncertain` or `unknown`.
     ///
     /// # Panics
-    ///
     /// If there is no category with the verdict's index.
     pub fn name<'a>(&self, categories: &'a [String]) -> &'a str {
         match self {

@@ -1,5 +1,5 @@
-//! The scores of networks on reaches that they were not fitted to. They are used to calibrate probabilities and to
-//! choose limits.
+//! The scores of networks on reaches that they were not fitted to. These scores are used to calibrate probabilities and
+//! to choose limits.
 
 use std::collections::BTreeMap;
 

@@ -8,7 +8,7 @@ use super::motion::Motion;
 use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
 
 /// A region continues the region of the last frame that gets the most votes. Each taxel votes with its force for the
-/// last region of its own, and with this share of its force for those of its neighbours.
+/// region that it belonged to, and with this share of its force for the region of each neighbour.
 const NEIGHBOUR_WEIGHT: f64 = 0.1;
 
 /// Neighbouring taxels in contact.

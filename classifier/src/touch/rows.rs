@@ -100,7 +100,7 @@ impl TouchExamples {
     }
 
     /// The fold of each reach. Reaches that touch the same categories go to the folds in turn, so that every fold has
-    /// some of them in any order of the reaches.
+    /// some of them regardless of their order.
     pub(super) fn folds<'a>(&'a self) -> Vec<usize> {
         let mut dealt: BTreeMap<BTreeSet<&'a str>, usize> = BTreeMap::new();
         let fold = |reach: &'a Arc<Examples>| {
