@@ -159,7 +159,7 @@ impl Estimator for NearestNeighbours {
 }
 
 /// The mean of each column, and for each channel the reciprocal of its standard deviation, so that newtons, taxels and
-/// metres weigh alike.
+/// metres have similar weight.
 fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     let count = rows.len() as f64;
     let mean: Vec<f64> = (0..rows[0].len())

@@ -8,7 +8,7 @@ use crate::error::ModelError;
 use crate::feature::SampleFault;
 
 /// Scores several contacts at once, sample by sample: [`OnlineScorer::begin`] a contact, [`OnlineScorer::push`] its
-/// samples, [`OnlineScorer::advance`] after those of one frame, then read the [`OnlineScorer::scores`].
+/// samples, [`OnlineScorer::advance`] after the samples of one frame, then read the [`OnlineScorer::scores`].
 ///
 /// After k samples of a contact its scores equal [`super::Classifier::scores_after`] k samples of a trial, bit for bit.
 pub trait OnlineScorer: Debug + Send {

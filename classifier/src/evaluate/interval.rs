@@ -17,7 +17,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// Choice: bootstrap resamples behind every reported interval.
+/// Choice: number of bootstrap resamples for every reported interval.
 pub(super) const BOOTSTRAP_RESAMPLES: usize = 2000;
 
 /// The 97.5 % quantile of the standard normal distribution.

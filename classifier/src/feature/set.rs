@@ -13,7 +13,7 @@ use super::error::{FeatureError, SampleFault};
 use super::list::{FEATURES, FORCE, Feature, MOTION};
 use super::observations::Observations;
 
-/// The features that a classifier uses, in order: one or more, none twice.
+/// The features that a classifier uses, in order: one or more, each listed once.
 ///
 /// As text, the names are joined by `+`, as in `force+motion`. Commas are read as well.
 ///

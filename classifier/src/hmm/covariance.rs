@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// Raises the eigenvalues of a covariance (D × D, row-major, in place) to at least `floor`.
 ///
 /// For D = 1 this is the plain variance floor. For D > 1 the eigenvalues are clipped rather than the diagonal: that
-/// keeps the matrix safely positive definite whatever the correlation. Among all covariances whose eigenvalues are at
-/// least `floor`, the clipped one has the highest likelihood, so Baum-Welch with this floor still never decreases the
+/// keeps the matrix safely positive definite for any correlation. Among all covariances whose eigenvalues are at least
+/// `floor`, the clipped one has the highest likelihood, so Baum-Welch with this floor still never decreases the
 /// likelihood.
 pub(super) fn floor_eigenvalues(covariance: &mut [f64], dimension: usize, floor: f64) {
     if floor <= 0.0 {

@@ -1,7 +1,7 @@
 //! Hidden Markov models with one full-covariance Gaussian per state.
 //!
-//! [`HmmParameters`] are the numbers as they appear in a file. [`GaussianHmm::new`] checks them, so that every model is
-//! sound. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole
+//! [`HmmParameters`] are the numbers as they appear in a file. [`GaussianHmm::new`] checks them, so every model is
+//! valid. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole
 //! sequences, and [`RunningScore`] follows a stream sample by sample with the same code.
 
 mod bank;

@@ -86,7 +86,7 @@ impl HmmClassifier {
 
     /// Continues training from given models, one per category of `start`.
     ///
-    /// Features, scaling and truncation stay those of `start`; trials of other categories are skipped.
+    /// Features, scaling and truncation are taken from `start`. Trials of other categories are skipped.
     ///
     /// # Errors
     /// [`ModelError`] as for [`HmmClassifier::train`], and if a category of `start` has no trials.

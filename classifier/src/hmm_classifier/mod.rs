@@ -39,8 +39,9 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// One hidden Markov model per category, over the same features (paper, section III).
 ///
 /// The options are a [`Recipe`]. Each category's model has Gaussian emissions and is trained by Baum-Welch on the
-/// category's trials; a trial's score is the forward log-likelihood or that of the best state path ([`ScoreKind`]).
-/// Samples are assumed to depend on each other only through the hidden state, and to come at a fixed rate.
+/// category's trials; a trial's score is the forward log-likelihood or the log-probability of the best state path
+/// ([`ScoreKind`]). Samples are assumed to depend on each other only through the hidden state, and to come at a fixed
+/// rate.
 ///
 /// ```
 /// use underbrush_classifier::HmmClassifier;
@@ -197,8 +198,7 @@ impl HmmClassifier {
             }
             Ok(scores)
         };
-        // If there are several errors, the first in the order of the trials is returned, whatever the number of
-        // threads.
+        // If there are several errors, the first in the order of the trials is returned, for any number of threads.
         let parts: Vec<Result<_, ModelError>> = trials.par_chunks(TOGETHER).map(score).collect();
         Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }

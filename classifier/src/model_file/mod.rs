@@ -1,8 +1,8 @@
 //! Model files: JSON of format `underbrush-model/1`, one layout for all classifiers, exact to the last bit.
 //!
 //! The key `classifier` names the kind of classifier; a file without it holds hidden Markov models. The keys `decision`
-//! and `provenance` mean the same in all files, the others are the classifier's own. Unknown keys are skipped, so that
-//! others can add their own.
+//! and `provenance` mean the same in all files; the other keys belong to the classifier. Unknown keys are skipped, so
+//! users can add their own.
 
 mod decision;
 mod json;
@@ -224,8 +224,8 @@ fn classifier_schema(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "string", "enum": names })
 }
 
-/// The JSON Schema of model files. It is derived from the types that read them: the keys of all files, and for each
-/// classifier of the list its own keys.
+/// The JSON Schema of model files. It is derived from the types that read them: the keys of all files, and the keys of
+/// each classifier in the list.
 pub fn schema() -> Schema {
     let mut generator = SchemaSettings::default().into_generator();
     let of_kind = |kind: &ClassifierKind| {

@@ -141,7 +141,7 @@ impl Course {
         &self.now
     }
 
-    /// Length of all motion of the skin at the contact so far, m.
+    /// How far the skin has moved at the contact so far, along its normal and sideways, as lengths of paths, m.
     pub fn way_m(&self) -> f64 {
         self.press_path_m + self.slide_path_m
     }

@@ -6,8 +6,8 @@
 //! costs turns them into verdicts ([`TouchDecision`]).
 //!
 //! The paper's hidden Markov models see forces and how far a contact has travelled. Here the motion of the skin along
-//! its own normal counts as well: how far an object gives way under a force is what tells a leaf from a trunk, at any
-//! stiffness or speed of the arm.
+//! its own normal counts as well: how far an object gives way under a force tells a leaf from a trunk, at any stiffness
+//! or speed of the arm.
 //!
 //! | step | where |
 //! |---|---|

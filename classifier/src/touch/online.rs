@@ -34,7 +34,7 @@ pub struct RegionTouch {
     pub contact: u64,
     /// Samples since the contact began, at least 1.
     pub samples: usize,
-    /// Number of its taxels, and of those that are not called nothing.
+    /// Number of its taxels, and number of its taxels that are not called nothing.
     pub taxels: [usize; 2],
     /// The share of contacts with known categories that are as unusual.
     pub share_beyond: f64,

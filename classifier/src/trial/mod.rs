@@ -24,7 +24,7 @@ pub use trial_list::ContactTrial;
 pub enum Labels {
     /// From the object that touched the skin during most of its samples; none if nothing did.
     Contact,
-    /// From the environment: if the clutter contains a single category apart from foam blocks, every trial is of that
+    /// From the environment: if the clutter contains a single category other than foam blocks, every trial is of that
     /// category, even where nothing touched the taxel. The paper's models were trained this way (section IV-B), because
     /// a robot does not know what touches a taxel. In mixed clutter this is the same as [`Labels::Contact`].
     Environment,

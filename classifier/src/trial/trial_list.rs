@@ -19,7 +19,7 @@ pub struct ContactTrial {
     pub object: Option<u16>,
 }
 
-/// The single category of a recording's objects apart from foam blocks; `None` if there are several or none.
+/// The single category of a recording's objects other than foam blocks; `None` if there are several or none.
 fn environment(recording: &Recording) -> Option<Category> {
     let categories = recording.objects.iter().map(|object| object.category);
     let mut categories = categories.filter(|category| *category != Category::BLOCK);

@@ -28,7 +28,8 @@ fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
     }
 }
 
-/// Checks that all trials it is fitted on have at least `min` samples. Calls trunk whatever has exceeded 1.5 N.
+/// Checks that all trials it is fitted on have at least `min` samples. A contact that has exceeded 1.5 N is called
+/// trunk.
 struct Threshold {
     min: usize,
 }

@@ -26,7 +26,7 @@ pub(super) struct LinearModel<'a> {
     pub(super) tiles: usize,
     pub(super) gaussians: &'a Gaussians,
     pub(super) initial: Vec<Tile>,
-    /// Transitions from all states into those of a tile.
+    /// Transitions from all states into the states of a tile.
     pub(super) forward: TiledMatrix,
     /// Its transpose.
     pub(super) backward: TiledMatrix,

@@ -21,7 +21,7 @@ fn truth_is_the_object_of_most_samples() {
 }
 
 /// Pins both kinds of label: by contact, a trial without an object has none; by environment, it has the only category
-/// apart from foam blocks. In mixed clutter both are the same.
+/// other than that of foam blocks. In mixed clutter both are the same.
 #[test]
 fn the_environment_labels_what_nothing_touched() {
     let touched: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1)), (9, 1.0, None)];
