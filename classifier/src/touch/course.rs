@@ -141,7 +141,7 @@ impl Course {
         &self.now
     }
 
-    /// How far the skin has moved at the contact so far, along its normal and sideways, as lengths of paths, m.
+    /// Length of the skin's path along its normal plus the length of its path sideways, since the contact began, m.
     pub fn way_m(&self) -> f64 {
         self.press_path_m + self.slide_path_m
     }
