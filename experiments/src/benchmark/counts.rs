@@ -55,7 +55,7 @@ impl Counts {
         sum
     }
 
-    /// The contacts of each class: nothing, leaf, trunk.
+    /// Number of contacts of each class: nothing, leaf, trunk.
     pub(super) fn contacts(all: &[&Counts]) -> [usize; CLASSES.len()] {
         Counts::sum(all).0.map(|[_, contacts]| contacts)
     }
@@ -99,7 +99,7 @@ mod tests {
         }
     }
 
-    /// Pins both accuracies of a few contacts against values counted by hand.
+    /// Pins both accuracies of seven contacts against values counted by hand.
     #[test]
     fn accuracies_are_those_counted_by_hand() {
         use Class::{Leaf, Nothing, Other, Trunk};
@@ -123,7 +123,7 @@ mod tests {
             let found = Counts::balanced_accuracy(&[&counts], balanced).unwrap();
             assert!((found - accuracy).abs() < 1e-15, "{balanced:?}: {found}");
         }
-        // None of them lasts for the two samples of the next moment.
+        // None of the contacts lasts for the two samples of the next moment.
         let later = Counts::of(&contacts, 1, Balanced::WithNothing);
         assert_eq!(Counts::balanced_accuracy(&[&later], Balanced::WithNothing), None);
         let without_trunks = Counts::of(&contacts[..5], 0, Balanced::LeafOrTrunk);

@@ -185,7 +185,7 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The class with the largest value; the first of them if several have it.
+/// The class with the largest value; the first one if several classes have it.
 fn likeliest(classes: &[Class], values: &[f64]) -> Class {
     let best = classes
         .iter()

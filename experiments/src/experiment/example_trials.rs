@@ -16,7 +16,7 @@ pub struct Outcome {
     pub figure_5_medians: Vec<Typical>,
 }
 
-/// Chooses them from the taxel trials.
+/// Chooses the examples from the taxel trials, and computes the medians.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let labels = session.experiment.labels();
@@ -57,7 +57,7 @@ pub struct Typical {
     pub force_after_100_ms_n: f64,
     /// The largest sensed force of a trial, N.
     pub peak_force_n: f64,
-    /// Length of the taxel's path during contact.
+    /// Length of the taxel's path during contact, m.
     pub motion_m: f64,
 }
 
