@@ -49,7 +49,7 @@ struct Report {
 struct FalsifiedReport {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every comparison fails at least once, and every wrong parameter is noticed by the right ones.
+    /// Whether every comparison fails at least once, and every wrong parameter is noticed by the right comparisons.
     sound: bool,
     comparisons: usize,
     /// Number of comparisons that fail with at least one wrong parameter.
