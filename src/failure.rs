@@ -125,18 +125,18 @@ fn can_be_shown(text: &str, line: usize) -> bool {
 
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
-        Failure {
-            text: error.to_string(),
-            input: Some(error),
-            ..Failure::usage("")
-        }
+        Fault::from(error).into()
     }
 }
 
 impl From<Fault> for Failure {
     fn from(fault: Fault) -> Self {
         match fault {
-            Fault::Input(input) => (*input).into(),
+            Fault::Input(input) => Failure {
+                text: input.to_string(),
+                input: Some(*input),
+                ..Failure::usage("")
+            },
             Fault::Usage(text) => Failure::usage(text),
             Fault::Run(text) | Fault::Storage(text) => Failure::run(text),
         }

@@ -61,7 +61,7 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
         let dataset = Dataset::open(path)?;
         let found = contact_trials::of_dataset(&dataset, arguments.unit()?, &arguments.options(), &Shown);
         found.map_err(|error| about(error.into()))
-    } else if is_recording(path) {
+    } else if is_recording(path)? {
         let recording = read_recording(path)?;
         let found = contact_trials::of_recording(&recording, arguments.unit()?, &arguments.options(), 0);
         found.map_err(|error| about(error.into()))

@@ -32,7 +32,7 @@ impl Reaches {
             input::check_exists(path, ALLOWED)?;
             let source = if is_folder(path)? {
                 Source::Dataset(Box::new(Dataset::open(path)?))
-            } else if is_recording(path) {
+            } else if is_recording(path)? {
                 Source::Recording
             } else {
                 let remedy = "give the data set or recording that the trials were taken from";

@@ -7,8 +7,8 @@ For each n, strace lets the n-th call of `openat` (for reading), `read`, `pread6
 is about a file below the folder of the command or a scene file. One of these must hold, or the script prints what does not and ends with
 exit status 1:
 
-* an error: the exit status is 1, or 2 if it is a scene file or a model (1 says that the command may succeed later and 2 that the input is
-  bad; their loaders do not tell these apart), the message names the file or its folder, and says that it could not be read;
+* an error: the exit status is 1 (2 would say that the input is bad), and the message names the file or its folder and says that it could
+  not be read;
 * success: what is printed and written is the same, byte for byte, as without the fault.
 
 In both cases the inputs must be as before, and the same command without a fault (for sets, with --resume) must lead to the same bytes.
@@ -100,7 +100,7 @@ def shown(path, place):
 
 def said_wrong(status, errors, paths, out):
     """What is wrong with the error of a run that failed because of one of these files, or of `out` under its temporary name."""
-    if status != 1 and not any(path.startswith(SCENES) or path.endswith("model.json") for path in paths):
+    if status != 1:
         yield f"exit status {status}: {errors.strip()[:300]}"
     names = {os.path.basename(path) for path in paths} | {os.path.basename(os.path.dirname(path)) for path in paths}
     if any("underbrush-unfinished" in path for path in paths):

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, read_text};
 
 use crate::document::FORMAT;
 use crate::error::ModelError;
@@ -39,16 +39,7 @@ pub fn load(path: &Path) -> Result<AnyModel, ModelError> {
     if path.extension().is_some_and(|ending| ending == "onnx") {
         return Ok(AnyModel::OfTrials(load_onnx(path)?));
     }
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        let allowed = "a readable model file";
-        refused(InputError::new(
-            path,
-            "file",
-            error.to_string(),
-            allowed,
-            "check the path",
-        ))
-    })?;
+    let text = read_text(path, "a readable model file", "check the path").map_err(refused)?;
     // The format may come after what is broken in a file that is no JSON.
     let is_touch = match serde_json::from_str::<Head>(&text) {
         Ok(head) => head.format.starts_with(TOUCH_NAME),

@@ -13,7 +13,7 @@ use crate::trial::TrialError;
 impl From<ModelError> for Fault {
     fn from(error: ModelError) -> Self {
         match error {
-            ModelError::Input(input) => Fault::Input(input),
+            ModelError::Input(input) => (*input).into(),
             ModelError::Training { .. } => Fault::Run(error.to_string()),
             other => Fault::Usage(other.to_string()),
         }

@@ -34,7 +34,7 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
         _ if is_folder(path)? => dataset(path),
         "toml" => scene(path, seed),
         "json" => model(path),
-        "parquet" if is_recording(path) => recording(path),
+        "parquet" if is_recording(path)? => recording(path),
         "parquet" | "csv" => trials(path),
         _ => Err(ExperimentError::Request(format!(
             "{}: neither a folder nor a .toml, .json, .parquet or .csv file; give one of these",

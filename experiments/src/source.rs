@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, read_text};
 
 /// A file's path and text, to which errors refer.
 pub struct Source<'a> {
@@ -20,15 +20,8 @@ pub struct Field {
 
 /// Reads the text of a file; `kind` is what it should hold, such as `experiment`.
 pub fn read(path: &Path, kind: &str) -> Result<String, InputError> {
-    std::fs::read_to_string(path).map_err(|error| {
-        InputError::new(
-            path,
-            "file",
-            error.to_string(),
-            format!("a readable {kind} file"),
-            format!("check the path; `underbrush schema {kind}` describes the file"),
-        )
-    })
+    let remedy = format!("check the path; `underbrush schema {kind}` describes the file");
+    read_text(path, &format!("a readable {kind} file"), &remedy)
 }
 
 impl Source<'_> {

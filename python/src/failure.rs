@@ -78,6 +78,7 @@ impl From<Failure> for PyErr {
                     found,
                     allowed,
                     remedy,
+                    storage: _,
                 } = *error;
                 let file = file.display().to_string();
                 raised::InputError::new_err((message, file, line, field, found, allowed, remedy))
@@ -94,7 +95,7 @@ impl From<PyErr> for Failure {
 
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
-        Failure::Input(Box::new(error))
+        Fault::from(error).into()
     }
 }
 

@@ -20,7 +20,11 @@ pub enum Fault {
 
 impl From<InputError> for Fault {
     fn from(error: InputError) -> Self {
-        Fault::Input(Box::new(error))
+        if error.storage {
+            Fault::Storage(error.to_string())
+        } else {
+            Fault::Input(Box::new(error))
+        }
     }
 }
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Bad input in a file that a person or another program wrote.
 ///
-/// The program prints it, with the offending line if `line` is known, and ends with exit status 2.
+/// The program prints it, with the offending line if `line` is known, and ends with exit status 2, or 1 if the operating
+/// system failed to read the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError {
     /// The file.
@@ -20,6 +21,8 @@ pub struct InputError {
     pub allowed: String,
     /// The remedy.
     pub remedy: String,
+    /// Whether the operating system failed to read the file. Then the input may be good, and reading it may succeed later.
+    pub storage: bool,
 }
 
 /// Longer texts are cut to this many characters: an error about a line of a megabyte must stay short.
@@ -41,6 +44,7 @@ impl InputError {
             found: shortened(found.into()),
             allowed: shortened(allowed.into()),
             remedy: shortened(remedy.into()),
+            storage: false,
         }
     }
 

@@ -85,12 +85,10 @@ impl Source {
             judging,
         };
         for path in paths {
+            let ends_with = |ending: &str| path.extension().is_some_and(|own| own == ending);
             if is_folder(path)? {
                 source.add_dataset(path)?;
-            } else if path
-                .extension()
-                .is_some_and(|kind| kind == "csv" || kind == "parquet" && !is_recording(path))
-            {
+            } else if ends_with("csv") || ends_with("parquet") && !is_recording(path)? {
                 source.add_table(path)?;
             } else {
                 source.add_recording(path)?;

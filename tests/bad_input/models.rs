@@ -155,7 +155,7 @@ fn missing_motion() {
 #[test]
 fn missing_model() {
     let folder = tempfile::tempdir().unwrap();
-    let (file, parts) = (folder.path().join("absent.json"), ["No such file", "check the path"]);
+    let (file, parts) = (folder.path().join("absent.json"), ["no such file", "check the path"]);
     let fault = Fault {
         file: &file,
         line: None,

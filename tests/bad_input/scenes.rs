@@ -244,7 +244,7 @@ fn unknown_controller() {
 fn missing_scene() {
     let outputs = tempfile::tempdir().unwrap();
     let (file, set) = (outputs.path().join("absent.toml"), outputs.path().join("set"));
-    let parts = ["No such file", "check the path"];
+    let parts = ["no such file", "check the path"];
     let fault = Fault {
         file: &file,
         line: None,
@@ -265,7 +265,7 @@ fn missing_arm() {
     let outputs = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"no-arm.toml\"\n"));
     let (arm, set) = (folder.path().join("no-arm.toml"), outputs.path().join("set"));
-    let parts = ["No such file", "check the path"];
+    let parts = ["no such file", "check the path"];
     let fault = Fault {
         file: &arm,
         line: None,

@@ -15,7 +15,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, read_text};
 
 use crate::decision::Decision;
 use crate::document::{Document, FORMAT};
@@ -122,10 +122,7 @@ impl Model {
     /// wrong type or the file is not JSON.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, ModelError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            let allowed = "a readable model file";
-            InputError::new(path, "file", error.to_string(), allowed, "check the path")
-        })?;
+        let text = read_text(path, "a readable model file", "check the path")?;
         Self::from_json(path, &text)
     }
 

@@ -1,13 +1,11 @@
 //! The mapping file: which numbers of a file are the forces on which taxels, in which unit.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
-use underbrush_recording::disk::DiskError;
 use underbrush_recording::limits::short;
-use underbrush_recording::{InputError, Limits};
+use underbrush_recording::{InputError, Limits, read_text};
 
 use crate::ExchangeError;
 
@@ -155,30 +153,9 @@ impl Mapping {
     /// Reads a mapping file.
     ///
     /// # Errors
-    /// [`ExchangeError::Input`] with line and field for what is not allowed; [`ExchangeError::Disk`] if it cannot be
-    /// read.
+    /// [`ExchangeError::Input`] with line and field for what is not allowed, or if it cannot be read.
     pub fn load(path: &Path) -> Result<Self, ExchangeError> {
-        let text = fs::read_to_string(path).map_err(|source| match source.kind() {
-            std::io::ErrorKind::NotFound => {
-                let error = InputError::new(path, "file", "no such file", "a mapping file (TOML)", "check the path");
-                ExchangeError::Input(error)
-            }
-            std::io::ErrorKind::InvalidData => {
-                let error = InputError::new(
-                    path,
-                    "file",
-                    "no text",
-                    "a mapping file (TOML, UTF-8)",
-                    "check the path",
-                );
-                ExchangeError::Input(error)
-            }
-            _ => ExchangeError::Disk(DiskError::Io {
-                path: path.to_path_buf(),
-                action: "read",
-                source,
-            }),
-        })?;
+        let text = read_text(path, "a mapping file (TOML, UTF-8)", "check the path")?;
         Ok(Mapping::parse(path, text)?)
     }
 

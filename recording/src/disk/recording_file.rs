@@ -111,12 +111,20 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     file.close()
 }
 
-/// Whether a file is a recording and not some other table. `false` also if the file cannot be read.
-pub fn is_recording(path: impl AsRef<Path>) -> bool {
+/// Whether a file is a recording and not some other table, or damaged.
+///
+/// # Errors
+/// [`DiskError::Io`] if the disk fails.
+pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
     let path = path.as_ref();
-    path.extension().is_some_and(|extension| extension == "parquet")
-        && open(path, ArrowReaderOptions::default())
-            .is_ok_and(|(_, builder)| key_value(path, &builder, FORMAT_KEY).is_ok())
+    if path.extension().is_none_or(|extension| extension != "parquet") {
+        return Ok(false);
+    }
+    match open(path, ArrowReaderOptions::default()) {
+        Ok((_, builder)) => Ok(key_value(path, &builder, FORMAT_KEY).is_ok()),
+        Err(DiskError::Input(_)) => Ok(false),
+        Err(error) => Err(error),
+    }
 }
 
 /// Opens a recording: everything except its frames, and the batches that hold them.

@@ -1,12 +1,11 @@
 //! One input file of an arm: its text, and errors that name its lines.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::de::DeserializeOwned;
 use underbrush_recording::limits::short;
-use underbrush_recording::{InputError, Limits};
+use underbrush_recording::{InputError, Limits, read_text};
 
 use super::limits::DIRECTION;
 use crate::toml_text::{key_at, line_of, sets_key};
@@ -19,15 +18,7 @@ pub(super) struct Source {
 
 /// Reads a file from the disk.
 pub(super) fn read_from_disk(path: &Path) -> Result<String, InputError> {
-    fs::read_to_string(path).map_err(|error| {
-        InputError::new(
-            path,
-            "file",
-            error.to_string(),
-            "a readable text file",
-            "check the path and the permissions",
-        )
-    })
+    read_text(path, "a readable text file", "check the path and the permissions")
 }
 
 /// A list of numbers in brackets, each as short as possible.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::short;
-use underbrush_recording::{FRAME_PERIOD_S, InputError};
+use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
@@ -38,15 +38,8 @@ impl Scene {
     /// When the file cannot be read, is not TOML, has unknown keys, or has a value outside its limits.
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            InputError::new(
-                path,
-                "file",
-                error.to_string(),
-                "a readable scene file",
-                "check the path; `scenes/` holds examples",
-            )
-        })?;
+        let remedy = "check the path; `scenes/` holds examples";
+        let text = read_text(path, "a readable scene file", remedy)?;
         Scene::parse(path, text)
     }
 

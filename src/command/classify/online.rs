@@ -86,7 +86,7 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
         Ok(Dataset::open(path)?.layout().clone())
     } else if extension == "toml" {
         Ok(arm::load_layout(path)?)
-    } else if is_recording(path) {
+    } else if is_recording(path)? {
         Ok(read_recording(path)?.layout)
     } else {
         let allowed = "a data set (folder), a recording (.parquet), the file of an arm or a skin file (.toml)";
