@@ -8,11 +8,11 @@ use underbrush_classifier::evaluate::{self, Evaluation};
 pub struct Accuracy {
     /// Trials tested.
     pub trials: usize,
-    /// Fraction of correct verdicts.
+    /// Share of correct verdicts.
     pub accuracy: f64,
     /// Lower end of the 95 % interval from resampling whole reaches, or from single trials if a trial names no reach.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of this interval.
     pub high: f64,
     /// Mean of the recalls of all categories: 50 for a constant verdict on two categories.
     pub balanced_accuracy: f64,
@@ -30,11 +30,11 @@ pub struct Accuracy {
 pub struct Part {
     /// Trials tested.
     pub trials: usize,
-    /// See [`Accuracy`].
+    /// See [`Accuracy::accuracy`].
     pub accuracy: f64,
-    /// See [`Accuracy`].
+    /// See [`Accuracy::balanced_accuracy`].
     pub balanced_accuracy: f64,
-    /// See [`Accuracy`].
+    /// See [`Accuracy::majority_baseline`].
     pub majority_baseline: f64,
 }
 

@@ -139,7 +139,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
     let drawn = |found: &Option<Found>| found.as_ref().map_or(0, |found| found.drawn);
     session.stage("Online verdicts", || {
         let uncertain = uncertain_rule(experiment);
-        // First, and without other work on the machine, because its time is shown.
+        // General reaches are classified first, and without other work on the machine, because their time is shown.
         let general = classify_some(&reaches.general, uncertain)?;
         let engineered = |(category, found): &(Category, Found)| {
             Ok(Engineered {

@@ -1,4 +1,4 @@
-//! A controller that presses less on trunks and unknown things than on leaves, because a touch model tells it what its
+//! A controller that presses less on trunks and unknown objects than on leaves, because a touch model tells it what its
 //! skin touches.
 //!
 //! The inner controller has one force limit for all contacts. The outer controller judges every taxel in contact in
@@ -31,9 +31,9 @@ pub struct AllowedForces {
 
 impl Default for AllowedForces {
     /// 6 N on leaves, twice the 3 N of `cody-2013`. A leaf bends away before a taxel feels as much (5.4 N at most in 14
-    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks and unknown objects, half of the 3
-    /// N. This limit must be above 1 N, the force at which the controller begins to take a reading for a contact,
-    /// because the force of a contact over its limit may not rise at all.
+    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks and unknown objects, half of the
+    /// limit of `cody-2013`. This limit must be above 1 N, the force at which the controller begins to take a reading
+    /// for a contact, because the force of a contact over its limit may not rise at all.
     fn default() -> Self {
         AllowedForces {
             categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(),

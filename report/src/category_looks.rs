@@ -45,8 +45,8 @@ const PAPER: [(&str, Look); 4] = [
     ("uncertain", Look::new((UNCERTAIN, "blue"), Mark::Ring, Dash::Solid)),
 ];
 
-/// Colours, marks and dashes of further categories. Their numbers have no common factor, so that the first 30
-/// categories differ in at least one.
+/// Colours, marks and dashes of further categories. The numbers of these have no common factor, so the first 30
+/// categories differ in at least one of them.
 const COLOURS: [(&str, &str); 5] = [
     ("#8c4fb3", "purple"),
     ("#b58900", "ochre"),

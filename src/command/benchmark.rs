@@ -57,7 +57,7 @@ pub struct Options {
 enum Track {
     /// What contacts are, by the number of samples since they began, with outliers that are unseen in training
     Verdicts,
-    /// The same with another arm, speed or sensor than in training
+    /// What contacts are, with another arm, speed or sensor than in training
     Transfer,
     /// How a controller reaches through clutter, and how hard it presses on trunks and leaves
     Reaching,

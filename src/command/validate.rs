@@ -39,7 +39,7 @@ pub struct Options {
 struct Report {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every check passes, or misses only by a known shortfall.
+    /// Whether every check passes, or fails only by a known shortfall.
     sound: bool,
     checks: Vec<Outcome>,
 }

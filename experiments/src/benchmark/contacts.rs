@@ -21,14 +21,14 @@ pub(super) enum Class {
     Other,
 }
 
-/// What a model says of a taxel in a frame.
+/// What a model says about a taxel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Answer {
     /// The likeliest of all classes that the model knows.
     pub(super) likeliest: Class,
-    /// Whether a trunk is likelier than a leaf; `None` if they are equally likely, or the model is silent.
+    /// Whether a trunk is likelier than a leaf; `None` if they are equally likely, or the model gives no answer.
     pub(super) trunk: Option<bool>,
-    /// Larger if the contact is less like what the model was trained on.
+    /// How unlike the training data the contact is; larger values are more unlike.
     pub(super) unlike: f64,
 }
 
@@ -44,7 +44,7 @@ pub(super) const SILENCE: Answer = Answer {
 pub(super) struct Contact {
     /// What truly pressed most often, counted over the frames in which anything did.
     pub(super) truth: Class,
-    /// Samples from its beginning to its end.
+    /// Number of samples from its beginning to its end.
     pub(super) samples: usize,
     /// The frames after each of [`MOMENTS`] (the last frame if the contact is shorter), and the last frame.
     pub(super) moments: [Moment; JUDGED_MOMENTS],

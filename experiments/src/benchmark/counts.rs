@@ -6,7 +6,7 @@ use super::frozen::MOMENTS;
 /// The classes over which accuracies are balanced; the last two are those of [`Balanced::LeafOrTrunk`].
 const CLASSES: [Class; 3] = [Class::Nothing, Class::Leaf, Class::Trunk];
 
-/// Which accuracy is meant.
+/// Which accuracy is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Balanced {
     /// Contacts with leaves and trunks, by which of the two is likelier.
@@ -107,7 +107,7 @@ mod tests {
             contact(Nothing, Nothing, Nothing, Some(true)),
             contact(Nothing, Nothing, Leaf, None),
             contact(Leaf, Leaf, Leaf, Some(false)),
-            // The touch is over, and the taxel goes on reading.
+            // The touch is over, but the taxel still reads a force.
             contact(Leaf, Nothing, Nothing, Some(false)),
             contact(Leaf, Leaf, Trunk, Some(true)),
             contact(Trunk, Trunk, Trunk, None),

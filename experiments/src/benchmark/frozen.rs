@@ -25,7 +25,7 @@ pub(super) const WATER_BOTTLE: &str = "water-bottle";
 /// Scenes in which verdicts are judged.
 pub(super) const VERDICTS_SCENES: &[&str] = &["leaf", "trunk", "mixed", FOAM_ROLL, WATER_BOTTLE];
 /// The settings of arm, speed and sensor in the track transfer, by name and scene. The first is as in training. All
-/// scenes but the one with another arm are called `mixed`, so that clutter and goals are the same.
+/// scenes except the one with another arm are called `mixed`, so that clutter and goals are the same.
 pub(super) const SETTINGS: &[(&str, &str)] = &[
     ("as-trained", "mixed"),
     ("half-stiffness", "half-stiffness/mixed"),
@@ -81,7 +81,7 @@ pub(super) fn scene(path: &str) -> Result<Scene, InputError> {
     Scene::parse(file, (*text).to_owned())
 }
 
-/// The arms of these scenes that do not use Cody, by the name of the scene.
+/// The arms of those scenes that do not use Cody, by the name of the scene.
 ///
 /// # Errors
 /// Only when the frozen files are broken.

@@ -52,7 +52,7 @@ impl Estimate {
             return Estimate::default();
         };
         let resample = |number: usize| {
-            // A stream for each resample, so that threads may take them in any order.
+            // Each resample has its own random stream, so that threads may compute them in any order.
             let mut rng = ChaCha8Rng::seed_from_u64(number as u64);
             // A range of 64 bits gives the same draws on every platform.
             let mut draw = |size: usize| rng.random_range(0..size as u64) as usize;

@@ -54,7 +54,7 @@ fn frozen_scenes_draw_what_they_drew() {
     );
 }
 
-/// Pins that all settings but the one with another arm have the same clutter and goals.
+/// Pins that all settings except the one with another arm have the same clutter and goals.
 #[test]
 fn settings_differ_in_nothing_but_arm_speed_and_sensor() {
     let (_, usual) = drawn(frozen::SETTINGS[0].1);

@@ -90,8 +90,8 @@ fn accuracy(reaches: &[(String, Vec<Contact>)], moment: usize, balanced: Balance
     Estimate::of(&counts, |own| Counts::balanced_accuracy(own, balanced))
 }
 
-/// How well the foreign objects of a scene are told from leaves and trunks in all scenes, by how unlike the training
-/// data the model finds them.
+/// How well the foreign objects of a scene are told apart from leaves and trunks in all scenes, by how unlike the
+/// training data the model finds them.
 fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estimate {
     let unlike = |(own, contacts): &(String, Vec<Contact>)| -> [Vec<f64>; 2] {
         let of = |is_wanted: &dyn Fn(Class) -> bool| {

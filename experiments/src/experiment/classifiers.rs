@@ -16,7 +16,7 @@ use crate::estimators;
 use crate::session::Session;
 use crate::training;
 
-/// All classifiers of the experiment, in its order.
+/// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]
 pub struct Outcome {
     /// Their accuracies on whole trials.

@@ -53,7 +53,7 @@ pub struct Typical {
     pub category: String,
     /// Number of trials.
     pub trials: usize,
-    /// Force 0.1 s after contact, which shows how fast it rises.
+    /// Force 0.1 s after contact, N, which shows how fast the force rises.
     pub force_after_100_ms_n: f64,
     /// The largest sensed force of a trial, N.
     pub peak_force_n: f64,

@@ -23,7 +23,7 @@ pub struct Outcome {
     pub thresholds: Option<ChosenThresholds>,
     /// Areas under the receiver operating characteristics.
     pub roc: Areas,
-    /// The curves, and why there are no thresholds.
+    /// The ROC curves, and the reason if there are no thresholds.
     #[serde(skip)]
     pub curves: Rc<Thresholds>,
     /// All reaches.

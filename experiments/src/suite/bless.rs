@@ -13,7 +13,7 @@ use crate::error::ExperimentError;
 /// is shared equally among the sides of all means and shares.
 ///
 /// # Errors
-/// When a metric was measured in fewer than two reaches, so that it cannot be bounded.
+/// When a metric was measured in fewer than two reaches and therefore cannot be bounded.
 pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, ExperimentError> {
     let all = || {
         let scenes = suite.scenes.iter().zip(&result.scenes);

@@ -100,8 +100,8 @@ mod tests {
     }
 
     /// Pins that new means exceed the margin as often as promised: among 20000 pairs of means of 12 normal values, the
-    /// second mean lies above the first by more than the margin in 5 % of the pairs, within four standard errors (0.6
-    /// %).
+    /// second mean lies above the first by more than the margin in 5 % of the pairs. The tolerance of 0.6 % is four
+    /// standard errors.
     #[test]
     fn new_means_exceed_the_margin_as_often_as_promised() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);

@@ -93,7 +93,7 @@ fn orderings_are_found_as_they_are() {
     assert_eq!(counts(1.0, 20), [(true, 4, 4), (true, 4, 4), (true, 4, 4)]);
 }
 
-/// Pins that the statement on the number of states names those that the experiment has.
+/// Pins that the statement on the number of states names the numbers that the experiment has.
 #[test]
 fn the_statement_on_states_names_them() {
     let statement = |states: &[usize]| {

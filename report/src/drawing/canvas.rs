@@ -54,7 +54,7 @@ impl Plot {
     }
 }
 
-/// How far this many strips push the tick labels down.
+/// How far this many strips push the tick labels down, px.
 pub(super) fn strips_height(count: usize) -> f64 {
     if count == 0 { 0.0 } else { count as f64 * STRIP + 4.0 }
 }

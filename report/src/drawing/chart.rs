@@ -10,7 +10,7 @@ use super::markup::{escape, slug};
 /// A chart with its text. Layers are drawn in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// Unique on its page.
+    /// Name of the chart, unique on its page.
     pub name: String,
     /// One line above the chart.
     pub title: String,

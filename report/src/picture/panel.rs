@@ -131,7 +131,7 @@ impl Panel {
         point.dot(self.near)
     }
 
-    /// The table: seen from the side, everything below its top; from above, the area for the feet of objects.
+    /// Draws the table: seen from the side, everything below its top; from above, the area for the feet of objects.
     pub fn table(&self, svg: &mut String, view: &View, workspace: &Workspace) {
         let size = view.size_px();
         if self.up == DVec3::Z {
@@ -163,7 +163,7 @@ impl Panel {
         );
     }
 
-    /// Arm and objects, nearest to the viewer last.
+    /// Draws arm and objects, nearest to the viewer last.
     pub fn shapes(&self, svg: &mut String, view: &View, snapshot: &Snapshot, looks: &CategoryLooks) {
         let mut shapes = self.outlines(view, snapshot, looks);
         shapes.sort_by(|a, b| a.depth.total_cmp(&b.depth));

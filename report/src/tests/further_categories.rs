@@ -75,7 +75,7 @@ fn the_outlier_chart_has_a_strip_for_it() {
         let svg = outliers::reach_chart(&reach(truths), labels, &looks());
         let known = ["outlier", "reed", "trunk", "leaf", "block"];
         let texts = texts(&svg).into_iter().filter(|text| known.contains(&text.as_str()));
-        // Strips follow the legend.
+        // In the document, the strips come after the legend.
         texts
             .skip(labels.len() + usize::from(!labels.contains(&"reed")) + 1)
             .collect()
