@@ -3,9 +3,9 @@
 //! A suite runs the same seeds again and again, so the same program finds the same numbers, bit for bit. The margin is
 //! for programs that should be equally good but draw or round differently. Their reaches are other draws of the same
 //! scenes. If values of reaches are independent and roughly normal, with standard deviation s over n reaches, then the
-//! mean of n new reaches differs from the mean of the n blessed ones by more than t s √(1/n + 1/n) with probability α,
-//! where t is the 1 − α quantile of Student's t distribution with n − 1 degrees of freedom (the prediction interval for
-//! a future mean; for example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
+//! mean of n new reaches exceeds the mean of the n blessed ones by more than t s √(1/n + 1/n) with probability α, where
+//! t is the 1 − α quantile of Student's t distribution with n − 1 degrees of freedom (the prediction interval for a
+//! future mean; for example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
 
 use crate::accuracy::Spread;
 
