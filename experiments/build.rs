@@ -1,24 +1,24 @@
-//! Gives the crate a hash of the sources that decide data, and one of those that decide results, so that data and
-//! cached results of one build are never taken for those of another.
+//! Computes two hashes for the crate, one of the sources that decide data and one of the sources that decide results.
+//! They keep a build from using data or cached results of another build.
 
 use std::env::var_os;
 use std::path::{Path, PathBuf};
 
-/// The folders of the crates whose sources are hashed, by name. Crates that this one depends on tell theirs through
-/// cargo (`links` in their manifests), so that sources are found in the repository and among packages of a registry.
+/// The folders of the crates whose sources are hashed, by name. Crates that this one depends on report their folders
+/// through cargo (`links` in their manifests). This works in the repository and with packages from a registry.
 pub struct Folders {
     /// This crate.
     pub experiments: PathBuf,
     /// The simulator.
     pub sim: PathBuf,
-    /// What is recorded.
+    /// The recordings and data sets.
     pub recording: PathBuf,
     /// The classifiers.
     pub classifier: PathBuf,
 }
 
 impl Folders {
-    /// What decides the frames of a reach.
+    /// The sources that decide the frames of a reach.
     pub fn data_sources(&self) -> Vec<(&'static str, PathBuf)> {
         vec![
             ("Cargo.lock", self.lock()),
@@ -30,8 +30,8 @@ impl Folders {
         ]
     }
 
-    /// What decides the results that are computed from the frames: all of this crate and of the classifier. The report
-    /// is a separate crate and is not included. Experiment files and scenes are hashed when they are read.
+    /// The sources that decide the results computed from the frames: all of this crate and all of the classifier. The
+    /// report is a separate crate and is not included. Experiment files and scenes are hashed when they are read.
     pub fn analysis_sources(&self) -> Vec<(&'static str, PathBuf)> {
         vec![
             ("classifier/src", self.classifier.join("src")),
@@ -39,8 +39,8 @@ impl Folders {
         ]
     }
 
-    /// The versions of all dependencies: in a package those that it was published with, otherwise those of the
-    /// workspace.
+    /// The lock file with the versions of all dependencies: in a package the one that it was published with, otherwise
+    /// the one of the workspace.
     fn lock(&self) -> PathBuf {
         let packaged = self.experiments.join("Cargo.lock");
         if packaged.exists() {

@@ -111,8 +111,8 @@ impl Failure {
     }
 }
 
-/// Longer lines are not shown with an error, nor are their neighbours: nobody reads them, and a line may be a whole
-/// file of many megabytes.
+/// Longer lines are not shown with an error, and neither are their neighbours. Nobody reads such a line, and it may be
+/// a whole file of many megabytes.
 const MAX_LINE_BYTES: usize = 1000;
 
 /// Whether a text has this line (from 1), and the line and its neighbours, which are shown too, are short enough.
@@ -143,7 +143,7 @@ impl From<Fault> for Failure {
     }
 }
 
-/// The errors of the libraries, which say themselves what they mean.
+/// The errors of the libraries, each of which can be converted to a [`Fault`].
 macro_rules! library_errors {
     ($($error:ty),*) => {
         $(impl From<$error> for Failure {
@@ -172,7 +172,7 @@ library_errors!(
 /// Records panics instead of printing them.
 ///
 /// A damaged file can make the Parquet decoder panic, and an extreme scene the physics engine. Both panics are caught
-/// where they happen and become errors, so the panic's own message on stderr would only confuse.
+/// where they happen and become errors, so the panic's own message on stderr would only confuse the user.
 pub fn record_panics() -> &'static Mutex<String> {
     static LAST: Mutex<String> = Mutex::new(String::new());
     std::panic::set_hook(Box::new(|panic| {

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::progress::Shown;
 pub use crate::trial_arguments::TrialArguments;
 
-/// The only one of some paths.
+/// The only path in `paths`.
 ///
 /// # Errors
 /// If there are several, which only the classifier `touch` takes.
@@ -44,8 +44,8 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
     Ok(trials)
 }
 
-/// An error if there is no file or folder at `path`; otherwise its name would be taken for the wrong kind of file.
-/// `allowed` is what the command accepts.
+/// Returns an error if there is no file or folder at `path`. Without this check, its name would be taken for the wrong
+/// kind of file. `allowed` is what the command accepts.
 pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
     if is_there(path)? {
         return Ok(());

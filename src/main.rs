@@ -94,7 +94,7 @@ enum Command {
     Score(command::score::Options),
     /// Check the simulated physics against closed-form solutions
     Validate(command::validate::Options),
-    /// Run regression suites: hold what scenes, controller and model give against the bounds in a file
+    /// Run regression suites: check the results of scenes, controller and model against the bounds in a file
     Check(command::check::Options),
     /// Judge a model or a controller on frozen scenes, for a table that others can check
     Benchmark(command::benchmark::Options),

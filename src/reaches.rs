@@ -19,7 +19,7 @@ enum Source {
     Recording,
 }
 
-/// What commands accept that need whole frames.
+/// What commands that need whole frames accept.
 const ALLOWED: &str = "data sets (folders) or recordings (.parquet), which hold whole frames";
 
 impl Reaches {
@@ -49,15 +49,15 @@ impl Reaches {
     /// Reads all reaches; see [`ReadReaches::read`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`ReadReaches::read`].
     pub fn read_all(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
         self.read(&|_| true, &mut each)
     }
 
-    /// Reads all reaches and hands each to `each`; with a progress bar. They need no ground truth.
+    /// Reads all reaches with a progress bar, and passes each to `each`. The reaches need no ground truth.
     ///
     /// # Errors
-    /// If a file is damaged. Errors of `each` are told with the file.
+    /// If a file is damaged. Errors of `each` name the file.
     pub fn read_any(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
         self.read_chosen(|_| true, |_, _, recording| each(recording))
     }
@@ -105,8 +105,8 @@ impl ReadReaches for Reaches {
         counts.sum()
     }
 
-    /// With a progress bar. It fails if a file is damaged, or a recording has no ground truth; errors of `each` are
-    /// told with the file.
+    /// Reads the reaches with a progress bar. It fails if a file is damaged, or a recording has no ground truth; errors
+    /// of `each` name the file.
     fn read(
         &self,
         keeps: &dyn Fn(usize) -> bool,

@@ -87,7 +87,7 @@ impl TrialArguments {
         self.threshold_n.unwrap_or(TrialOptions::default().threshold_n)
     }
 
-    /// Trials with fewer samples are left out.
+    /// The minimum number of samples of a trial. Trials with fewer samples are left out.
     pub fn min_samples(&self) -> usize {
         let paper = self.is_paper().then(|| TrialOptions::paper().min_samples);
         self.min_samples.or(paper).unwrap_or(1)

@@ -8,19 +8,20 @@ use underbrush_classifier::evaluate::{self, Evaluation};
 pub struct Accuracy {
     /// Trials tested.
     pub trials: usize,
-    /// Fraction of correct verdicts.
+    /// Share of correct verdicts.
     pub accuracy: f64,
-    /// Lower end of the 95 % interval from resampling whole reaches.
+    /// Lower end of the 95 % interval from resampling whole reaches, or from single trials if a trial names no reach.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of this interval.
     pub high: f64,
-    /// Mean of the recalls of all categories: 50 for a constant verdict on two.
+    /// Mean of the recalls of all categories: 50 for a constant verdict on two categories.
     pub balanced_accuracy: f64,
     /// The accuracy of a constant verdict: the share of the most frequent category.
     pub majority_baseline: f64,
-    /// Of the trials in which something truly touched the skin; `None` if there are none.
+    /// The figures of the trials in which something truly touched the skin; `None` if there are no such trials.
     pub touched: Option<Part>,
-    /// Of those in which nothing touched it (spurious readings, creep, crosstalk).
+    /// The figures of the trials in which nothing touched it (spurious readings, creep, crosstalk); `None` if there are
+    /// no such trials.
     pub untouched: Option<Part>,
 }
 
@@ -29,11 +30,11 @@ pub struct Accuracy {
 pub struct Part {
     /// Trials tested.
     pub trials: usize,
-    /// See [`Accuracy`].
+    /// See [`Accuracy::accuracy`].
     pub accuracy: f64,
-    /// See [`Accuracy`].
+    /// See [`Accuracy::balanced_accuracy`].
     pub balanced_accuracy: f64,
-    /// See [`Accuracy`].
+    /// See [`Accuracy::majority_baseline`].
     pub majority_baseline: f64,
 }
 
@@ -81,7 +82,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// From one value per campaign.
+    /// The mean and spread of one value per campaign.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;

@@ -73,8 +73,8 @@ pub struct Ordering {
 /// A key with its accuracy, per cent.
 pub type KeyedAccuracy<'a> = (&'a CellKey, f64);
 
-/// Mean absolute difference from the published figures by recipe, of (recipe, accuracy, published). Cells without a
-/// published figure do not count.
+/// Mean absolute difference from the published figures, by recipe. A cell is given as (recipe, accuracy, published);
+/// cells without a published figure do not count.
 pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, Option<f64>)>) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
     for (recipe, accuracy, published) in cells {

@@ -35,11 +35,11 @@ pub fn of_recording(
     Ok(trials.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
 }
 
-/// The trials of all reaches of a data set. Their reach is the number of the episode, because reaches of different
-/// scenes may share an index.
+/// The trials of all reaches of a data set. The reach of a trial is the index of its episode, because reaches of
+/// different scenes may share an index.
 ///
 /// # Errors
-/// Those of reading the set, and of cutting a reach; [`ReachError::Stopped`] if the user ends it.
+/// If the set cannot be read or a reach cannot be cut; [`ReachError::Stopped`] if the user ends the run.
 pub fn of_dataset(
     dataset: &Dataset,
     unit: Unit,

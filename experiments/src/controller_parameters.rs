@@ -1,4 +1,4 @@
-//! What data sets store of a controller.
+//! The parameters of a controller that data sets store.
 
 use serde::Serialize;
 use underbrush_sim::controller::Preset;

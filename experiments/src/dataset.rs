@@ -1,4 +1,4 @@
-//! From scenes to a finished data set: plan and campaign; the files are written by `write`.
+//! From scenes to a finished data set: plans the reaches and runs them. `write` writes the files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
@@ -27,21 +27,21 @@ pub use write::Written;
 pub const PROGRAM: &str = "underbrush";
 
 /// Version of the program, with a hash of all sources that decide data. Builds of a version under development make
-/// different data, and none may continue what another began.
+/// different data, and no build may continue a data set that another build began.
 pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("UNDERBRUSH_DATA_SOURCES"));
 
 /// Reaches of some scenes, from one seed.
 pub struct Campaign {
     /// The scenes, each with its number of reaches.
     pub scenes: Vec<(Scene, u64)>,
-    /// Arms by the name of their scene; they replace those that the scenes name.
+    /// Arms by the name of the scene. Each replaces the arm that the scene names.
     pub arms: BTreeMap<String, Arm>,
     /// The seed.
     pub seed: u64,
     /// The controller; each scene's own if not given.
     pub controller: Option<ControllerKind>,
-    /// A user's own controller, instead of one that ships. A data set holds its name only, so it cannot be made again
-    /// from itself.
+    /// A user's own controller, instead of one that ships. A data set stores only the name of such a controller, so the
+    /// set cannot be made again from what it stores.
     pub own_controller: Option<MakeController>,
     /// Verdicts for the controller, if it is to have any.
     pub verdicts: Option<VerdictControl>,
@@ -49,7 +49,7 @@ pub struct Campaign {
     pub shard: Option<Shard>,
 }
 
-/// Warns of what is doubtful about the skins of these arms, each sentence once.
+/// Warns about doubtful properties of these arms' skins, without repeating a warning.
 pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Progress) {
     let mut said: Vec<String> = Vec::new();
     for doubt in arms.into_iter().flat_map(Arm::skin_doubts) {
@@ -61,8 +61,8 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
 }
 
 impl Campaign {
-    /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, their touch
-    /// model is needed too: a set holds only the hash of its file.
+    /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, the touch
+    /// model is needed too, because a set stores only the hash of the model's file.
     pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, ExperimentError> {
         let provenance = dataset.provenance();
         let fault = |field: &str, found: String, allowed: &str| -> ExperimentError {
@@ -133,8 +133,7 @@ impl Campaign {
         Ok(result?)
     }
 
-    /// Runs the campaign and returns its recordings in their order. They need some 10 MB for a minute of simulated
-    /// time.
+    /// Runs the campaign and returns its recordings in their order. They need about 10 MB per minute of simulated time.
     pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, ExperimentError> {
         let found: Mutex<Vec<(usize, Recording)>> = Mutex::default();
         self.run(progress, |place, recording| {
@@ -153,7 +152,7 @@ impl Campaign {
         Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
     }
 
-    /// Name of the controller of its first scene.
+    /// Name of the first scene's controller.
     pub fn controller_name(&self) -> Result<String, ExperimentError> {
         Ok(self
             .plans()?
@@ -180,7 +179,7 @@ impl Campaign {
         self.scenes.iter().map(plan).collect()
     }
 
-    /// Reach by reach, scene after scene.
+    /// The jobs of this shard, scene by scene and reach by reach.
     fn jobs(&self) -> Vec<Job> {
         let all = self
             .scenes
@@ -289,7 +288,7 @@ impl Campaign {
     }
 }
 
-/// The categories of the scenes' objects that are not built in, each once, by code.
+/// The categories of the scenes' objects that are not built in, each once, sorted by code.
 fn further_categories(plans: &[ReachPlan]) -> Vec<Category> {
     let groups = plans.iter().flat_map(|plan| plan.scene.file.objects.groups());
     let categories = groups.map(|(_, _, group)| group.category());

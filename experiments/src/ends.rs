@@ -65,7 +65,7 @@ impl Ends {
         format!("true contact: {}", counts.join(", "))
     }
 
-    /// The summary as a few lines of text.
+    /// The summary as text of several lines.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n{}", self.goals, self.touched_text());
         for AbortedReach {

@@ -58,7 +58,7 @@ pub enum ExperimentError {
     Json {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Why it cannot be written.
         source: serde_json::Error,
     },
     /// The request cannot be run: no scenes, no reaches, or scenes that do not go together.
@@ -86,7 +86,7 @@ pub enum ExperimentError {
         seed: u64,
         /// Name of the figure.
         name: String,
-        /// Whether more than one was found, instead of none.
+        /// Whether several results were found, rather than none.
         several: bool,
     },
 }

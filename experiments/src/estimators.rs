@@ -13,7 +13,7 @@ pub fn recipe_name(name: RecipeName) -> &'static str {
     }
 }
 
-/// The recipe of a name.
+/// The recipe with this name.
 pub fn recipe(name: RecipeName) -> Recipe {
     match name {
         RecipeName::Authors => Recipe::authors(),
@@ -26,12 +26,12 @@ pub fn main_recipe(experiment: &Experiment) -> Recipe {
     recipe(main_recipe_name(experiment))
 }
 
-/// Its name.
+/// The name of the experiment's first recipe.
 pub fn main_recipe_name(experiment: &Experiment) -> RecipeName {
     experiment.file.recipes.first().copied().unwrap_or(RecipeName::Authors)
 }
 
-/// The classifier that an entry describes; `recipe` is that of hidden Markov models.
+/// The classifier that an entry describes; `recipe` is for hidden Markov models.
 pub fn estimator(entry: &ClassifierEntry, recipe: &Recipe) -> Box<dyn Estimator> {
     if !is_hmm(entry) {
         return (entry.method.estimator)(entry.features);

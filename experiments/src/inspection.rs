@@ -1,4 +1,4 @@
-//! What a file or folder holds: a scene, a data set, a recording, trials or a model. Looking checks it, too.
+//! What a file or folder holds: a scene, a data set, a recording, trials or a model. The content is checked as well.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -7,7 +7,7 @@ use crate::estimators;
 use crate::session::Session;
 use crate::training;
 
-/// Hidden Markov models by force, in the first recipe, fitted to all taxel trials.
+/// Hidden Markov models of force, by the first recipe, fitted to all taxel trials.
 pub struct Models(pub HmmClassifier);
 
 /// Fits the models.

@@ -1,5 +1,4 @@
-//! Verdicts frame by frame compared with ground truth (paper, sections V-B and V-D), on which several figures are
-//! based.
+//! Frame-by-frame verdicts compared with ground truth (paper, sections V-B and V-D). Several figures are based on them.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -51,7 +50,7 @@ pub struct Online {
     pub general_drawn: u64,
     /// Outlier reaches by the rule of section V-D.
     pub outlier: Vec<Classified>,
-    /// The same reaches by the chosen thresholds, if there are any.
+    /// The outlier reaches by the chosen thresholds, if there are any.
     pub outlier_by_chosen: Option<(Decision, Vec<Classified>)>,
     /// Outlier reaches drawn.
     pub outlier_drawn: u64,
@@ -66,7 +65,7 @@ pub struct Shares {
     pub misclassified_percent: f64,
     /// No verdict yet.
     pub uncertain_percent: f64,
-    /// Taxels in contact with ground truth, summed over frames.
+    /// Taxels in contact for which there is ground truth, summed over frames.
     pub taxel_frames: usize,
     /// Taxels in contact that nothing presses on, summed over frames. They are not in the fractions.
     pub without_truth: usize,
@@ -140,7 +139,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
     let drawn = |found: &Option<Found>| found.as_ref().map_or(0, |found| found.drawn);
     session.stage("Online verdicts", || {
         let uncertain = uncertain_rule(experiment);
-        // First, and without other work on the machine, because its time is shown.
+        // General reaches are classified first, and without other work on the machine, because their time is shown.
         let general = classify_some(&reaches.general, uncertain)?;
         let engineered = |(category, found): &(Category, Found)| {
             Ok(Engineered {

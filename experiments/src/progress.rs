@@ -13,7 +13,7 @@ pub trait Progress: Sync {
     /// A task of several steps begins, of which `done` are already complete. Dropping the counter ends the task.
     fn count(&self, things: &str, total: u64, done: u64) -> Box<dyn Counter>;
 
-    /// Whether the user wants the run to end now. It is asked in every frame of every reach of a campaign.
+    /// Whether the user wants the run to end now. Called in every frame of every reach of a campaign.
     fn is_stopped(&self) -> bool {
         false
     }

@@ -1,5 +1,5 @@
 //! Reaches on which models are tested. They are drawn one after the other until enough of them meet the experiment's
-//! requirement, which is checked by ground truth.
+//! requirement, which is checked against the ground truth.
 
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,7 @@ struct Search<'a> {
     max_draws: u64,
 }
 
-/// Written when a search is complete, so that it need not be repeated.
+/// Written when a search is complete, so that the search need not be repeated.
 #[derive(Serialize, Deserialize)]
 struct Index {
     drawn: u64,

@@ -36,17 +36,17 @@ pub struct Timing {
     pub cores: usize,
     /// Threads used.
     pub threads: usize,
-    /// Its processor.
+    /// The machine's processor.
     pub processor: String,
     /// Wall time of each stage, s, in order.
     pub stages: Vec<(&'static str, f64)>,
     /// Total wall time, s.
     pub wall_s: f64,
-    /// Fig. 8: of the reach shown, s per 100 taxels in contact.
+    /// Fig. 8: mean computation time of a sample in the reach shown, s per 100 taxels in contact.
     pub figure_8_seconds_per_100_taxels: Option<f64>,
-    /// The median over the frames with contact.
+    /// Fig. 8: median of this time over the frames with contact, s per 100 taxels in contact.
     pub figure_8_median_seconds_per_100_taxels: Option<f64>,
-    /// The published mean.
+    /// Fig. 8: the published mean, s per 100 taxels in contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub figure_8_paper_seconds_per_100_taxels: Option<f64>,
 }
@@ -55,7 +55,7 @@ impl Results {
     /// Runs all experiments of a session.
     ///
     /// # Errors
-    /// That of the first experiment that fails.
+    /// The error of the first experiment that fails.
     pub fn of(session: &Session) -> Result<Self, ExperimentError> {
         let outcomes = Outcomes::of(session)?;
         let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
@@ -86,7 +86,7 @@ impl Results {
         })
     }
 
-    /// The run's seed, or those of all its campaigns.
+    /// The run's seed, or the seeds of all its campaigns.
     pub fn seeds(&self) -> Vec<u64> {
         let campaigns = self.outcomes.campaigns.campaigns.as_ref();
         campaigns.map_or(vec![self.seed], |campaigns| campaigns.seeds.clone())

@@ -22,7 +22,7 @@ pub struct Session<'a> {
     pub experiment: &'a Experiment,
     /// The seed.
     pub seed: u64,
-    /// Fewer reaches, and no ablation.
+    /// Whether to run fewer reaches and no ablation.
     pub quick: bool,
     /// Number of independent campaigns, of this seed and the next ones.
     pub campaigns: u64,
@@ -56,7 +56,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The result of a function of this session. The function is called only once, however often its result is needed.
+    /// The result of a function, computed once per session. Results are found by their type, so no two functions may
+    /// return the same type.
     ///
     /// # Errors
     /// Those of the function.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use underbrush_recording::{InputError, read_text};
 
-/// The text of a file, for errors.
+/// A file's path and text, to which errors refer.
 pub struct Source<'a> {
     pub path: &'a Path,
     pub text: &'a str,
@@ -25,7 +25,7 @@ pub fn read(path: &Path, kind: &str) -> Result<String, InputError> {
 }
 
 impl Source<'_> {
-    /// The contents of the file; `kind` is its name after `underbrush schema`.
+    /// The contents of the file; `kind` is the name of its schema, as for `underbrush schema`.
     pub fn parse<T: DeserializeOwned>(&self, kind: &str) -> Result<T, InputError> {
         toml::from_str(self.text).map_err(|error| {
             let line = self.line_of(error.span().unwrap_or_default().start);

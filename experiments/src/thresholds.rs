@@ -1,4 +1,4 @@
-//! Decision thresholds chosen from the training data, and the curves over all thresholds.
+//! Decision thresholds chosen from the training data, and the ROC curves over all thresholds.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,9 @@ use crate::reaches;
 use crate::session::Session;
 use crate::training::{self, Trials};
 
-/// Chosen thresholds and the curves.
+/// Chosen thresholds and the ROC curves.
 pub struct Thresholds {
-    /// The error is a sentence with the reason why there are none.
+    /// The chosen thresholds, or a sentence that says why there are none.
     pub chosen: Result<ChosenThresholds, String>,
     /// The first label against the others, on held-out training trials.
     pub category_roc: Option<RocCurve>,
@@ -50,7 +50,7 @@ pub fn run(session: &Session) -> Result<Thresholds, ExperimentError> {
             false => None,
             true => {
                 let judge = argmax.prepare(&models.0.categories())?;
-                // No trial is left uncertain: the smallest margins are called outliers, up to every threshold.
+                // No trial is left uncertain: at each threshold, all trials with smaller margins are called outliers.
                 outlier_roc(&evaluate(&models.0, &trials.taxel, &argmax)?, &judge, 0.0)
             }
         };

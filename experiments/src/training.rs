@@ -83,8 +83,9 @@ pub fn reaches(experiment: &Experiment, quick: bool) -> Vec<u64> {
     training.map(|training| training.reaches(quick)).collect()
 }
 
-/// A campaign with these numbers of reaches of each training scene and a change. A data set stores the text of a scene
-/// and would not show the change, so use changed campaigns only for [`Trials::of_campaign`].
+/// A campaign with these numbers of reaches of each training scene, after `change` has been applied to each scene. A
+/// data set stores the text of a scene and would not show the change, so use changed campaigns only for
+/// [`Trials::of_campaign`].
 pub fn campaign(
     experiment: &Experiment,
     seed: u64,
@@ -145,7 +146,7 @@ impl Trials {
         }
     }
 
-    /// The trials of the run's training reaches, extracted in another way.
+    /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, ExperimentError> {
         let (_, labelled) = campaign(
             session.experiment,
@@ -207,7 +208,7 @@ impl Trials {
         Ok(trials)
     }
 
-    /// The trials of at least this many samples, renumbered: the same as extracted with [`TrialOptions::min_samples`].
+    /// The trials of at least this many samples, renumbered as if extracted with [`TrialOptions::min_samples`].
     pub fn lasting(&self, min_samples: usize) -> Self {
         let renumbered = |trials: &[Trial]| {
             let long = trials.iter().filter(|trial| trial.samples.len() >= min_samples);

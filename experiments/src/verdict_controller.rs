@@ -1,8 +1,8 @@
-//! A controller that presses less on trunks and unknown things than on leaves, because a touch model tells it what its
+//! A controller that presses less on trunks and unknown objects than on leaves, because a touch model tells it what its
 //! skin touches.
 //!
-//! The controller inside is one that knows a force limit for all contacts. This one follows the frames, judges every
-//! taxel in contact, and gives each contact the limit that goes with its verdict.
+//! The inner controller has one force limit for all contacts. The outer controller judges every taxel in contact in
+//! each frame, and gives each contact the limit for its verdict.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,23 +17,23 @@ use underbrush_sim::reach::{PlannedController, ReachPlan};
 
 use crate::error::ExperimentError;
 
-/// What is added to the name of a controller with verdicts.
+/// The suffix of the name of a controller with verdicts.
 pub const WITH_VERDICTS: &str = "+verdicts";
 
-/// How hard the arm may press on what, N. For everything else the controller's own limit holds.
+/// How hard the arm may press on which objects, N. The controller's own limit holds for everything else.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AllowedForces {
-    /// By the name of a known category.
+    /// The limits by the name of a known category, N.
     pub categories_n: BTreeMap<String, f64>,
-    /// On what is unlike all known categories.
+    /// The limit on objects unlike all known categories, N.
     pub unknown_n: f64,
 }
 
 impl Default for AllowedForces {
-    /// On leaves 6 N, twice the 3 N of `cody-2013`: a leaf bends away before a taxel feels as much (5.4 N at most in 14
-    /// mixed reaches), so that this limit hardly ever holds the arm back. On trunks and unknown things 1.5 N, half as
-    /// much as 3 N. It has to be above the 1 N from which on the controller takes a reading for a contact, because a
-    /// contact over its limit may not rise at all.
+    /// 6 N on leaves, twice the 3 N of `cody-2013`. A leaf bends away before a taxel feels as much (5.4 N at most in 14
+    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks and unknown objects, half of the
+    /// limit of `cody-2013`. This limit must be above 1 N, the force at which the controller begins to take a reading
+    /// for a contact, because the force of a contact over its limit may not rise at all.
     fn default() -> Self {
         AllowedForces {
             categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(),
@@ -45,16 +45,16 @@ impl Default for AllowedForces {
 /// What a verdict means for a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Allowance {
-    /// It is no contact.
+    /// The reading is not a contact.
     Ignored,
     /// The controller's own limit holds.
     Usual,
-    /// It has this limit, N.
+    /// The contact has this limit, N.
     AtMost(f64),
 }
 
 impl AllowedForces {
-    /// What a verdict means for a contact; `categories` are those of the model.
+    /// What a verdict means for a contact; `categories` are the model's categories.
     pub fn of(&self, touch: Touch, categories: &[String]) -> Allowance {
         match touch {
             Touch::Nothing => Allowance::Ignored,
@@ -83,7 +83,7 @@ impl Allowance {
     }
 }
 
-/// A touch model and what its verdicts allow: what makes a controller one with verdicts.
+/// A touch model and the forces that its verdicts allow. Together they turn a controller into one with verdicts.
 #[derive(Clone, Debug)]
 pub struct VerdictControl {
     model: Arc<TouchModel>,
@@ -91,14 +91,14 @@ pub struct VerdictControl {
     allowed: AllowedForces,
 }
 
-/// What data sets store of it.
+/// The parameters of verdict control that data sets store.
 #[derive(Serialize)]
 pub struct VerdictParameters<'a> {
     /// BLAKE3 hash of the model's file, hexadecimal.
     pub touch_model_blake3: &'a str,
     /// Version of the sources that compute the verdicts.
     pub sources: &'static str,
-    /// How hard the arm may press on what.
+    /// How hard the arm may press on which objects.
     pub allowed_force_n: &'a AllowedForces,
 }
 
@@ -115,7 +115,7 @@ impl VerdictControl {
     /// As [`VerdictControl::load`], from the file's text; the path is for errors only.
     ///
     /// # Errors
-    /// As there.
+    /// As [`VerdictControl::load`].
     pub fn from_json(path: &Path, text: &str) -> Result<Self, InputError> {
         Ok(VerdictControl {
             model: Arc::new(TouchModel::from_json(path, text)?),
@@ -124,7 +124,7 @@ impl VerdictControl {
         })
     }
 
-    /// The same with other forces.
+    /// The same model with other allowed forces.
     pub fn with_allowed(self, allowed: AllowedForces) -> Self {
         VerdictControl { allowed, ..self }
     }
@@ -134,7 +134,7 @@ impl VerdictControl {
         &self.model_blake3
     }
 
-    /// What data sets store of it.
+    /// The parameters of verdict control that data sets store.
     pub fn parameters(&self) -> VerdictParameters<'_> {
         VerdictParameters {
             touch_model_blake3: &self.model_blake3,
@@ -169,7 +169,8 @@ impl VerdictControl {
     }
 }
 
-/// Refuses a touch model that did not give the verdicts of a data set, or a lack of the one that did.
+/// Checks that the given touch model is the one that gave the verdicts of a data set, or that none is given if the set
+/// has no verdicts.
 pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), ExperimentError> {
     let mut parameters = dataset.provenance().controller_parameters.values();
     let stored = parameters.find_map(|scene| scene.get("verdicts")?.get("touch_model_blake3")?.as_str());
@@ -191,7 +192,8 @@ pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) 
     Err(InputError::new(path, "controller_parameters", found, allowed, remedy).into())
 }
 
-/// A controller whose contacts have limits by verdict. Taxels of other patches than the model's keep the usual one.
+/// A controller whose contacts have limits that depend on verdicts. Taxels of patches other than the model's keep the
+/// usual limit.
 struct VerdictController {
     name: String,
     inner: Box<dyn Controller>,
@@ -199,7 +201,7 @@ struct VerdictController {
     /// Index of the model's patch.
     patch: Option<usize>,
     allowed: Arc<AllowedForces>,
-    /// Whether the last frame could be judged. One that holds numbers that are not finite cannot.
+    /// Whether the last frame could be judged. A frame with numbers that are not finite cannot be judged.
     is_judged: bool,
 }
 

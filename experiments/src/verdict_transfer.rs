@@ -14,23 +14,23 @@ use crate::error::ExperimentError;
 /// setting.
 pub type FoldedReaches = Vec<(usize, Recording)>;
 
-/// How well contacts at one setting are told apart by networks fitted there, and by networks fitted to as many reaches
-/// at the scenes' own setting. Shares are from 0 to 1, over touched contacts, balanced over the categories.
+/// How well networks tell contacts at one setting apart: networks fitted at this setting, and networks fitted to as
+/// many reaches at the scenes' own setting. The figures are balanced accuracies over touched contacts, from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictTransfer {
     /// The setting.
     pub setting: String,
     /// By networks fitted at this setting; `None` if too few contacts were touched.
     pub fitted_here: Option<f64>,
-    /// By networks fitted at the scenes' own setting; `None` likewise.
+    /// By networks fitted at the scenes' own setting; `None` if too few contacts were touched.
     pub fitted_nominally: Option<f64>,
-    /// Contacts.
+    /// Number of contacts.
     pub contacts: usize,
 }
 
 impl VerdictTransfer {
-    /// Judges both folds of reaches by networks fitted to the other fold, of the same reaches and of those at the
-    /// scenes' own setting.
+    /// Judges each fold of the reaches `here` by networks fitted to the other fold: once of the reaches `here`, and
+    /// once of the reaches at the scenes' own setting, `nominal`.
     ///
     /// # Errors
     /// If the reaches do not fit the patch.

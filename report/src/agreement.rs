@@ -123,7 +123,7 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
     orderings.iter().map(sentence).collect()
 }
 
-/// The same as a table.
+/// The published orderings as a table.
 pub fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
     let columns = [
         "the paper's statement",

@@ -126,7 +126,7 @@ fn of_reaching(reaching: &Reaching) -> String {
     )
 }
 
-/// Share of the largest, per cent.
+/// Share of the largest count, per cent.
 fn majority(counts: &[usize]) -> f64 {
     let all: usize = counts.iter().sum();
     let most = counts.iter().max().copied().unwrap_or_default();

@@ -13,11 +13,11 @@ use crate::style::{LEAF, OUTLIER, TRUNK, UNCERTAIN};
 pub struct Look {
     /// CSS colour.
     pub colour: &'static str,
-    /// The same in a word.
+    /// Name of the colour.
     pub colour_name: &'static str,
     /// Mark of a taxel.
     pub mark: Mark,
-    /// Of lines and areas.
+    /// Dash of lines and areas.
     pub dash: Dash,
 }
 
@@ -37,7 +37,7 @@ impl Look {
     }
 }
 
-/// Categories of the paper and the verdict that is none, in the paper's colours.
+/// The paper's categories and its verdict `uncertain`, in the paper's colours.
 const PAPER: [(&str, Look); 4] = [
     ("leaf", Look::new((LEAF, "green"), Mark::Triangle, Dash::Solid)),
     ("trunk", Look::new((TRUNK, "brown"), Mark::Square, Dash::Dashed)),
@@ -45,8 +45,8 @@ const PAPER: [(&str, Look); 4] = [
     ("uncertain", Look::new((UNCERTAIN, "blue"), Mark::Ring, Dash::Solid)),
 ];
 
-/// Colours, marks and dashes of further categories. Their numbers have no common factor, so that the first 30
-/// categories differ in at least one.
+/// Colours, marks and dashes of further categories. The numbers of these have no common factor, so the first 30
+/// categories differ in at least one of them.
 const COLOURS: [(&str, &str); 5] = [
     ("#8c4fb3", "purple"),
     ("#b58900", "ochre"),
@@ -60,7 +60,7 @@ const DASHES: [Dash; 3] = [Dash::Dotted, Dash::Dashed, Dash::Solid];
 /// The look of each category of an experiment or a picture.
 #[derive(Clone, Debug, Default)]
 pub struct CategoryLooks {
-    /// Names of the categories that are not the paper's; the place decides the look.
+    /// Names of the categories that are not the paper's. The position of a name decides its look.
     further: Vec<String>,
 }
 
@@ -118,7 +118,7 @@ mod tests {
                 assert_ne!(looks.look(name), looks.look(other), "{name}, {other}");
             }
         }
-        // One that was not announced is like none that was.
+        // A category that was not announced looks unlike all that were.
         let reed = CategoryLooks::of(["cane"]).look("reed");
         assert_ne!(reed, CategoryLooks::of(["cane"]).look("cane"));
         for paper in ["leaf", "trunk", "outlier", "uncertain"] {

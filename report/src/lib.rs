@@ -1,8 +1,8 @@
-//! Charts, tables, sentences and pictures of the results of simulator and experiments.
+//! Charts, tables, sentences and pictures of the results of the simulator and the experiments.
 //!
-//! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, [`drawing`]
-//! the charts, tables and pages they are made of. [`picture`] draws arm and clutter, [`portrait`] objects pressed on
-//! the skin, and [`junit`] writes the results of regression suites for CI systems.
+//! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, and
+//! [`drawing`] has the charts, tables and pages that they use. [`picture`] draws arm and clutter, [`portrait`] objects
+//! pressed on the skin, and [`junit`] writes the results of regression suites for CI systems.
 
 mod agreement;
 pub mod benchmark_text;

@@ -1,5 +1,5 @@
-//! Pictures of how objects press on the skin, as SVG: the unrolled forearm under each and
-//! its depth, and the loading loop of a foam roll.
+//! Pictures of how objects press on the skin, as SVG: the unrolled forearm under each object with its depth, and the
+//! loading loop of a foam roll.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use underbrush_validation::{Portrait, Section};
 
 const CELL_PX: f64 = 24.0;
 const MARGIN: f64 = 12.0;
-/// px: a picture of 24 columns is 600 px wide, so that text of 16 px is still 10 px tall on a phone.
+/// Font size, px. A picture of 24 columns is 600 px wide, so text of this size is still 10 px tall on a phone.
 const FONT: f64 = 16.0;
 const LINE: f64 = 24.0;
 /// Scale of the sections, px per metre.
@@ -21,7 +21,8 @@ const SKIN_M: f64 = 0.003;
 /// Steps of the legend's scale, as shares of the largest force.
 const SHARES: [f64; 5] = [0.0, 0.05, 0.25, 0.5, 1.0];
 
-/// White to dark blue, by the square root of the share: weak taxels stay visible.
+/// Fill colour and text colour of a cell. The fill goes from white to dark blue with the square root of the share, so
+/// that weakly pressed taxels stay visible.
 fn shade(share: f64) -> (String, &'static str) {
     let share = share.clamp(0.0, 1.0).sqrt();
     let channel = |dark: f64| (255.0 + (dark - 255.0) * share) as u8;

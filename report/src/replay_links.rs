@@ -10,7 +10,7 @@ pub const ENGINEERED_FILE: &str = "replay-engineered.html";
 /// The page with the training reaches of the example trials, in their order.
 pub const TRAINING_FILE: &str = "replay-training.html";
 
-/// The place of the first outlier reach on its page.
+/// The position of the first outlier reach on its page.
 pub fn first_outlier(online: &Online) -> usize {
     usize::from(online.shown().is_some())
 }

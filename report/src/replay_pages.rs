@@ -67,7 +67,7 @@ fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Exp
     })
 }
 
-/// Writes a page with these reaches. Those that do not fit are left out, and the program says so.
+/// Writes a page with these reaches. Reaches that do not fit are left out with a remark.
 fn page(
     session: &Session,
     reaches: impl Iterator<Item = Result<Held, ExperimentError>>,

@@ -1,4 +1,4 @@
-//! What the replay page shows and recordings do not say.
+//! What the replay page shows but recordings do not contain.
 
 use underbrush_experiments::audit;
 use underbrush_replay::Known;

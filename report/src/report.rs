@@ -40,8 +40,8 @@ impl<'a> Report<'a> {
         self.results.definition.published()
     }
 
-    /// Begins a section. `name` is the experiment's; a published figure on its subject is named in the heading and
-    /// quoted.
+    /// Begins a section. `name` is the name of the experiment. If something is published on its subject, the heading
+    /// names the published figure and the section begins with its statement.
     pub fn section(&mut self, name: &str, heading: &str) {
         let own: Option<&PublishedSection> = self.published().and_then(|published| published.sections.get(name));
         let figure = own.and_then(|own| own.figure.as_ref());
@@ -52,7 +52,8 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// The published number of the subject, for captions: `Fig. 13`, or the heading if nothing is published.
+    /// The number of the published figure on the subject, for captions, such as `Fig. 13`; the heading if nothing is
+    /// published.
     pub fn figure_name(&self, name: &str, heading: &str) -> String {
         let own = self.published().and_then(|published| published.sections.get(name));
         own.and_then(|own| own.figure.clone())
@@ -83,14 +84,14 @@ impl<'a> Report<'a> {
     }
 }
 
-/// A heading without the number of a figure before it.
+/// The heading with a capital first letter, for use without the number of a figure.
 fn capitalized(heading: &str) -> String {
     let mut letters = heading.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters.clone()).collect()
 }
 
-/// The authors' recipe, the modern recipe.
+/// The name of a recipe as it stands before the word "recipe": `authors'` or `modern`.
 pub fn possessive(recipe: &str) -> String {
     match recipe {
         "authors" => "authors'".into(),
@@ -119,7 +120,7 @@ pub fn accuracy_cells(own: &Accuracy, decimals: usize) -> [Cell; 5] {
     .map(|value| Cell::Number(value, decimals))
 }
 
-/// Names of these cells in files of numbers.
+/// Column names of [`accuracy_cells`] in files of numbers.
 pub const ACCURACY_COLUMNS: [&str; 5] = [
     "accuracy_percent",
     "low_percent",
@@ -128,8 +129,8 @@ pub const ACCURACY_COLUMNS: [&str; 5] = [
     "majority_baseline_percent",
 ];
 
-/// The same over campaigns: mean, standard deviation, minimum and maximum of the accuracy, mean and standard deviation
-/// of the others.
+/// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
+/// deviation of the balanced accuracy and of the majority baseline.
 pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
     let CampaignFigures {
         accuracy,
@@ -149,10 +150,10 @@ pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
     ]
 }
 
-/// Names of these cells in tables of the page.
+/// Column names of [`campaign_cells`] in tables of the page.
 pub const CAMPAIGN_COLUMNS: [&str; 8] = ["mean", "SD", "min", "max", "balanced", "SD", "majority", "SD"];
 
-/// A table with a published figure in a last but one column and the difference in the last, if anything is published.
+/// These columns, followed by one for the published figure and one for the difference if anything is published.
 pub fn with_published(columns: &[&'static str], published: bool) -> Vec<&'static str> {
     let own: &[&str] = if published { &["paper", "difference"] } else { &[] };
     columns.iter().chain(own).copied().collect()
@@ -192,7 +193,7 @@ fn part_cells(own: Option<&Part>) -> [Cell; 4] {
     ]
 }
 
-/// The same over campaigns.
+/// As [`by_touch`], for accuracies over campaigns.
 pub fn campaigns_by_touch<'a>(
     name: &str,
     what: &str,

@@ -22,11 +22,11 @@ pub struct Reproduction<'a> {
     pub experiment: &'a Experiment,
     /// Seed of the first campaign.
     pub seed: u64,
-    /// Whether there are fewer reaches.
+    /// Whether to run fewer reaches.
     pub quick: bool,
     /// Number of campaigns, of this seed and the next ones.
     pub campaigns: u64,
-    /// Whether what another run has left in the folder is removed.
+    /// Whether to remove what another run has left in the folder.
     pub fresh: bool,
 }
 

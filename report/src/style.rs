@@ -45,12 +45,13 @@ pub fn series(place: usize) -> Style {
     SERIES[place % SERIES.len()]
 }
 
-/// The style of one of a few series by its position.
+/// The style of a series by its position, for charts with few series.
 pub fn paired(place: usize) -> Style {
     PAIRED.get(place).copied().unwrap_or_else(|| series(place + 1))
 }
 
-/// Offset of a point of one of several series from its position on an axis of names.
+/// Offset of the points of one of several series from their positions on an axis of names, so that the series do not
+/// cover each other.
 pub fn aside(place: usize, of: usize) -> f64 {
     let centred = place as f64 - (of.max(1) - 1) as f64 / 2.0;
     0.14 * centred

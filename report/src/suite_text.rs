@@ -20,7 +20,7 @@ pub fn write(folder: &Path, checked: &Checked) -> Result<(), ExperimentError> {
     files::write(&folder.join("junit.xml"), xml.as_bytes())
 }
 
-/// A table for each scene, and what is broken, with the reach to look at.
+/// A table for each scene, and each broken bound with the reach to look at.
 pub fn of(results: &[SuiteResult]) -> String {
     results.iter().map(of_suite).collect::<Vec<_>>().join("\n")
 }

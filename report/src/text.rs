@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use underbrush_experiments::audit::Worst;
 
-/// A table of columns padded to their widest entry; the first column left, the others right.
+/// A table of columns padded to their widest entry. The first column is aligned left, the others right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let entries = rows

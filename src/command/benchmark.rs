@@ -47,7 +47,7 @@ pub struct Options {
     /// Folder for the reaches and for the rows, as JSON files with versions, seeds and hashes
     #[arg(long, value_name = "DIR", default_value = "out/benchmark")]
     out: PathBuf,
-    /// Only two reaches of each scene, to try things out. The result is no row of the table
+    /// Only two reaches of each scene, to try things out. The result is not a row of the table
     #[arg(long)]
     quick: bool,
 }
@@ -57,7 +57,7 @@ pub struct Options {
 enum Track {
     /// What contacts are, by the number of samples since they began, with outliers that are unseen in training
     Verdicts,
-    /// The same with an arm, speed or sensor that is not the one of the training
+    /// What contacts are, with another arm, speed or sensor than in training
     Transfer,
     /// How a controller reaches through clutter, and how hard it presses on trunks and leaves
     Reaching,

@@ -1,4 +1,4 @@
-//! `underbrush check`: runs regression suites and holds what they find against their bounds.
+//! `underbrush check`: runs regression suites and checks what they find against their bounds.
 
 use std::path::PathBuf;
 

@@ -19,7 +19,7 @@ pub(super) struct Summary {
     reaches: usize,
     frames: usize,
     simulated_s: f64,
-    /// How long it took to make; `None` for one that was already finished, or merged.
+    /// Wall time for making the set, s; `None` if the set was already finished, or was merged.
     wall_s: Option<f64>,
     #[serde(flatten)]
     ends: Ends,

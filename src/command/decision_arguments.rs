@@ -104,7 +104,7 @@ impl DecisionArguments {
     /// The decision for these scores.
     ///
     /// # Errors
-    /// If an option does not apply to them.
+    /// If an option does not apply to these scores.
     pub fn decision(&self, scores: &Scores) -> Result<Decision, Failure> {
         if self.margin.is_some() && self.decision != Some(DecisionName::Uncertain) {
             return Err(Failure::usage(

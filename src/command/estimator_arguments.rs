@@ -34,7 +34,7 @@ enum Chosen {
 /// Name of the classifier of frames.
 const TOUCH: &str = "touch";
 
-/// The names in the list of classifiers, with one line each, and that of the classifier of frames.
+/// The names in the list of classifiers, each with one line of help, and the name of the classifier of frames.
 fn classifier() -> impl TypedValueParser<Value = Chosen> {
     let value = |kind: &ClassifierKind| PossibleValue::new(kind.name).aliases(kind.aliases).help(kind.summary);
     let touch = "Networks over the course of each contact region: nothing, a category, uncertain or unknown in every frame. \
@@ -117,7 +117,7 @@ impl EstimatorArguments {
         self.recipe.given().first().copied().or(features)
     }
 
-    /// Bounds of Baum-Welch.
+    /// The options of Baum-Welch training.
     pub fn training(&self) -> TrainingOptions {
         self.recipe.training()
     }
@@ -277,7 +277,7 @@ mod tests {
         assert_eq!(area.features.columns(), ["force_n", "region_taxels"]);
     }
 
-    /// Pins the defaults that the help states: each equals that of the authors' recipe.
+    /// Pins that the defaults in the help are those of the authors' recipe.
     #[test]
     fn the_help_states_the_defaults() {
         let mut command = EstimatorArguments::augment_args(Command::new("train"));

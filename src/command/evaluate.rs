@@ -173,7 +173,7 @@ struct Results {
     evaluation: Evaluation,
     #[serde(skip_serializing_if = "Option::is_none")]
     by_samples: Option<Vec<AccuracyBySamples>>,
-    /// The same over all contacts, including short ones; `None` if the first series covers them already.
+    /// Accuracy by samples over all contacts, including short ones; `None` if `by_samples` covers them already.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_samples_of_all: Option<Vec<AccuracyBySamples>>,
 }

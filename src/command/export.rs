@@ -29,7 +29,7 @@ pub struct Options {
 /// The formats.
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
-    /// For Foxglove and tools of ROS 2: joint states, transforms, scene and skin; one file a reach
+    /// For Foxglove and tools of ROS 2: joint states, transforms, scene and skin; one file per reach
     Mcap,
     /// In the shape of robomimic's data sets: one file with a demonstration for each reach
     Hdf5,

@@ -57,15 +57,15 @@ pub struct Options {
     shared: bool,
 }
 
-/// What is printed after a part, when other parts are still to come.
+/// What is printed after a part while other parts are not finished.
 #[derive(Serialize)]
 struct PartSummary {
     /// The folder of the data set.
     #[serde(serialize_with = "output::path")]
     dataset: PathBuf,
-    /// The part, as `--shard` writes it.
+    /// The part, in the form of the option `--shard`.
     part: String,
-    /// Whether the data set is finished: never, here.
+    /// Whether the data set is finished: always false here.
     finished: bool,
 }
 

@@ -33,7 +33,7 @@ struct Written {
     frames: usize,
     trials: usize,
     samples: usize,
-    /// Number of trials by category; the empty name is for those without one.
+    /// Number of trials by category; the empty name is for trials without one.
     categories: BTreeMap<String, usize>,
 }
 

@@ -28,7 +28,7 @@ impl Pictures {
     /// Pictures without moments yet.
     ///
     /// # Errors
-    /// If the animation would have another format than SVG.
+    /// If the file of the animation is not SVG.
     pub fn new(picture: Option<PathBuf>, animation: Option<PathBuf>) -> Result<Self, Failure> {
         if let Some(path) = animation.as_deref().filter(|path| !is_svg(path)) {
             return Err(Failure::usage(format!(

@@ -99,7 +99,7 @@ fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
     judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
 }
 
-/// The model of a file, and how it judges a patch, or the first.
+/// Reads a model and determines how it judges a patch. Without a `patch`, it judges the first one.
 pub fn judging_by(
     path: &Path,
     patch: Option<&str>,
@@ -163,7 +163,7 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
     Ok(())
 }
 
-/// Opens an address in the browser, unless in a script or a test, where nobody looks at one.
+/// Opens an address in the browser if standard output is a terminal, and so not in a script or a test.
 pub fn show(address: &str) {
     if std::io::stdout().is_terminal() {
         open_browser(address);
@@ -175,7 +175,8 @@ fn reaches(count: usize) -> String {
     format!("{count} {noun}")
 }
 
-/// Opens an address in the browser, if there is one. The address was printed, so nothing is said if there is none.
+/// Opens an address in the browser, if there is one. If there is none, no error is shown, because the address was
+/// printed.
 fn open_browser(address: &str) {
     let program = if cfg!(target_os = "macos") {
         "open"

@@ -24,7 +24,7 @@ enum Kind {
     Skin,
     /// Experiment: scenes to train and test on, classifiers, and figures to compare with
     Experiment,
-    /// Suite: scenes with bounds on what a run of them gives, for `underbrush check`
+    /// Suite: scenes with bounds on the results of running them, for `underbrush check`
     Suite,
     /// Mapping: where a file of another robot holds times and forces, for `underbrush import`
     Mapping,

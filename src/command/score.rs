@@ -24,7 +24,7 @@ pub struct Options {
     by: Option<Score>,
 }
 
-/// A score as named on the command line.
+/// A kind of score, as named on the command line.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Score {
     /// Log-likelihood, the sum over all state paths

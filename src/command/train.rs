@@ -205,7 +205,7 @@ fn thresholds(
     let chosen = held_out
         .choose_thresholds(&BTreeMap::new(), targets)
         .map_err(|error| match error {
-            // Then the option is at fault, not the trials.
+            // In this case the option is at fault, not the trials.
             ThresholdError::BadTarget { .. } => error.into(),
             _ => about(error.into()),
         })?;

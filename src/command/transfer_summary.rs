@@ -13,11 +13,11 @@ pub(super) struct TransferSummary {
     #[serde(serialize_with = "output::path")]
     dataset: PathBuf,
     address: String,
-    /// Files of the set.
+    /// Number of files in the set.
     files: usize,
-    /// Files that were not there before.
+    /// Number of files that were copied because they were not there before.
     transferred: usize,
-    /// Bytes of these.
+    /// Bytes of the copied files.
     bytes: u64,
 }
 

@@ -32,7 +32,7 @@ struct Written {
     samples: usize,
     /// Trials during which no object pressed, among those for which this is known.
     never_touched: usize,
-    /// Trials for which it is unknown.
+    /// Trials for which it is unknown whether an object pressed.
     touch_unknown: usize,
 }
 

@@ -39,7 +39,7 @@ pub struct Options {
 struct Report {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every check passes, or misses only by a known shortfall.
+    /// Whether every check passes, or fails only by a known shortfall.
     sound: bool,
     checks: Vec<Outcome>,
 }
@@ -49,7 +49,7 @@ struct Report {
 struct FalsifiedReport {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every comparison fails at least once, and every wrong parameter is noticed by the right ones.
+    /// Whether every comparison fails at least once, and every wrong parameter is noticed by the right comparisons.
     sound: bool,
     comparisons: usize,
     /// Number of comparisons that fail with at least one wrong parameter.

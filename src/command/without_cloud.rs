@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::failure::Failure;
 
-/// Whatever they are given.
+/// Any arguments of these commands.
 #[derive(Args)]
 #[command(disable_help_flag = true)]
 pub struct Options {
@@ -14,7 +14,7 @@ pub struct Options {
     arguments: Vec<OsString>,
 }
 
-/// Says how to get them.
+/// Fails with a message that says how to get these commands.
 pub fn run(_: Options) -> Result<(), Failure> {
     Err(Failure::usage(
         "this program was built without push and pull, which copy data sets to and from S3-like storage; build it with `cargo \

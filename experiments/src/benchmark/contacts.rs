@@ -21,14 +21,14 @@ pub(super) enum Class {
     Other,
 }
 
-/// What a model says of a taxel in a frame.
+/// What a model says about a taxel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Answer {
     /// The likeliest of all classes that the model knows.
     pub(super) likeliest: Class,
-    /// Whether a trunk is likelier than a leaf; `None` if they are equally likely, or the model is silent.
+    /// Whether a trunk is likelier than a leaf; `None` if they are equally likely, or the model gives no answer.
     pub(super) trunk: Option<bool>,
-    /// Larger if the contact is less like what the model was trained on.
+    /// How unlike the training data the contact is; larger values are more unlike.
     pub(super) unlike: f64,
 }
 
@@ -42,11 +42,11 @@ pub(super) const SILENCE: Answer = Answer {
 /// A contact and the answers to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Contact {
-    /// What truly pressed in most of the frames in which anything did.
+    /// What truly pressed most often, counted over the frames in which anything did.
     pub(super) truth: Class,
-    /// Samples from its beginning to its end.
+    /// Number of samples from its beginning to its end.
     pub(super) samples: usize,
-    /// After each of [`MOMENTS`], or at the end if the contact is shorter, and at its end.
+    /// The frames after each of [`MOMENTS`] (the last frame if the contact is shorter), and the last frame.
     pub(super) moments: [Moment; JUDGED_MOMENTS],
 }
 
@@ -55,9 +55,9 @@ pub(super) struct Contact {
 pub(super) struct Moment {
     /// What the model says in this frame.
     pub(super) answer: Answer,
-    /// What it said in the latest frame in which something pressed. If nothing has pressed yet, this is what it says in
-    /// this frame. A taxel still senses a force for a while after a touch, and what a model says then is no answer
-    /// about the object.
+    /// What the model said in the latest frame in which something pressed. If nothing has pressed yet, this is what the
+    /// model says in this frame. A taxel still senses a force for a while after a touch, and what a model says then is
+    /// no answer about the object.
     pub(super) while_pressed: Answer,
     /// What truly presses in this frame.
     pub(super) pressing: Pressing,
@@ -125,7 +125,7 @@ impl OpenContact {
         }
     }
 
-    /// The contact; `None` for one with a foam block.
+    /// The contact; `None` if a foam block pressed most often.
     pub(super) fn close(self) -> Option<Contact> {
         let most = self.pressed.into_iter().max().filter(|most| *most > 0);
         let truth = match most.and_then(|most| self.pressed.iter().position(|count| *count == most)) {

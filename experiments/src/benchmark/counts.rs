@@ -6,7 +6,7 @@ use super::frozen::MOMENTS;
 /// The classes over which accuracies are balanced; the last two are those of [`Balanced::LeafOrTrunk`].
 const CLASSES: [Class; 3] = [Class::Nothing, Class::Leaf, Class::Trunk];
 
-/// Which accuracy is meant.
+/// Which accuracy is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Balanced {
     /// Contacts with leaves and trunks, by which of the two is likelier.
@@ -55,7 +55,7 @@ impl Counts {
         sum
     }
 
-    /// The contacts of each class: nothing, leaf, trunk.
+    /// Number of contacts of each class: nothing, leaf, trunk.
     pub(super) fn contacts(all: &[&Counts]) -> [usize; CLASSES.len()] {
         Counts::sum(all).0.map(|[_, contacts]| contacts)
     }
@@ -99,7 +99,7 @@ mod tests {
         }
     }
 
-    /// Pins both accuracies of a few contacts against values counted by hand.
+    /// Pins both accuracies of seven contacts against values counted by hand.
     #[test]
     fn accuracies_are_those_counted_by_hand() {
         use Class::{Leaf, Nothing, Other, Trunk};
@@ -107,7 +107,7 @@ mod tests {
             contact(Nothing, Nothing, Nothing, Some(true)),
             contact(Nothing, Nothing, Leaf, None),
             contact(Leaf, Leaf, Leaf, Some(false)),
-            // The touch is over, and the taxel goes on reading.
+            // The touch is over, but the taxel still reads a force.
             contact(Leaf, Nothing, Nothing, Some(false)),
             contact(Leaf, Leaf, Trunk, Some(true)),
             contact(Trunk, Trunk, Trunk, None),
@@ -123,7 +123,7 @@ mod tests {
             let found = Counts::balanced_accuracy(&[&counts], balanced).unwrap();
             assert!((found - accuracy).abs() < 1e-15, "{balanced:?}: {found}");
         }
-        // None of them lasts for the two samples of the next moment.
+        // None of the contacts lasts for the two samples of the next moment.
         let later = Counts::of(&contacts, 1, Balanced::WithNothing);
         assert_eq!(Counts::balanced_accuracy(&[&later], Balanced::WithNothing), None);
         let without_trunks = Counts::of(&contacts[..5], 0, Balanced::LeafOrTrunk);

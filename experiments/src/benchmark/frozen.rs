@@ -1,4 +1,5 @@
-//! What never changes in the benchmark: scenes, seeds, numbers of reaches, and at which moments contacts are judged.
+//! What never changes in the benchmark: scenes, seeds, numbers of reaches, and the moments at which contacts are
+//! judged.
 //!
 //! `experiments/benchmarks` is a link to the folder `benchmarks` of the repository, so that the package of this crate
 //! contains the files.
@@ -23,8 +24,8 @@ pub(super) const WATER_BOTTLE: &str = "water-bottle";
 
 /// Scenes in which verdicts are judged.
 pub(super) const VERDICTS_SCENES: &[&str] = &["leaf", "trunk", "mixed", FOAM_ROLL, WATER_BOTTLE];
-/// Arm, speed and sensor of the track transfer: name and scene. The first is as in training. All scenes but the one
-/// with another arm are called `mixed`, so that clutter and goals are the same.
+/// The settings of arm, speed and sensor in the track transfer, by name and scene. The first is as in training. All
+/// scenes except the one with another arm are called `mixed`, so that clutter and goals are the same.
 pub(super) const SETTINGS: &[(&str, &str)] = &[
     ("as-trained", "mixed"),
     ("half-stiffness", "half-stiffness/mixed"),
@@ -80,7 +81,7 @@ pub(super) fn scene(path: &str) -> Result<Scene, InputError> {
     Scene::parse(file, (*text).to_owned())
 }
 
-/// The arms of these scenes that do not use Cody, by the name of the scene.
+/// The arms of those scenes that do not use Cody, by the name of the scene.
 ///
 /// # Errors
 /// Only when the frozen files are broken.

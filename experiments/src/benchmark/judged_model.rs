@@ -1,6 +1,7 @@
 //! A model of any kind that follows a reach and answers, frame by frame, what touches each taxel.
 //!
-//! The contacts are the benchmark's: every taxel of the patch from the first frame above its threshold to the last.
+//! Contacts are as the benchmark defines them: every taxel of the patch from the first frame above [`THRESHOLD_N`] to
+//! the last.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ pub struct JudgedModel {
     model: Followed,
 }
 
-/// A model in the form in which it follows reaches.
+/// A model that can follow reaches.
 enum Followed {
     Touch(Arc<TouchModel>),
     OfTrials(Model),
@@ -141,7 +142,7 @@ impl Answering {
         })
     }
 
-    /// Takes in the next frame and writes the answer for each taxel that the model judges.
+    /// Processes the next frame and writes the answer for each taxel that the model judges.
     fn answer(&mut self, frame: &Frame, answers: &mut [Answer]) -> Result<(), ExperimentError> {
         match self {
             Answering::Touch(classifier) => {
@@ -187,7 +188,7 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The class with the largest value; the first of them if several have it.
+/// The class with the largest value; the first one if several classes have it.
 fn likeliest(classes: &[Class], values: &[f64]) -> Class {
     let best = classes
         .iter()

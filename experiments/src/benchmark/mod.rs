@@ -1,8 +1,8 @@
 //! The benchmark `incidental-contact-1`: three tracks with frozen scenes, seeds and figures (`benchmarks/` describes
 //! them).
 //!
-//! A row of its table depends only on the entry and the data. The data are sets that [`crate::dataset::Campaign`]
-//! makes, on one machine or many, so a row is the same to the byte wherever they were made.
+//! A row of its table depends only on the entry and the data. [`crate::dataset::Campaign`] makes the data, on one
+//! machine or many, and a row is the same byte for byte wherever the data were made.
 
 mod contacts;
 mod counts;
@@ -43,7 +43,7 @@ pub use verdicts::{ContactCounts, Verdicts, VerdictsAt};
 pub enum Entry {
     /// Track 1: a model says what contacts are.
     Verdicts(Box<JudgedModel>),
-    /// Track 2: the same with other arms, speeds and sensors than in training.
+    /// Track 2: a model says what contacts are, with other arms, speeds and sensors than in training.
     Transfer(Box<JudgedModel>),
     /// Track 3: a controller reaches through clutter.
     Reaching(EnteredController),
@@ -54,7 +54,8 @@ pub enum Entry {
 pub struct EnteredController {
     /// A controller that comes with the program. If it is not given, the scene's is used.
     pub kind: Option<ControllerKind>,
-    /// A user's own. Finished reaches are found by its name, so one that has changed needs another name or folder.
+    /// A user's own controller. Finished reaches are found by its name, so a changed controller needs another name or
+    /// folder.
     pub own: Option<MakeController>,
     /// Verdicts for the controller, if it is to have any.
     pub verdicts: Option<VerdictControl>,
@@ -81,7 +82,7 @@ impl Entry {
         }
     }
 
-    /// The sets on which it is judged; with `quick` those with few reaches, to try things out.
+    /// The sets on which it is judged; with `quick`, small sets to try things out.
     ///
     /// # Errors
     /// If a controller's verdicts do not suit the arm, or the frozen files are broken.
@@ -222,12 +223,12 @@ impl Entry {
     }
 }
 
-/// Where a set lies in the benchmark's folder.
+/// The folder of a set inside the benchmark's folder.
 pub fn set_folder(folder: &Path, name: &str, quick: bool) -> PathBuf {
     folder.join(if quick { "quick-sets" } else { "sets" }).join(name)
 }
 
-/// Reads all reaches of a set, several at a time, and gives what `of` makes of them, in their order.
+/// Applies `of` to all reaches of a set, several at a time, and returns the results in the order of the reaches.
 fn each_reach<T: Send>(
     set: &Dataset,
     progress: &dyn Progress,

@@ -4,7 +4,7 @@
 /// sorted once for all of them.
 #[derive(Clone, Debug)]
 pub(super) struct Ranked {
-    /// From the highest score on.
+    /// Sorted from the highest score to the lowest.
     contacts: Vec<RankedContact>,
 }
 
@@ -34,10 +34,10 @@ impl Ranked {
         is_sound.then_some(Ranked { contacts })
     }
 
-    /// The probability that a positive scores higher than a negative, with ties counted half, if each reach counts so
-    /// many times. `None` if there are no positives or no negatives among those that count.
+    /// The probability that a positive scores higher than a negative, with ties counted half, if each reach counts as
+    /// often as `times` says. `None` if there are no positives or no negatives among those that count.
     pub(super) fn area(&self, times: &[usize]) -> Option<f64> {
-        // All sums are of whole numbers and halves, which are exact.
+        // All sums are of whole numbers and halves, so they are exact.
         let (mut positives, mut negatives, mut area) = (0, 0, 0.0);
         // Equal scores, and 0 and −0, share one point of the curve.
         for tied in self.contacts.chunk_by(|a, b| a.score == b.score) {
@@ -62,8 +62,8 @@ mod tests {
 
     use super::*;
 
-    /// Pins that the area has the bits of the area under the curve of all contacts, each repeated as often as its reach
-    /// counts, with many ties, infinities and both zeros.
+    /// Pins that the area equals, bit for bit, the area under the curve of contacts that are repeated as often as their
+    /// reach counts, with many ties, infinities and both zeros.
     #[test]
     fn areas_are_those_of_repeated_contacts() {
         const SCORES: [f64; 7] = [f64::NEG_INFINITY, -1.5, -0.0, 0.0, 1.0 / 3.0, 1.0, f64::INFINITY];
@@ -90,7 +90,7 @@ mod tests {
         assert!(areas > 1000, "{areas}");
     }
 
-    /// Pins that a score that is no number gives no area.
+    /// Pins that a score that is not a number gives no area.
     #[test]
     fn scores_are_numbers() {
         assert!(Ranked::of(&[[vec![1.0], vec![f64::NAN]]]).is_none());

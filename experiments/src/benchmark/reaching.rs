@@ -1,16 +1,16 @@
-//! Track 3: how a controller reaches through clutter, and how hard it presses on what stands there.
+//! Track 3: how a controller reaches through clutter, and how hard it presses on the objects there.
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Category, Contact, FRAME_PERIOD_S, GoalRecord, ObjectRecord, Outcome};
 
 use super::resampled::Estimate;
 
-/// The figures of the track. Forces are the true ones between one link and one object, with skin or without.
+/// The figures of the track. Forces are the true forces between one link and one object, on skin and bare parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reaching {
-    /// Reaches.
+    /// Number of reaches.
     pub reaches: usize,
-    /// Goals, also those that were not tried because the arm had stopped for its safety.
+    /// Number of goals, including those that were not tried because of a safety stop.
     pub goals: usize,
     /// Share of the goals that were reached.
     pub reached: Estimate,
@@ -24,7 +24,7 @@ pub struct Reaching {
     pub largest_on_trunk_n: f64,
 }
 
-/// What is kept of a reach.
+/// The part of a reach that the figures need.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Reach {
     goals: usize,

@@ -25,7 +25,7 @@ impl Estimate {
         Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
     }
 
-    /// The same for a statistic that depends only on how often each reach was drawn.
+    /// As [`Estimate::of`], for a statistic that depends only on how often each reach was drawn.
     pub(super) fn of_times(reaches: usize, statistic: impl Fn(&[usize]) -> Option<f64> + Sync) -> Self {
         Estimate::of_draws(&[reaches], |drawn| {
             let mut times = vec![0; reaches];
@@ -34,7 +34,7 @@ impl Estimate {
         })
     }
 
-    /// The same for a statistic of several groups of reaches. Each group is resampled on its own.
+    /// As [`Estimate::of`], for a statistic of several groups of reaches. Each group is resampled on its own.
     pub(super) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
         let sizes: Vec<usize> = groups.iter().map(|own| own.len()).collect();
         Estimate::of_draws(&sizes, |drawn| {
@@ -44,14 +44,15 @@ impl Estimate {
         })
     }
 
-    /// The same for groups of these sizes, and a statistic of the indices that were drawn from each group.
+    /// As [`Estimate::of_groups`], for groups of these sizes and a statistic of the indices that were drawn from each
+    /// group.
     fn of_draws(sizes: &[usize], statistic: impl Fn(&[Vec<usize>]) -> Option<f64> + Sync) -> Self {
         let all: Vec<Vec<usize>> = sizes.iter().map(|size| (0..*size).collect()).collect();
         let Some(value) = statistic(&all) else {
             return Estimate::default();
         };
         let resample = |number: usize| {
-            // A stream for each resample, so that threads may take them in any order.
+            // Each resample has its own random stream, so that threads may compute them in any order.
             let mut rng = ChaCha8Rng::seed_from_u64(number as u64);
             // A range of 64 bits gives the same draws on every platform.
             let mut draw = |size: usize| rng.random_range(0..size as u64) as usize;
@@ -90,7 +91,7 @@ mod tests {
         assert!((high - (9.5 + 1.96 * error)).abs() < 0.3 * error, "{high}");
     }
 
-    /// Pins that groups are resampled apart: the difference of two constant groups has no spread.
+    /// Pins that groups are resampled separately: the difference of two constant groups has no spread.
     #[test]
     fn groups_are_not_mixed() {
         let (ones, threes) = ([1.0; 9], [3.0; 5]);
@@ -98,7 +99,7 @@ mod tests {
         assert_eq!((found.value, found.interval), (Some(2.0), Some([2.0, 2.0])));
     }
 
-    /// Pins that nothing is claimed about nothing.
+    /// Pins that there is neither a value nor an interval without reaches.
     #[test]
     fn no_reaches_give_no_value() {
         assert_eq!(Estimate::of(&[], mean), Estimate::default());

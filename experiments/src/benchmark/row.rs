@@ -15,7 +15,7 @@ pub struct Row {
     pub benchmark: String,
     /// Name of the track.
     pub track: String,
-    /// Whether all reaches were run. A quick run is no row of the table.
+    /// Whether all reaches were run. A quick run is not a row of the table.
     pub complete: bool,
     /// What was judged.
     pub entry: EntryRecord,
@@ -25,7 +25,7 @@ pub struct Row {
     pub analysis_sources: String,
     /// Name and version of the physics engine.
     pub engine: String,
-    /// The data that it was judged on.
+    /// The data that the entry was judged on.
     pub sets: Vec<SetRecord>,
     /// The figures.
     pub figures: Figures,
@@ -39,7 +39,8 @@ pub struct EntryRecord {
     /// Name of a model's classifier.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub classifier: Option<String>,
-    /// BLAKE3 hash of the model's file, hexadecimal; of the touch model's for a controller with verdicts.
+    /// BLAKE3 hash of the model's file, hexadecimal. For a controller with verdicts, it is the hash of the touch
+    /// model's file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model_blake3: Option<String>,
 }

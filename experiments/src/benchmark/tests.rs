@@ -32,7 +32,7 @@ fn drawn(path: &str) -> (ReachPlan, String) {
 }
 
 /// Pins that the frozen scenes draw what they drew when the benchmark was published, with the same options of physics
-/// and sensor. Defaults of scene files may change later; then the files must say what they were.
+/// and sensor. If the defaults of scene files change later, the frozen files must state the old values.
 #[test]
 fn frozen_scenes_draw_what_they_drew() {
     let mut text = String::new();
@@ -54,7 +54,7 @@ fn frozen_scenes_draw_what_they_drew() {
     );
 }
 
-/// Pins that all settings but the one with another arm have the same clutter and goals.
+/// Pins that all settings except the one with another arm have the same clutter and goals.
 #[test]
 fn settings_differ_in_nothing_but_arm_speed_and_sensor() {
     let (_, usual) = drawn(frozen::SETTINGS[0].1);
@@ -98,7 +98,8 @@ fn moments_are_those_samples_of_the_contact() {
     assert_eq!(found[6..], [(Class::Leaf, Class::Trunk, over); 4]);
 }
 
-/// Pins what is no contact of the benchmark: one with a foam block. A reading that nothing ever pressed is one.
+/// Pins that a contact on which a foam block pressed most often is left out of the benchmark, and that a reading
+/// without any touch is not.
 #[test]
 fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
     let closed = |pressing: &[Option<Category>]| {

@@ -14,21 +14,21 @@ pub struct Transfer {
     pub settings: Vec<TransferTo>,
 }
 
-/// How contacts at one setting are told apart.
+/// How well contacts at one setting are told apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TransferTo {
     /// The setting.
     pub setting: String,
-    /// Contacts with leaves, and with trunks.
+    /// Number of contacts with leaves, and with trunks.
     pub contacts: [usize; 2],
     /// Balanced accuracy over contacts with leaves and trunks at their end, by which of the two is likelier.
     pub leaf_or_trunk: Estimate,
-    /// Its difference from the accuracy at the first setting; without a value for the first setting itself. Reaches
-    /// through the same clutter are resampled together.
+    /// Difference of this accuracy from the one at the first setting. It has no value for the first setting itself.
+    /// Reaches through the same clutter are resampled together.
     pub difference: Estimate,
 }
 
-/// The figures of contacts by setting and reach.
+/// The figures of contacts, which are given by setting and reach.
 pub(super) fn figures(settings: &[Vec<Vec<Contact>>]) -> Transfer {
     let balanced = Balanced::LeafOrTrunk;
     let counts = |reaches: &Vec<Vec<Contact>>| -> Vec<Counts> {
@@ -45,7 +45,7 @@ pub(super) fn figures(settings: &[Vec<Vec<Contact>>]) -> Transfer {
             leaf_or_trunk: Estimate::of(here, |own| Counts::balanced_accuracy(own, balanced)),
             difference: match &counts[0] {
                 _ if place == 0 => Estimate::default(),
-                // Its clutter is different, so reaches cannot be paired.
+                // The clutter around the other arm is different, so reaches cannot be paired.
                 usual if name == OTHER_ARM => Estimate::of_groups(&[usual, here], |groups| {
                     let [usual, here] = [0, 1].map(|group| Counts::balanced_accuracy(&groups[group], balanced));
                     Some(here? - usual?)

@@ -11,7 +11,7 @@ use super::resampled::Estimate;
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdicts {
-    /// Contacts by what they are.
+    /// Numbers of contacts by what was touched.
     pub contacts: ContactCounts,
     /// After each number of samples, and at the end of the contact.
     pub moments: Vec<VerdictsAt>,
@@ -44,11 +44,11 @@ pub struct VerdictsAt {
     pub nothing_leaf_or_trunk: Estimate,
     /// Area under the ROC curve of contacts with the foam roll against those with leaves and trunks in all scenes.
     pub foam_roll_area: Estimate,
-    /// The same for the water bottle.
+    /// Area under the ROC curve of contacts with the water bottle against those with leaves and trunks in all scenes.
     pub water_bottle_area: Estimate,
 }
 
-/// The figures of contacts by reach, each with the name of its scene.
+/// The figures of contacts, which are given by reach with the name of its scene.
 pub(super) fn figures(reaches: &[(String, Vec<Contact>)]) -> Verdicts {
     let in_scene = |name: &str| -> Vec<&Vec<Contact>> {
         reaches
@@ -90,8 +90,8 @@ fn accuracy(reaches: &[(String, Vec<Contact>)], moment: usize, balanced: Balance
     Estimate::of(&counts, |own| Counts::balanced_accuracy(own, balanced))
 }
 
-/// How well the foreign objects of a scene are told from leaves and trunks in all scenes, by how unlike the training
-/// data the model finds them.
+/// How well the foreign objects of a scene are told apart from leaves and trunks in all scenes, by how unlike the
+/// training data the model finds them.
 fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estimate {
     let unlike = |(own, contacts): &(String, Vec<Contact>)| -> [Vec<f64>; 2] {
         let of = |is_wanted: &dyn Fn(Class) -> bool| {

@@ -21,12 +21,13 @@ pub enum Written {
     Before(Dataset),
 }
 
-/// How often it is tried to enter a shared folder while another process assembles the set. Choice: short beside a
+/// Time between attempts to enter a shared folder while another process assembles the set. Choice: short beside a
 /// reach.
 const WAIT: Duration = Duration::from_secs(1);
 
 impl Campaign {
-    /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only what is missing there.
+    /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only the reaches that are missing
+    /// there.
     pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, ExperimentError> {
         let plans = self.plans()?;
         let jobs = self.jobs();
@@ -40,9 +41,9 @@ impl Campaign {
         Ok(Written::New(writer.finish()?))
     }
 
-    /// Runs what is missing of one part of the campaign, in a folder that all parts share. The part that finishes last
-    /// makes the data set of the whole campaign there; `None` means that others are still to come. [`Campaign::shard`]
-    /// must not be given.
+    /// Runs the missing reaches of one part of the campaign, in a folder that all parts share. The part that finishes
+    /// last makes the data set of the whole campaign there; `None` means that other parts have not finished yet.
+    /// [`Campaign::shard`] must not be given.
     pub fn write_shared(
         &self,
         out: &Path,
@@ -84,9 +85,9 @@ impl Campaign {
     }
 }
 
-/// Says what is doubtful, and draws all reaches once. An impossible draw is refused before anything is written. What it
-/// left behind could not be resumed, because a corrected scene makes another plan. A draw costs a thousandth of its
-/// reach.
+/// Warns about doubtful skins, and draws all reaches once to refuse an impossible draw before anything is written. A
+/// set that failed halfway could not be resumed, because correcting the scene changes the plan. A draw takes a
+/// thousandth of the time of its reach.
 fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), ExperimentError> {
     say_doubts(plans.iter().map(|plan| &plan.arm), progress);
     jobs.par_iter()
@@ -94,7 +95,7 @@ fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result
     Ok(())
 }
 
-/// Runs and stages the reaches that are missing among `total`.
+/// Runs and stages the missing reaches; `total` counts the finished ones, too.
 fn stage(
     plans: &[ReachPlan],
     jobs: &[Job],

@@ -103,7 +103,7 @@ pub fn check_labels(
     }
 }
 
-/// The category of a name: a built-in one, or that of an object in the scenes.
+/// The category with this name: a built-in one, or the category of an object in the scenes.
 pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category> {
     let groups = scenes.values().flat_map(|scene| scene.file.objects.groups());
     let mut own = groups.map(|(_, _, group)| group.category());

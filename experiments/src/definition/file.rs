@@ -62,7 +62,7 @@ pub struct ExperimentFile {
     /// Verdicts on what touches each taxel, frame by frame; left out if not given.
     #[serde(default)]
     pub verdicts: Option<VerdictSection>,
-    /// Arm stiffnesses and hand speeds to train and test at, beside the scenes' own.
+    /// Arm stiffnesses and hand speeds to train and test at, in addition to the scenes' own.
     #[serde(default)]
     pub settings: Vec<Setting>,
     /// Classifiers that are trained and tested at each of these settings.
@@ -126,7 +126,7 @@ pub struct TrainingScene {
     /// Number of reaches at each of `settings`; half if not given.
     #[serde(default)]
     pub setting_reaches: Option<u64>,
-    /// The same with `--quick`; half of `quick_reaches` if not given.
+    /// Number of reaches at each of `settings` with `--quick`; half of `quick_reaches` if not given.
     #[serde(default)]
     pub quick_setting_reaches: Option<u64>,
 }
@@ -139,7 +139,7 @@ pub struct EngineeredScene {
     pub scene: String,
     /// Category that the skin must touch, and nothing else: a label of the training scenes.
     pub label: String,
-    /// Reaches are drawn until one does what it should, but no more than this.
+    /// Reaches are drawn until one does what it should, but no more than this many.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
 }
@@ -159,16 +159,16 @@ pub struct TestScene {
     /// Number of reaches with `--quick`; one if not given.
     #[serde(default)]
     pub quick_reaches: Option<usize>,
-    /// Reaches are drawn until enough do what they should, but no more than this.
+    /// Reaches are drawn until enough of them do what they should, but no more than this many.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
 }
 
-/// What verdicts on each taxel are learned from, beside the training scenes.
+/// What verdicts on each taxel are learned from, in addition to the training scenes.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VerdictSection {
-    /// A scene in which the arm touches every category, relative to this file. Its reaches are other ones than those of
+    /// A scene in which the arm touches every category, relative to this file. Its reaches differ from those of
     /// `general`.
     pub scene: String,
     /// Number of reaches.
@@ -194,11 +194,11 @@ pub enum RecipeName {
 pub struct ClassifierEntry {
     /// Name in tables and charts.
     pub name: String,
-    /// The classifier, as after `train --classifier`.
+    /// Name of the classifier, as for `train --classifier`.
     #[serde(deserialize_with = "classifier")]
     #[schemars(with = "String", extend("enum" = CLASSIFIERS.map(|kind| kind.name)))]
     pub method: &'static ClassifierKind,
-    /// Features of each sample, as after `train --features`; the classifier's own if not given.
+    /// Features of each sample, as for `train --features`; the classifier's own if not given.
     #[serde(default, deserialize_with = "some_features")]
     #[schemars(with = "Option<Vec<String>>")]
     pub features: Option<FeatureSet>,
@@ -233,14 +233,14 @@ fn some_features<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Fe
 pub struct ThresholdSection {
     /// Margin below which a taxel is uncertain online, nats.
     pub uncertain_below_nats: f64,
-    /// Chosen thresholds let at most this share of the other categories' trials be taken for one.
+    /// Thresholds are chosen so that at most this share of the other categories' trials is taken for a category.
     pub false_positive_rate: f64,
     /// Share of contacts expected to be outliers.
     pub outlier_prior: f64,
 }
 
 impl Default for ThresholdSection {
-    /// The paper's margin for outliers (section V-D); the rates are choices: one in twenty each.
+    /// The margin is the paper's for outliers (section V-D). The two rates are choices: one in twenty each.
     fn default() -> Self {
         ThresholdSection {
             uncertain_below_nats: 15.0,
@@ -306,7 +306,7 @@ pub struct Published {
     pub samples_used: Option<f64>,
     /// Computation time of an online sample for 100 taxels in contact, s.
     pub seconds_per_100_taxels: Option<f64>,
-    /// What is published on the subject of a section of the report, by the section's name.
+    /// What is published on the subject of each section of the report, by the section's name.
     pub sections: std::collections::BTreeMap<String, PublishedSection>,
 }
 

@@ -1,5 +1,5 @@
-//! Experiments as files: what to train and test on, and what to compare with. `file` has the keys, `check` what their
-//! types leave open.
+//! Experiments as files: what to train and test on, and what to compare with. `file` defines the keys, and `check` the
+//! rules that their types do not express.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -120,7 +120,7 @@ impl Experiment {
         })
     }
 
-    /// The scene with this name in the file; every scene that the file names was read.
+    /// The scene that the file names by this path; `None` if it names no such scene.
     pub fn scene(&self, name: &str) -> Option<&Scene> {
         self.scenes.get(name)
     }
@@ -140,7 +140,7 @@ impl Experiment {
         self.file.controller
     }
 
-    /// The category of a label, if it is that of an object.
+    /// The category with the name `label`, if it is the category of an object.
     pub fn category(&self, label: &str) -> Option<Category> {
         category(&self.scenes, label)
     }
@@ -161,7 +161,7 @@ impl Experiment {
         }
     }
 
-    /// The options for verdicts on each taxel: the same patch and threshold.
+    /// The options for verdicts on each taxel: patch and threshold as for trials.
     pub fn touch_options(&self) -> TouchOptions {
         TouchOptions {
             patch: self.file.trials.patch.clone(),
@@ -169,7 +169,7 @@ impl Experiment {
         }
     }
 
-    /// The same for trials of any length.
+    /// The options for extracting trials of any length; otherwise as [`Experiment::trial_options`].
     pub fn any_length_options(&self) -> TrialOptions {
         TrialOptions {
             min_samples: 1,
@@ -215,7 +215,7 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
         .collect()
 }
 
-/// The arms that scenes name by a file, each once.
+/// The arms that scenes name by file, each once.
 fn arms_of(scenes: &BTreeMap<String, Scene>) -> Result<Vec<Arm>, InputError> {
     let named = scenes.values().filter(|scene| scene.file.arm != "cody");
     let paths = named.map(|scene| scene.path.parent().unwrap_or(Path::new("")).join(&scene.file.arm));

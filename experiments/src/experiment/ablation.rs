@@ -15,10 +15,10 @@ use crate::estimators;
 use crate::session::Session;
 use crate::training::{self, Trials};
 
-/// The changes.
+/// The results of the ablation.
 #[derive(Serialize)]
 pub struct Outcome {
-    /// Nothing changed, then each change. Empty for a quick run.
+    /// First without a change, then with each change. Empty for a quick run.
     pub ablation: Vec<Ablated>,
 }
 
@@ -51,11 +51,11 @@ pub struct Ablated {
 /// Means over the cells of one unit, per cent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeanAccuracy {
-    /// Of the accuracies.
+    /// Mean of the accuracies.
     pub accuracy: f64,
-    /// Of the balanced accuracies.
+    /// Mean of the balanced accuracies.
     pub balanced_accuracy: f64,
-    /// Of the majority baselines.
+    /// Mean of the majority baselines.
     pub majority_baseline: f64,
 }
 
@@ -66,7 +66,7 @@ pub const AS_IS: &str = "as is";
 enum Change {
     /// Trials are extracted from the same reaches in another way.
     Cut(fn(TrialOptions) -> TrialOptions),
-    /// Something else is simulated.
+    /// The reaches are simulated with a changed scene.
     Scene(fn(&mut SceneFile)),
 }
 

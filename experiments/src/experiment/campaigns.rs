@@ -26,7 +26,7 @@ pub struct Outcome {
 /// Means and spreads over campaigns.
 #[derive(Serialize)]
 pub struct Campaigns {
-    /// Their seeds.
+    /// The campaigns' seeds.
     pub seeds: Vec<u64>,
     /// The cross-validation table.
     pub table_1: Vec<CampaignCell>,
@@ -49,9 +49,9 @@ pub struct CampaignFigures {
     pub balanced_accuracy: Spread,
     /// Majority baseline.
     pub majority_baseline: Spread,
-    /// Of the trials in which something truly touched the skin; `None` if no campaign has any.
+    /// The figures of the trials in which something truly touched the skin; `None` if no campaign has such trials.
     pub touched: Option<CampaignPart>,
-    /// Of the other trials.
+    /// The figures of the other trials; `None` if no campaign has such trials.
     pub untouched: Option<CampaignPart>,
 }
 
@@ -139,8 +139,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
-/// Runs the campaign of one seed, unless it is cached, and caches it where [`run`] finds it. So campaigns can be run on
-/// other machines.
+/// Runs the campaign of one seed, unless it is cached, and caches it where [`run`] finds it. This way campaigns can be
+/// run on other machines.
 ///
 /// # Errors
 /// Those of its stages, or a file that cannot be written.

@@ -16,12 +16,12 @@ use crate::estimators;
 use crate::session::Session;
 use crate::training;
 
-/// All classifiers of the experiment, in its order.
+/// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]
 pub struct Outcome {
-    /// On whole trials.
+    /// Their accuracies on whole trials.
     pub classifiers: Vec<Compared>,
-    /// After increasing numbers of samples.
+    /// Their accuracies after increasing numbers of samples.
     pub speeds: Vec<Speed>,
 }
 
@@ -40,10 +40,10 @@ pub struct Compared {
 pub struct Speed {
     /// Its name.
     pub classifier: String,
-    /// On the trials of the cross-validation table, all of which last a minimum number of samples. Online, nobody knows
-    /// this while a contact lasts.
+    /// On the trials of the cross-validation table, all of which have a minimum number of samples. Online, it is not
+    /// known during a contact whether it will last that long.
     pub lasting_contacts: Vec<AccuracyBySamples>,
-    /// On all contacts, including the shorter ones, as they would be met online.
+    /// On all contacts, including the shorter ones, as they occur online.
     pub all_contacts: Vec<AccuracyBySamples>,
 }
 

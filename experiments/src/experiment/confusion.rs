@@ -1,4 +1,5 @@
-//! Confusion of taxels by the models with most states, for force alone and for force and motion (Figs. 6 and 7).
+//! Confusion matrices of taxel trials for the models with the most states, by force alone and by force and motion
+//! (Figs. 6 and 7).
 
 use crate::definition::TableOneUnit;
 use serde::Serialize;
@@ -22,7 +23,7 @@ pub struct Outcome {
     pub states: usize,
 }
 
-/// Reads both from the cross-validation table.
+/// Reads both matrices from the cross-validation table.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let table = session.once(table_one::run)?;
     let recipe = estimators::recipe_name(estimators::main_recipe_name(session.experiment));

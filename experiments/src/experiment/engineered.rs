@@ -28,8 +28,8 @@ pub struct Engineered {
     /// Verdicts compared with the category of the scene. `None` if no draw met the requirement, or the skin sensed
     /// nothing.
     pub shares: Option<Shares>,
-    /// Fraction of these taxel frames in which nothing presses on the taxel (spurious readings, creep, crosstalk), per
-    /// cent.
+    /// Fraction of the taxel frames in contact in which nothing presses on the taxel (spurious readings, creep,
+    /// crosstalk), per cent.
     pub untouched_percent: Option<f64>,
     /// Mean number of samples that a verdict used.
     pub mean_samples_used: Option<f64>,

@@ -16,7 +16,7 @@ pub struct Outcome {
     pub figure_5_medians: Vec<Typical>,
 }
 
-/// Chooses them from the taxel trials.
+/// Chooses the examples from the taxel trials, and computes the medians.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let labels = session.experiment.labels();
@@ -53,11 +53,11 @@ pub struct Typical {
     pub category: String,
     /// Number of trials.
     pub trials: usize,
-    /// Force 0.1 s after contact, which shows how fast it rises.
+    /// Force 0.1 s after contact, N, which shows how fast the force rises.
     pub force_after_100_ms_n: f64,
     /// The largest sensed force of a trial, N.
     pub peak_force_n: f64,
-    /// Length of the taxel's path during contact.
+    /// Length of the taxel's path during contact, m.
     pub motion_m: f64,
 }
 

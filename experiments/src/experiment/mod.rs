@@ -52,7 +52,7 @@ macro_rules! declare {
             /// Runs all experiments.
             ///
             /// # Errors
-            /// That of the first experiment that fails.
+            /// The error of the first experiment that fails.
             pub fn of(session: &Session) -> Result<Self, ExperimentError> {
                 Ok(Outcomes {
                     $($name: session.once($name::run)?,)*

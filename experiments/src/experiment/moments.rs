@@ -64,7 +64,7 @@ pub struct Moment {
     pub pressed: BTreeSet<usize>,
     /// Name of the scene.
     pub scene: String,
-    /// Which reach of the scene.
+    /// Index of the reach in its scene.
     pub reach_index: u64,
     /// The whole reach.
     pub recording: Recording,
@@ -72,8 +72,8 @@ pub struct Moment {
     pub options: OnlineOptions,
 }
 
-/// Runs a classified reach again and stops it when the most taxels are in contact. The moment is thus chosen by how
-/// much there is to see, not by how well it is classified. `None` if there is no such reach.
+/// Runs a classified reach again and takes a snapshot when the most taxels are in contact. The moment is thus chosen by
+/// how much there is to see, not by how well it is classified. `None` if there is no such reach.
 fn take(
     session: &Session,
     models: &HmmClassifier,

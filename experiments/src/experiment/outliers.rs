@@ -23,7 +23,7 @@ pub struct Outcome {
     pub thresholds: Option<ChosenThresholds>,
     /// Areas under the receiver operating characteristics.
     pub roc: Areas,
-    /// The curves, and why there are no thresholds.
+    /// The ROC curves, and the reason if there are no thresholds.
     #[serde(skip)]
     pub curves: Rc<Thresholds>,
     /// All reaches.
@@ -155,7 +155,7 @@ mod tests {
 
     const REED: Category = Category::new("reed", 4).unwrap();
 
-    /// Pins that taxels under an object of a further category are counted in a row of their own, also where only one of
+    /// Pins that taxels under an object of a further category are counted in a row of their own, even if only one of
     /// the reaches has such an object.
     #[test]
     fn a_further_category_has_a_row_of_its_own() {

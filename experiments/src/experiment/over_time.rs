@@ -20,13 +20,13 @@ pub struct Outcome {
     /// Computation time of a new sample for 100 taxels in contact, s: the mean over the reach.
     #[serde(skip)]
     pub seconds_per_100_taxels: Option<f64>,
-    /// The median over the frames with contact.
+    /// Computation time of a new sample for 100 taxels in contact, s: the median over the frames with contact.
     #[serde(skip)]
     pub median_seconds_per_100_taxels: Option<f64>,
     /// Number of hidden states of the models.
     #[serde(skip)]
     pub states: usize,
-    /// What the models see.
+    /// Features that the models use.
     #[serde(skip)]
     pub features: FeatureSet,
     /// All reaches.
@@ -34,12 +34,12 @@ pub struct Outcome {
     pub online: Rc<Online>,
 }
 
-/// Number of samples of its contact that a verdict used.
+/// How many samples of its contact a verdict used.
 #[derive(Serialize)]
 pub struct SamplesUsed {
     /// Mean over the frames with contact of the reach shown.
     pub mean_samples_used: Option<f64>,
-    /// Mean of that over all engineered and general reaches with contact.
+    /// Mean of this number over all engineered and general reaches with contact.
     pub mean_over_reaches: Option<f64>,
     /// Number of these reaches.
     pub reaches: usize,

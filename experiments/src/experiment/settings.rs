@@ -1,5 +1,5 @@
-//! Trained at one arm stiffness and hand speed, tested at others: the open question of the follow-up study
-//! (arXiv 1409.4972).
+//! Classifiers trained at one arm stiffness and hand speed and tested at others: the open question of the follow-up
+//! study (arXiv 1409.4972).
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -19,13 +19,13 @@ use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 /// Every classifier, trained and tested at every pair of settings.
 #[derive(Serialize)]
 pub struct Outcome {
-    /// By classifier, then by the setting of training, then by that of testing.
+    /// By classifier, then by the setting of training, then by the setting of testing.
     pub splits: Vec<Split>,
-    /// Verdict networks fitted at the scenes' own setting and tested at the others.
+    /// How well verdict networks tell contacts at the other settings apart.
     pub verdict_transfer: Vec<VerdictTransfer>,
 }
 
-/// What is kept of a finished run.
+/// The part of a finished run that is cached.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     splits: Vec<Split>,
@@ -46,7 +46,7 @@ pub struct Split {
     pub accuracy: Accuracy,
 }
 
-/// The name of the scenes' own arm and speed.
+/// Name of the setting with the scenes' own arm and speed.
 pub const NOMINAL: &str = "nominal";
 
 /// Taxel trials of one setting, in two folds of whole reaches.
@@ -67,8 +67,8 @@ impl Outcome {
 }
 
 impl Folded {
-    /// Takes the first `counts` reaches of each scene from a campaign of `reaches` of each scene, and puts half of each
-    /// scene's into either fold. The reaches are the same at every setting: they have the same clutter and goals.
+    /// Takes the first `counts` reaches of each scene from a campaign with `reaches` reaches of each scene, and puts
+    /// half of them into each fold. The reaches are the same at every setting: they have the same clutter and goals.
     pub fn new(name: &str, taxel_trials: &[Trial], reaches: &[u64], counts: &[u64]) -> Self {
         let mut folds = [Vec::new(), Vec::new()];
         for trial in taxel_trials {
@@ -83,8 +83,8 @@ impl Folded {
     }
 }
 
-/// The fold of a reach in a campaign of `reaches` of each scene, of which the first `counts` are used; `None` for the
-/// others.
+/// The fold of a reach in a campaign with `reaches` reaches of each scene, of which the first `counts` are used; `None`
+/// for the others.
 fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
     let mut index = reach;
     for (reaches, count) in reaches.iter().zip(counts) {
@@ -103,7 +103,7 @@ fn folded(recordings: Vec<(u64, Recording)>, reaches: &[u64], counts: &[u64]) ->
     folded.collect()
 }
 
-/// Runs the training scenes at the other settings, and tests each setting's classifiers at each.
+/// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
@@ -154,7 +154,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 }
 
 /// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half.
-/// So no clutter occurs in both halves, and all are trained on the same number of reaches.
+/// This way no clutter occurs in both halves, and all classifiers are trained on the same number of reaches.
 pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, ExperimentError> {
     let recipe = estimators::main_recipe(experiment);
     let entries = experiment.file.setting_classifiers.iter();

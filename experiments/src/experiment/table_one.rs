@@ -25,7 +25,7 @@ use crate::training::{self, Trials};
 pub struct Outcome {
     /// All cells of all recipes.
     pub table_1: Vec<Cell>,
-    /// By recipe: over the cells with a published figure, points.
+    /// Mean absolute difference of the cells from the published ones, by recipe, points.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
     /// The published statements on the table.
     pub orderings: Vec<Ordering>,
@@ -50,8 +50,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
-/// All cells of some recipes, in parallel, each with the evaluation behind it. There are component cells only where
-/// there are component trials.
+/// Evaluates all cells of some recipes in parallel, and returns each cell with the evaluation behind it. There are
+/// component cells only where there are component trials.
 pub fn evaluate(
     experiment: &Experiment,
     trials: &Trials,

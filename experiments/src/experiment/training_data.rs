@@ -49,7 +49,7 @@ pub struct TrialsPerReach {
     pub untouched: usize,
     /// Trials per reach of the label's scenes.
     pub per_reach: f64,
-    /// The published number.
+    /// The published number of trials per reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<f64>,
 }

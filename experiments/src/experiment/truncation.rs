@@ -31,7 +31,7 @@ pub struct Truncated {
     pub accuracy: Accuracy,
 }
 
-/// Cross-validates taxels by force, with all but the fewest states of the cross-validation table.
+/// Cross-validates taxel trials by force, with all numbers of states of the cross-validation table except the smallest.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let file = &session.experiment.file;

@@ -1,4 +1,4 @@
-//! What touches each taxel, frame by frame, by networks over the course of a contact region.
+//! Verdicts on what touches each taxel, frame by frame, by networks over the course of a contact region.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::reaches::{self, Found};
 use crate::session::Session;
 use crate::training;
 
-/// Reaches are judged by networks that were fitted to the other parts of so many.
+/// Number of parts into which the reaches are divided. Each part is judged by networks fitted to the other parts.
 const FOLDS: usize = 3;
 /// The reaches of the mixed scene have indices from here on, so that none of them is among the test reaches, which are
 /// drawn from 0.
@@ -31,12 +31,12 @@ pub struct Outcome {
 /// Figures over whole reaches that were held out. Shares are from 0 to 1.
 #[derive(Serialize)]
 pub struct Verdicts {
-    /// Contacts of taxels that a known category truly touched, by the category that is likeliest over the whole
-    /// contact: mean over the categories of the share that is right.
+    /// Balanced accuracy (mean over the categories of the share that is right) over contacts of taxels that a known
+    /// category truly touched, by the category that is likeliest over the whole contact.
     pub touched_balanced_accuracy: Option<f64>,
-    /// The same by the first ten samples, or the whole contact if it is shorter.
+    /// Balanced accuracy over these contacts by the first ten samples, or by the whole contact if it is shorter.
     pub first_tenth_second_balanced_accuracy: Option<f64>,
-    /// Number of those contacts.
+    /// Number of these contacts.
     pub contacts: usize,
     /// The share of the most frequent category among them: the accuracy of always naming it.
     pub largest_category_share: Option<f64>,
@@ -44,11 +44,11 @@ pub struct Verdicts {
     pub median_samples_until_right: Option<usize>,
     /// Share of the contacts that get a right verdict before they end.
     pub ever_right: Option<f64>,
-    /// Share of the taxel frames in contact that nothing presses on and that are called so.
+    /// Share of the taxel frames in contact without anything pressing that are called nothing.
     pub spurious_called_nothing: Option<f64>,
     /// Share of the taxel frames with a true contact that are called nothing.
     pub touches_lost: Option<f64>,
-    /// Mean difference of the probability and the frequency of the likeliest class.
+    /// Mean difference between the probability and the frequency of the likeliest class.
     pub expected_calibration_error: Option<f64>,
     /// Mean squared error of the probabilities.
     pub brier_score: Option<f64>,
@@ -59,12 +59,12 @@ pub struct Verdicts {
     pub scenes: Vec<SceneFigures>,
     /// What each feature is worth to the networks, on held-out reaches.
     pub feature_worth: Vec<FeatureWorth>,
-    /// Reaches that the networks were fitted to, apart from the held-out part.
+    /// Number of reaches. The networks were fitted to all of them except the held-out part.
     pub training_reaches: usize,
     /// All verdicts on the held-out reaches.
     #[serde(skip)]
     pub held_out: TouchEvaluation,
-    /// Curves of the outlier and of the second one.
+    /// ROC curves of the outlier and of the second outlier.
     #[serde(skip)]
     pub curves: [Option<RocCurve>; 2],
     /// The known categories.
@@ -75,13 +75,13 @@ pub struct Verdicts {
 /// How well contacts with unknown objects are found.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct UnknownObjects {
-    /// Area under the curve.
+    /// Area under the ROC curve of the outlier.
     pub outlier_roc_area: Option<f64>,
     /// Share of the outlier's taxel frames found at one false alarm in twenty.
     pub outliers_found: Option<f64>,
-    /// Area under the curve of the second outlier, on which nothing was chosen.
+    /// Area under the ROC curve of the second outlier, on which nothing was chosen.
     pub second_outlier_roc_area: Option<f64>,
-    /// Share of its taxel frames found at one false alarm in twenty.
+    /// Share of the second outlier's taxel frames found at one false alarm in twenty.
     pub second_outliers_found: Option<f64>,
 }
 

@@ -8,8 +8,8 @@ use super::*;
 #[expect(dead_code, reason = "one scene is enough here")]
 mod scenes;
 
-/// Pins that a reach counts as one that touches a category alone only if the category presses on a taxel in some trial:
-/// the same reach with readings that nothing caused does not count.
+/// Pins that a reach counts as touching one category alone only if the category presses on a taxel in some trial. The
+/// same reach does not count once nothing presses on its taxels.
 #[test]
 fn a_reach_with_spurious_trials_alone_is_not_wanted() {
     let text = scenes::TRUNKS_AT_FOREARM.to_owned();

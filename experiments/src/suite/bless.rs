@@ -1,4 +1,4 @@
-//! Bounds from what a run found.
+//! Writes bounds from what a run found.
 
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};
@@ -9,11 +9,11 @@ use crate::error::ExperimentError;
 /// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as
 /// it is.
 ///
-/// A bound keeps its sides; one without any gets those of its metric. The false-alarm probability of the suite is
-/// shared equally among the sides of all means and shares.
+/// A bound keeps its sides; a bound without any gets the sides of its metric. The false-alarm probability of the suite
+/// is shared equally among the sides of all means and shares.
 ///
 /// # Errors
-/// When a metric was measured in fewer than two reaches, so that it cannot be bounded.
+/// When a metric was measured in fewer than two reaches and therefore cannot be bounded.
 pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, ExperimentError> {
     let all = || {
         let scenes = suite.scenes.iter().zip(&result.scenes);
@@ -63,7 +63,8 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
     let values: Vec<f64> = result.values.iter().map(|own| own.value).collect();
     let margin = match own.metric.statistic {
         Statistic::Mean if own.metric.counts => margin_with_one_more(&values, found + 1.0, probability)?,
-        // The other end of the range. A share that is the same in all reaches has no spread of its own either.
+        // The added reach is at the other end of the range. A share that is the same in all reaches needs it too,
+        // because it has no spread of its own.
         Statistic::Share if own.metric.counts || values.iter().all(|value| *value == values[0]) => {
             margin_with_one_more(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?
         }
@@ -75,7 +76,7 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
     } else {
         f64::INFINITY
     };
-    // A limit is not a matter of what was found. Whoever wrote another one into the file had a reason.
+    // A limit does not depend on what was found. If the file has another limit, somebody chose it on purpose.
     let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
     let high = limit.unwrap_or((found + margin).min(end));
     Some(Bound {
@@ -86,13 +87,13 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
     })
 }
 
-/// A number with four significant digits; `round` says to which side.
+/// A number rounded to four significant digits; `round` gives the direction.
 fn rounded(number: f64, round: fn(f64) -> f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;
     }
     let digits = 3 - number.abs().log10().floor() as i32;
-    // Decimal text and back, so that no binary rest of the scale stays behind.
+    // Goes through decimal text, so that no binary rounding error of the scale remains.
     let scaled = round(number * 10_f64.powi(digits));
     format!("{scaled}e{}", -digits).parse().unwrap_or(number)
 }
@@ -109,7 +110,7 @@ fn written(bound: &Bound) -> String {
     format!("{{ {} }}", given.collect::<Vec<_>>().join(", "))
 }
 
-/// A number as TOML: very small ones, such as residuals, with an exponent.
+/// A number as TOML. Very small numbers, such as residuals, get an exponent.
 fn number(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-4 {
         format!("{value:e}")

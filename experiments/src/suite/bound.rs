@@ -12,8 +12,8 @@ use toml::Spanned;
 
 use super::metric::METRICS;
 
-/// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. Without either of the first two it is
-/// bounded by the next `--bless`.
+/// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. If both `at_least` and `at_most` are
+/// missing, the next `--bless` sets them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
@@ -34,7 +34,7 @@ pub struct Bound {
 #[serde(transparent)]
 pub struct Bounds(pub BTreeMap<String, Spanned<Entry>>);
 
-/// What stands behind the name of a metric.
+/// The value of a metric's key.
 #[derive(Clone, Debug)]
 pub enum Entry {
     /// A bound.

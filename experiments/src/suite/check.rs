@@ -12,7 +12,7 @@ use super::file::SuiteFile;
 use super::metric::{METRICS, Metric};
 use crate::source::Source;
 
-/// Largest number of reaches of a scene: more than a regression test can take, and so a typing error.
+/// Largest number of reaches of a scene. A regression test cannot run more, so a larger number is a typing error.
 const MAX_REACHES: u64 = 100_000;
 
 /// Checks the numbers of a file.
@@ -87,7 +87,7 @@ pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) 
     Ok(found)
 }
 
-/// Where an entry begins. The place of a table of categories is that of its first category.
+/// Where an entry begins. A table of categories begins at its first category.
 fn start_of(entry: &Entry, span: Range<usize>) -> usize {
     match entry {
         Entry::Bound(_) => span.start,
@@ -98,7 +98,7 @@ fn start_of(entry: &Entry, span: Range<usize>) -> usize {
     }
 }
 
-/// A bound whose numbers make sense.
+/// Checks the numbers of a bound.
 fn checked(
     metric: &'static Metric,
     category: Option<Category>,

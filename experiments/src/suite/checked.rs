@@ -20,8 +20,8 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Runs the suites in these files, with this seed instead of each file's if one is given. With `bless`, bounds from
-    /// what is found are written into the files, and the results are held against them.
+    /// Runs the suites in these files, with `seed` instead of each file's seed if it is given. With `bless`, bounds
+    /// computed from the results are written into the files, and the results are checked against them.
     ///
     /// # Errors
     /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a file cannot be written, or a metric cannot be
@@ -54,13 +54,13 @@ impl Checked {
         })
     }
 
-    /// How many bounds do not hold.
+    /// Number of bounds that do not hold.
     pub fn broken(&self) -> usize {
         self.suites.iter().map(|result| result.broken().count()).sum()
     }
 }
 
-/// Writes new bounds into the file, and gives the result as held against them.
+/// Writes new bounds into the file, and returns the result checked against them.
 fn blessed(
     suite: &Suite,
     result: SuiteResult,

@@ -11,7 +11,7 @@ use super::bound::Bounds;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SuiteFile {
-    /// One sentence on what the suite watches over.
+    /// One sentence on what the suite checks.
     pub summary: String,
     /// Seed of all reaches.
     #[serde(default)]
@@ -60,8 +60,8 @@ pub struct BlessSection {
 }
 
 impl Default for BlessSection {
-    /// Choices: a program that draws its random numbers anew is refused once in a hundred times; and a largest value,
-    /// for which there is no such theory, may grow by half.
+    /// Choices: a program that only draws other random numbers is refused once in a hundred times. A largest value, for
+    /// which there is no such theory, may grow by half.
     fn default() -> Self {
         BlessSection {
             false_alarm: 0.01,

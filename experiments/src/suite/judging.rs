@@ -26,7 +26,7 @@ pub(super) enum Judging {
 }
 
 impl Judging {
-    /// Reads the model; `folder` is that of the suite file.
+    /// Reads the model; `folder` is the folder of the suite file.
     pub fn load(section: &ModelSection, folder: &Path, source: &Source) -> Result<Self, ExperimentError> {
         match any_model::load(&folder.join(&section.file))? {
             AnyModel::Touch(model) => {
@@ -46,7 +46,7 @@ impl Judging {
         }
     }
 
-    /// Whether it can judge this skin.
+    /// Checks that the model can judge this skin.
     pub fn fits(&self, layout: &SkinLayout) -> Result<(), OnlineError> {
         match self {
             Judging::OfTrials(model, options) => {
@@ -67,7 +67,7 @@ impl Judging {
     }
 }
 
-/// A touch model would ignore these keys.
+/// Refuses keys that a touch model would ignore.
 fn refuse_for_touch(section: &ModelSection, source: &Source) -> Result<(), InputError> {
     let given = [
         ("model.patch", section.patch.is_some()),

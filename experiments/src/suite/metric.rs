@@ -211,7 +211,7 @@ impl Metric {
         LIST.iter().find(|metric| metric.name == name)
     }
 
-    /// Its value in one reach. `None` if it cannot be measured there, as without contact of that category.
+    /// Its value in one reach. `None` if it cannot be measured there, for example without contact with that category.
     pub fn of_reach(&self, reach: &Measured, category: Option<Category>) -> Option<f64> {
         (self.of_reach)(reach, category)
     }
@@ -252,8 +252,8 @@ fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f
     share_of_row(stream, row, verdict)
 }
 
-/// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` for an empty row or if the model never
-/// says so.
+/// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` if the row is empty or the model has no
+/// such verdict.
 fn share_of_row(stream: &Stream, row: usize, verdict: &str) -> Option<f64> {
     let column = stream.verdicts.iter().position(|name| name == verdict)?;
     let row = &stream.taxel_frames[row];
@@ -261,7 +261,8 @@ fn share_of_row(stream: &Stream, row: usize, verdict: &str) -> Option<f64> {
     (judged > 0).then(|| row[column] as f64 / judged as f64)
 }
 
-/// The number of samples to the first right verdict of each contact with this category; `None` for those without one.
+/// The number of samples to the first right verdict of each contact with this category; `None` for contacts without
+/// one.
 fn first_right(reach: &Measured, category: Option<Category>) -> Option<Vec<Option<usize>>> {
     let (stream, category) = (reach.stream?, category?);
     let contacts = stream.contacts.iter().filter(|contact| contact.truth == category);

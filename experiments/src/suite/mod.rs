@@ -1,7 +1,7 @@
-//! Regression suites: scenes, a controller and a model, with bounds on what a run of them gives.
+//! Regression suites: scenes, a controller and a model, with bounds on the results of running them.
 //!
 //! A suite file ([`mod@file`]) says what to run and, for each scene, which metrics ([`metric`]) must stay within which
-//! bounds. [`Suite::run`] runs it and holds every metric against its bounds; [`bless::text`] writes bounds from what
+//! bounds. [`Suite::run`] runs it and checks every metric against its bounds; [`bless::text`] writes bounds from what
 //! was found, with a margin that `statistics` derives.
 
 use std::collections::BTreeSet;
@@ -40,7 +40,7 @@ use metric::Metric;
 pub struct Suite {
     /// Name: the file's stem.
     pub name: String,
-    /// What it watches over.
+    /// What the suite checks.
     pub summary: String,
     /// Seed of all reaches.
     pub seed: u64,
@@ -74,7 +74,7 @@ pub struct SceneBound {
     pub category: Option<Category>,
     /// The bound.
     pub bound: Bound,
-    /// Its bytes in the file.
+    /// Its range of bytes in the file.
     span: Range<usize>,
 }
 

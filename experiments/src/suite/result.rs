@@ -1,4 +1,4 @@
-//! What a run of a suite found, held against its bounds.
+//! What a run of a suite found, checked against its bounds.
 
 use serde::Serialize;
 use underbrush_recording::GoalOutcomes;
@@ -10,7 +10,7 @@ use super::metric::Statistic;
 pub struct SuiteResult {
     /// Name of the suite.
     pub suite: String,
-    /// What it watches over.
+    /// What the suite checks.
     pub summary: String,
     /// Version of the program.
     pub program_version: String,
@@ -41,7 +41,7 @@ pub struct SceneResult {
     pub bounds: Vec<BoundResult>,
 }
 
-/// One metric held against its bounds.
+/// One metric checked against its bounds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoundResult {
     /// The metric, with its category: `peak_force_n.leaf`.
@@ -60,7 +60,7 @@ pub struct BoundResult {
     pub blessed: Option<f64>,
     /// Whether the bounds hold.
     pub verdict: BoundVerdict,
-    /// Of a broken bound, the reach that lies farthest on the wrong side.
+    /// If a bound is broken, the reach that lies farthest on the wrong side of it.
     pub look_at: Option<ReachValue>,
     /// The value of each reach that has one.
     pub values: Vec<ReachValue>,
@@ -70,7 +70,7 @@ pub struct BoundResult {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BoundVerdict {
-    /// They hold.
+    /// The bounds hold.
     Holds,
     /// The number is below `at_least`.
     TooSmall,

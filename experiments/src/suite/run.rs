@@ -1,4 +1,4 @@
-//! Runs the reaches of a suite and holds what they give against its bounds.
+//! Runs the reaches of a suite and checks the results against its bounds.
 
 use std::sync::Mutex;
 
@@ -15,7 +15,8 @@ use crate::dataset::{PROGRAM_VERSION, say_doubts};
 use crate::error::ExperimentError;
 use crate::progress::Progress;
 
-/// What is kept of a reach: the values of all bounded metrics, in the order of the bounds.
+/// What a suite needs of a reach: the values of all bounded metrics, in the order of the bounds, and its goals and
+/// time.
 struct OneReach {
     goals: GoalOutcomes,
     simulated_s: f64,
@@ -23,7 +24,7 @@ struct OneReach {
 }
 
 impl Suite {
-    /// Runs all reaches, in parallel, and holds every metric against its bounds. The result does not depend on the
+    /// Runs all reaches in parallel, and checks every metric against its bounds. The result does not depend on the
     /// number of threads.
     ///
     /// # Errors
@@ -66,7 +67,7 @@ impl Suite {
         Ok(result)
     }
 
-    /// The same values held against the bounds of this suite, after its bounds have changed.
+    /// Checks the values of a result against the bounds of this suite again, after its bounds have changed.
     #[must_use]
     pub fn hold(&self, mut result: SuiteResult) -> SuiteResult {
         for (scene, found) in self.scenes.iter().zip(&mut result.scenes) {
@@ -119,7 +120,7 @@ fn result_of(scene: &SuiteScene, reaches: &[&(Job, OneReach)]) -> SceneResult {
     }
 }
 
-/// Holds the values of a metric against its bound.
+/// Checks the values of a metric against its bound.
 pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
     let numbers: Vec<f64> = values.iter().map(|own| own.value).collect();
     let spread = (!numbers.is_empty()).then(|| Spread::of(&numbers));

@@ -1,11 +1,11 @@
 //! The margin of a blessed bound.
 //!
 //! A suite runs the same seeds again and again, so the same program finds the same numbers, bit for bit. The margin is
-//! for programs that should be equally good but draw or round otherwise. Their reaches are other draws of the same
+//! for programs that should be equally good but draw or round differently. Their reaches are other draws of the same
 //! scenes. If values of reaches are independent and roughly normal, with standard deviation s over n reaches, then the
-//! mean of n new reaches differs from the mean of the n blessed ones by more than t s √(1/n + 1/n) with probability α,
-//! where t is the 1 − α quantile of Student's t distribution with n − 1 degrees of freedom (the prediction interval for
-//! a future mean; for example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
+//! mean of n new reaches exceeds the mean of the n blessed ones by more than t s √(1/n + 1/n) with probability α, where
+//! t is the 1 − α quantile of Student's t distribution with n − 1 degrees of freedom (the prediction interval for a
+//! future mean; for example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
 
 use crate::accuracy::Spread;
 
@@ -24,8 +24,8 @@ pub fn margin(values: &[f64], probability: f64) -> Option<f64> {
     Some(margin.max(SMALLEST_MARGIN * spread.mean.abs()))
 }
 
-/// The same with one more reach of the value `other`, for values that are counted, such as goals. Few reaches say
-/// little of what is rare: after 24 goals that were all reached, the next one may well be missed.
+/// The margin with one more reach of the value `other`, for values that are counted, such as goals. A small number of
+/// reaches says little about rare events: after 24 goals that were all reached, the next one may well be missed.
 pub fn margin_with_one_more(values: &[f64], other: f64, probability: f64) -> Option<f64> {
     match values.len() {
         0 | 1 => None,
@@ -99,8 +99,9 @@ mod tests {
         }
     }
 
-    /// Pins the promise of the margin: of 20000 pairs of means of 12 normal values, the second lies above the first by
-    /// more than the margin in 5 % within four standard errors (0.6 %).
+    /// Pins that new means exceed the margin as often as promised: among 20000 pairs of means of 12 normal values, the
+    /// second mean lies above the first by more than the margin in 5 % of the pairs. The tolerance of 0.6 % is four
+    /// standard errors.
     #[test]
     fn new_means_exceed_the_margin_as_often_as_promised() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
@@ -118,8 +119,8 @@ mod tests {
         assert!((share - 0.05).abs() < 0.006, "{share}");
     }
 
-    /// Pins that equal values still leave a margin: one per cent for a force, and for counted values that of one more
-    /// reach that differs; and that one value alone has none.
+    /// Pins that equal values still leave a margin: one per cent for a force, and for counted values the margin with
+    /// one more reach that differs. One value alone has no margin.
     #[test]
     fn equal_values_leave_a_margin() {
         assert_eq!(margin(&[2.0; 8], 0.01), Some(0.02));

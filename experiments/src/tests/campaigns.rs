@@ -63,8 +63,8 @@ fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
     }
 }
 
-/// Pins the three statements on the paper's own Table I, where all pairs hold, and on the same reversed, where
-/// none does; and that pairs without one of their cells do not count.
+/// Pins the three statements on the paper's own Table I, where all pairs hold, and on the table with the sign reversed,
+/// where none does; and that pairs without one of their cells do not count.
 #[test]
 fn orderings_are_found_as_they_are() {
     let counts = |sign: f64, without_states: usize| -> Vec<(bool, usize, usize)> {
@@ -93,7 +93,7 @@ fn orderings_are_found_as_they_are() {
     assert_eq!(counts(1.0, 20), [(true, 4, 4), (true, 4, 4), (true, 4, 4)]);
 }
 
-/// Pins that the statement on the number of states names those that the experiment has.
+/// Pins that the statement on the number of states names the numbers that the experiment has.
 #[test]
 fn the_statement_on_states_names_them() {
     let statement = |states: &[usize]| {
@@ -145,7 +145,7 @@ fn campaigns_have_mean_and_spread() {
 }
 
 /// Pins that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or
-/// doubled name is an error that says which.
+/// doubled name is an error that names it.
 #[test]
 fn campaigns_are_matched_by_name() {
     let first = campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0), ("other", 90.0)]);
@@ -200,7 +200,7 @@ fn the_papers_own_table_is_no_distance_from_itself() {
         (own.orderings_holding, own.orderings, own.pairs_holding, own.pairs),
         (3, 3, 20, 20)
     );
-    // (61.76 + 72.22 + 70.75 + 54.41 + 55.55 + 58.50) / 6 and the same of the taxels.
+    // (61.76 + 72.22 + 70.75 + 54.41 + 55.55 + 58.50) / 6, and the same for the taxels.
     let (component, taxel) = (own.component.unwrap(), own.taxel.unwrap());
     assert!((component.accuracy - 62.198_333).abs() < 1e-5 && (taxel.accuracy - 75.036_667).abs() < 1e-5);
     assert!((component.balanced_accuracy - 57.198_333).abs() < 1e-5);

@@ -8,7 +8,8 @@ use underbrush_recording::InputError;
 use crate::definition::Experiment;
 use crate::training;
 
-/// Pins that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, its trials.
+/// Pins that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
+/// trial options.
 #[test]
 fn the_file_that_ships_is_the_papers() {
     let paper = Experiment::paper().unwrap();
@@ -114,7 +115,7 @@ fn faults_name_line_and_field() {
     );
 }
 
-/// Pins that a scene that does not exist, and one with a fault, are errors that name the scene file.
+/// Pins that a scene that does not exist is an error that names the scene file.
 #[test]
 fn faults_of_scenes_name_the_scene() {
     let missing = error(&SMALL.replace("other.toml", "nowhere.toml"));

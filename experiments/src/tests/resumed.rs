@@ -1,8 +1,8 @@
 use crate::definition::Experiment;
 use crate::plan::Plan;
 
-/// Pins that results of another seed or size, and those without a known plan, are refused by name; that the same plan
-/// continues; and that `--fresh` removes what a run creates, and nothing else.
+/// Pins that results of another seed or size, and those without a known plan, are refused with the reason; that the
+/// same plan continues; and that `--fresh` removes what a run creates, and nothing else.
 #[test]
 fn only_the_same_plan_goes_on() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,9 +3,9 @@ use std::collections::BTreeSet;
 use crate::definition::Experiment;
 use crate::experiment::settings::{Folded, splits};
 
-/// Pins that from a campaign of 4 + 6 reaches a setting of 3 + 4 takes the first of each scene, half of them in either
-/// fold; and that of two settings with the forces of leaf and trunk swapped, each classifier is always right at its own
-/// setting, and always wrong at the other.
+/// Pins that a setting with 3 + 4 reaches takes the first reaches of each scene from a campaign of 4 + 6, half of them
+/// in each fold; and that at two settings with the forces of leaf and trunk swapped, each classifier is always right at
+/// its own setting and always wrong at the other.
 #[test]
 fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     let trial = |number: u64, reach: u64, force_n: f64| {

@@ -21,8 +21,8 @@ fn side_by_side(root: &Path) -> Folders {
     }
 }
 
-/// Pins what decides cached results: a change in this crate or in the classifier changes their hash, also a new file; a
-/// change in the report or the simulator does not. What decides data changes with the simulator, and not with the
+/// Pins which sources each hash covers. The hash for results changes with this crate and with the classifier, also for
+/// a new file, but not with the report or the simulator. The hash for data changes with the simulator, but not with the
 /// classifier.
 #[test]
 fn each_hash_follows_its_sources() {

@@ -1,4 +1,4 @@
-//! The paper's Table I, written down apart from the experiment file that holds it.
+//! The paper's Table I, written down independently of the experiment file that holds it.
 
 use underbrush_classifier::feature::FeatureSet;
 

@@ -33,7 +33,7 @@ fn always(touch: Touch) -> VerdictControl {
         Touch::Category(_) => [0.0, 9.0],
         _ => [0.0, 0.0],
     };
-    // No contact is farther than this, or every one.
+    // Either no contact is farther than this, or every contact is.
     let distance = if touch == Touch::Unknown { 0.0 } else { 1e9 };
     let normal = json!({
         "mean": vec![0.0; DESCRIPTION_COUNT],
@@ -65,7 +65,7 @@ fn plan() -> ReachPlan {
 /// The contacts that the inner controller is given in a whole reach.
 type Given = Arc<Mutex<Vec<TaxelContact>>>;
 
-/// Notes the contacts that it is given, and passes them on.
+/// Records the contacts that it is given, and passes them on.
 struct Noting(Box<dyn Controller>, Given);
 
 impl Controller for Noting {
@@ -98,8 +98,8 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
     (recording, contacts)
 }
 
-/// Pins which limit goes with which verdict: that of its category if it has one, that of unknown things, or the usual
-/// one; and that a spurious reading is no contact.
+/// Pins the limit for each verdict: the limit of its category if it has one, the limit for unknown objects, or the
+/// usual limit; and that a spurious reading is ignored.
 #[test]
 fn each_verdict_has_its_limit() {
     let allowed = AllowedForces {
@@ -119,9 +119,9 @@ fn each_verdict_has_its_limit() {
     }
 }
 
-/// Pins, for models that always say the same, what reaches the controller inside in a whole reach: contacts on the
-/// model's patch above its threshold have the verdict's limit, or are missing if they are nothing; all others are as
-/// they were; and a verdict of uncertain changes no bit of the reach.
+/// Pins which contacts the inner controller is given in a whole reach, for models that always give the same verdict.
+/// Contacts on the model's patch above its threshold have the verdict's limit, or are missing if the verdict is
+/// nothing. All other contacts are unchanged. A verdict of uncertain changes no bit of the reach.
 #[test]
 fn contacts_get_the_limits_of_their_verdicts() {
     let (plain, usual) = run(None);
@@ -150,8 +150,8 @@ fn contacts_get_the_limits_of_their_verdicts() {
     assert!(!contacts.is_empty() && !contacts.iter().any(|contact| judged(&contact)));
 }
 
-/// Pins that the same reach with verdicts is the same bit for bit, and starts afresh each time; and that a limit on
-/// trunks makes another reach than none.
+/// Pins that a reach with verdicts repeats bit for bit and keeps nothing of the previous reach; and that a limit on
+/// trunks changes the reach.
 #[test]
 fn reaches_with_verdicts_repeat() {
     let verdicts = always(Touch::Category(1));

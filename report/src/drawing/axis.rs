@@ -86,7 +86,7 @@ pub(super) struct Fitted {
 }
 
 impl Fitted {
-    /// Fits a scale to values, without those that are not finite, with about `steps` intervals between ticks.
+    /// Fits a scale to the finite values, with about `steps` intervals between ticks.
     pub(super) fn new(scale: &Scale, values: impl Iterator<Item = f64>, steps: f64) -> Self {
         let logarithmic = *scale == Scale::Logarithmic;
         let usable = values.filter(|value| value.is_finite() && (!logarithmic || *value > 0.0));
@@ -143,7 +143,7 @@ impl Fitted {
         }
     }
 
-    /// The same, ending with the data and not at the next tick.
+    /// The same scale, but ending with the data instead of at the next tick.
     pub(super) fn tight(mut self) -> Self {
         if self.max < self.high {
             self.high = self.max;
@@ -152,7 +152,7 @@ impl Fitted {
         self
     }
 
-    /// The position of a value, 0 at the low end and 1 at the high end; `None` for what the scale cannot show.
+    /// The position of a value, 0 at the low end and 1 at the high end; `None` for a value that the scale cannot show.
     pub(super) fn share(&self, value: f64) -> Option<f64> {
         let value = if self.logarithmic { value.log10() } else { value };
         let share = (value - self.low) / (self.high - self.low);
@@ -160,7 +160,7 @@ impl Fitted {
     }
 }
 
-/// The next of 1, 2, 5 times a power of ten.
+/// The next larger step that is 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let power = 10_f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0]

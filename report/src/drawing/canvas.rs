@@ -11,7 +11,7 @@ pub(super) const WIDTH: f64 = 540.0;
 pub(super) const PLOT_HEIGHT: f64 = 230.0;
 pub(super) const LEFT: f64 = 58.0;
 pub(super) const RIGHT: f64 = 16.0;
-/// Longer names of strips are compressed to the space beside them.
+/// Names with more letters than this are compressed to fit beside their strip.
 const LETTERS_BESIDE_STRIP: usize = 7;
 pub(super) const MARK_RADIUS: f64 = 5.0;
 /// Height of a strip of bands with the gap below it.
@@ -54,7 +54,7 @@ impl Plot {
     }
 }
 
-/// How far this many strips push the tick labels down.
+/// How far this many strips push the tick labels down, px.
 pub(super) fn strips_height(count: usize) -> f64 {
     if count == 0 { 0.0 } else { count as f64 * STRIP + 4.0 }
 }
@@ -176,8 +176,8 @@ impl<'a> Canvas<'a> {
         );
     }
 
-    /// On a line of its own beside its name, so that nothing covers the data and a strip without bands is visibly
-    /// empty.
+    /// Draws bands on a line of their own beside the layer's name, so that nothing covers the data and a strip without
+    /// bands is visibly empty.
     fn strip(&mut self, name: &str, bands: &[(f64, f64)], style: &Style, fill: &str) {
         let top = self.plot.bottom() + TICK + self.strips as f64 * STRIP;
         let height = STRIP - STRIP_GAP;
@@ -221,8 +221,8 @@ fn listed(points: &[(f64, f64)]) -> String {
     points.join(" ")
 }
 
-/// Thins points in ascending x: of those that fall on the same half pixel, the first, the lowest, the highest and the
-/// last are kept. A minute at 100 Hz has more points than a screen has columns, and no peak may be lost.
+/// Thins points in ascending x: of the points that fall on the same half pixel, it keeps the first, the lowest, the
+/// highest and the last. A minute at 100 Hz has more points than a screen has columns, and no peak may be lost.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let column = |point: &(f64, f64)| (2.0 * point.0).round();
     let mut thin = Vec::new();

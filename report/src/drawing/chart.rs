@@ -10,7 +10,7 @@ use super::markup::{escape, slug};
 /// A chart with its text. Layers are drawn in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// Unique on its page.
+    /// Name of the chart, unique on its page.
     pub name: String,
     /// One line above the chart.
     pub title: String,
@@ -24,7 +24,7 @@ pub struct Chart {
     pub layers: Vec<Layer>,
 }
 
-/// Width, px. Shown 360 px wide on a phone, text of 15 px is still 10 px tall.
+/// Font size, px. On a phone, where a chart is 360 px wide, text of this size is still 10 px tall.
 const FONT: f64 = 15.0;
 const LINE: f64 = 21.0;
 /// Mean width of a letter of a sans-serif font, relative to the font size.
@@ -87,7 +87,7 @@ impl Chart {
         values.into_iter()
     }
 
-    /// Hatching of filled shapes. Its names contain the chart's name, because names must be unique on a page.
+    /// Patterns that hatch filled shapes. Their names contain the chart's name, because names must be unique on a page.
     fn patterns(&self, svg: &mut String) {
         for (index, layer) in self.layers.iter().enumerate() {
             let colour = layer.style.colour;

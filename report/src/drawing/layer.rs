@@ -72,7 +72,7 @@ pub enum Shape {
     Points(Vec<Point>),
     /// One bar per name of the x axis, stacked on the bars of earlier layers.
     Bars(Vec<f64>),
-    /// Filled upon the areas of earlier layers, which have the same x; y holds its value until the next x.
+    /// Areas on top of the areas of earlier layers, which have the same x; y holds its value until the next x.
     Areas(Vec<(f64, f64)>),
     /// Intervals of x, in a strip below the x axis beside the layer's name: one strip per layer.
     Bands(Vec<(f64, f64)>),

@@ -25,7 +25,7 @@ pub fn slug(text: &str) -> String {
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
 }
 
-/// A picture of its own: an SVG document on white, as wide as the available space but no wider than `width` pixels.
+/// A stand-alone picture: an SVG document on white, as wide as the available space but no wider than `width` pixels.
 pub fn svg_document(width: f64, height: f64, font_px: f64, title: &str, body: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \

@@ -97,7 +97,8 @@ impl Table {
             .collect()
     }
 
-    /// As CSV (RFC 4180), with a header and all digits. Missing values and those that are not finite are empty.
+    /// The table as CSV (RFC 4180), with a header and all digits. Missing values and those that are not finite are
+    /// empty.
     pub fn csv(&self) -> String {
         let header = self.columns.iter().map(|column| Cell::from(column.as_str()));
         let mut csv = String::new();
@@ -114,7 +115,7 @@ impl Table {
         cells.any(|cell| !matches!(cell, Cell::Text(_) | Cell::Missing))
     }
 
-    /// As HTML, which scrolls sideways if it does not fit.
+    /// The table as HTML, which scrolls sideways if it does not fit.
     pub fn html(&self) -> String {
         let mut html = format!(
             "<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>",

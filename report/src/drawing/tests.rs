@@ -87,7 +87,7 @@ proptest! {
     fn any_data_make_well_formed_svg(
         x in axis(), y in axis(), shapes in prop::collection::vec((shape(), 0..3_usize, "\\PC{0,12}"), 0..4)
     ) {
-        // Pins that whatever the data (none, NaN, infinity, huge), a chart is XML that an independent parser reads, no
+        // Pins that with any data (none, NaN, infinity, huge), a chart is XML that an independent parser reads, no
         // coordinate is NaN or infinite, and everything lies within the view box.
         let layers = shapes.into_iter().map(|(shape, style, name)| Layer::new(name, STYLES[style], shape)).collect();
         let svg = chart(x, y, layers).svg();
@@ -148,7 +148,8 @@ fn a_chart_says_what_it_shows() {
 
 #[test]
 fn a_line_lies_where_its_axes_say() {
-    // Pins the scales against the ticks: a line through (0, 0), (10, 100) passes the ticks' own places.
+    // Pins that scales and ticks agree: a line through (0, 0) and (10, 100) passes through the positions of these
+    // ticks.
     let line = Shape::Line(vec![(0.0, 0.0), (10.0, 100.0)]);
     let svg = chart(
         Axis::linear("x"),
@@ -233,7 +234,7 @@ fn areas_stand_on_each_other_and_bands_under_them() {
             pairs.map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).collect()
         })
         .collect();
-    // There and back over three corners of two steps each.
+    // Three values give five corners on each edge.
     let [first, second] = &outlines[..] else {
         panic!("{svg}")
     };
@@ -256,8 +257,8 @@ fn areas_stand_on_each_other_and_bands_under_them() {
 
 #[test]
 fn a_column_of_numbers_stands_right() {
-    // Pins that a heading, its numbers and a word among them are aligned right; a column of words, or of unknown
-    // values, left.
+    // Pins that a heading, its numbers and a word among them are aligned right, and that a column of words or of
+    // unknown values is aligned left.
     let mut table = Table::new("t", "caption", &["words", "numbers", "nothing"]);
     table.rows.push(vec!["a".into(), "all".into(), Cell::Missing]);
     table.rows.push(vec!["b".into(), Cell::Number(0.5, 1), Cell::Missing]);
@@ -273,7 +274,7 @@ fn a_column_of_numbers_stands_right() {
 
 #[test]
 fn no_peak_is_lost() {
-    // Pins thinning: of 100 000 samples with one peak the drawing keeps the peak, in far fewer points.
+    // Pins that a drawing of 100 000 samples with one peak keeps the peak, with far fewer points.
     let mut points: Vec<(f64, f64)> = (0..100_000).map(|i| (f64::from(i), 0.0)).collect();
     points[31_416].1 = 1.0;
     let svg = |points: &[(f64, f64)]| {

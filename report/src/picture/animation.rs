@@ -14,16 +14,16 @@ use underbrush_sim::snapshot::Snapshot;
 use super::panel::{GOAL, PANELS, Panel, RIM, View, colour, felt_at};
 use super::{FONT, LEFT, LINE, RIGHT, WIDTH, legend, views};
 
-/// Largest size of the file, bytes: what a README can bear.
+/// Largest size of the file, bytes, for use in a README.
 const MAX_BYTES: usize = 900_000;
-/// Moments at most. Choice: a loop of nine seconds with ten moments a second.
+/// Largest number of moments. Choice: a loop of nine seconds with ten moments a second.
 const MAX_MOMENTS: usize = 90;
-/// A moment is shown for this long, s, and the last one for `HOLD` moments, so that one sees where the loop ends.
+/// A moment is shown for this long, s, and the last one for `HOLD` moments, so that the end of the loop can be seen.
 const MOMENT_S: f64 = 0.1;
 const HOLD: usize = 10;
 
 /// Draws these moments of a reach one after the other. It takes as many of them, evenly spaced, as fit into a file of
-/// 0.9 MB, but 90 at most. `None` if there are none.
+/// 0.9 MB, but 90 at most. `None` if there are no moments.
 pub fn animate(
     snapshots: &[Snapshot],
     layout: &SkinLayout,
@@ -42,7 +42,7 @@ pub fn animate(
     }
 }
 
-/// `count` of some snapshots, the first and the last among them.
+/// `count` evenly spaced snapshots, including the first and the last.
 fn evenly(snapshots: &[Snapshot], count: usize) -> Vec<Snapshot> {
     let (last, steps) = (snapshots.len().saturating_sub(1), count.saturating_sub(1).max(1));
     (0..count).map(|step| snapshots[step * last / steps].clone()).collect()
@@ -108,7 +108,8 @@ fn clock(svg: &mut String, times: &[f64], top: f64) -> f64 {
     LINE + 8.0
 }
 
-/// Arm and objects, nearest to the viewer last: of each, its mean depth counts, as what is drawn first stays behind.
+/// Draws arm and objects, nearest to the viewer last. They are sorted by their mean depth, because their order is the
+/// same at all moments.
 fn shapes(svg: &mut String, panel: &Panel, view: &View, snapshots: &[Snapshot], looks: &CategoryLooks) {
     let moments: Vec<_> = snapshots
         .iter()
@@ -124,7 +125,7 @@ fn shapes(svg: &mut String, panel: &Panel, view: &View, snapshots: &[Snapshot], 
     }
 }
 
-/// The taxels that report a force as dots, filled as what they touch, and the goal.
+/// Draws the taxels that report a force as dots in the colour of what they touch, and the goal.
 fn felt(
     svg: &mut String,
     panel: &Panel,
@@ -147,7 +148,7 @@ fn felt(
         }
     }
     let round = "fill=\"none\" stroke-linecap=\"round\"";
-    // All rims lie under all dots, so that close ones do not hide each other.
+    // All rims lie under all dots, so that neighbouring taxels do not hide each other.
     for (width, of_fill) in [(8.5, false), (5.5, true)] {
         for (fill, paths) in &dots {
             let stroke = if of_fill { fill } else { RIM };
@@ -169,10 +170,10 @@ fn felt(
     );
 }
 
-/// A path that has this `d` at each moment. Moments at which nothing changes are left out.
+/// Draws a path that has these values of `d`, one for each moment. Moments at which nothing changes are left out.
 fn moving(svg: &mut String, paths: &[String], style: &str) {
     let Some(first) = paths.first() else { return };
-    // An empty path would be no valid value; one that only moves draws nothing.
+    // An empty path is not a valid value. A path that only moves draws nothing.
     let value = |path: &str| {
         if path.is_empty() {
             "M0 0".to_owned()

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use glam::{DVec2, DVec3};
 use underbrush_sim::snapshot::Blade;
 
-/// Width at the tip relative to the blade's. Choice.
+/// Width at the tip, relative to the width of the blade. Choice.
 const TIP: f64 = 0.55;
 
-/// A hinge, or the foot or tip, as the curve passes it.
+/// The foot, a hinge or the tip, as a point of the curve.
 struct Knot {
     position: DVec3,
     /// Direction of the curve.

@@ -20,9 +20,9 @@ pub struct TaxelMark {
 
 /// Pixels per metre.
 const SCALE: f64 = 520.0;
-/// Side lengths, m: a forearm with what is around it.
+/// Side lengths, m: a forearm with its surroundings.
 const SIZE_M: DVec2 = DVec2::new(0.30, 0.23);
-/// Font size, px, and the height of the title: a close-up is shown about as wide as a page.
+/// Font size, px, from which the height of the title follows. A close-up is enlarged to about the width of a page.
 const FONT: f64 = 5.6;
 
 /// Close-ups of marked taxels, from the right and from above; none if there are no marks. `name` is unique on a page.

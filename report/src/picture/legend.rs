@@ -22,7 +22,7 @@ fn square(fill: &str) -> String {
     format!("<rect x=\"-7\" y=\"-7\" width=\"14\" height=\"14\" fill=\"{fill}\"/>")
 }
 
-/// Every kind of mark in the picture. `sized` says that a taxel's mark grows with its force.
+/// Every kind of mark in the picture. `sized` says whether a taxel's mark grows with its force.
 fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, sized: bool) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |mark: String, text: &str| {
@@ -73,7 +73,7 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, size
     entries
 }
 
-/// Writes the legend, starting at `top`, and returns its height, px. `sized` says that a taxel's mark grows with its
+/// Writes the legend, starting at `top`, and returns its height, px. `sized` says whether a taxel's mark grows with its
 /// force.
 pub fn legend(
     svg: &mut String,

@@ -1,5 +1,6 @@
 //! Pictures of one moment of a reach, as SVG: arm, clutter and the taxels that feel something, from the side and from
-//! above. `draw` shows all of it, `close_ups` the surroundings of marked taxels, `animate` moments in a loop.
+//! above. `draw` shows the whole scene, `close_ups` the surroundings of marked taxels, and `animate` several moments in
+//! a loop.
 
 mod animation;
 mod blade;
@@ -20,7 +21,7 @@ pub use animation::animate;
 pub use close_up::{TaxelMark, close_ups};
 use panel::{PANELS, Panel, View};
 
-/// px: shown 390 px wide on a phone, text of 16 px is still 10 px tall.
+/// Font size, px. On a phone, where a picture is 390 px wide, text of this size is still 10 px tall.
 const FONT: f64 = 16.0;
 const LINE: f64 = 24.0;
 /// Mean width of a letter of a sans-serif font, relative to the font size.
@@ -70,8 +71,8 @@ pub fn draw(
     svg_document(WIDTH, height, FONT, caption, &body)
 }
 
-/// The view of each panel: arm, objects, goal and workspace at all these moments, rounded out to 10 cm. Both panels
-/// have the same scale and the same x axis.
+/// The view of each panel. It contains arm, objects, goal and workspace at all these moments, and its edges are rounded
+/// outwards to 10 cm. Both panels have the same scale and the same x axis.
 fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<View> {
     let mut points: Vec<(DVec3, f64)> = snapshots.iter().flat_map(extent).collect();
     for (x, y) in [(0, 0), (1, 1)] {
@@ -97,7 +98,7 @@ fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<Vi
     bounds.into_iter().map(view).collect()
 }
 
-/// Points with the radius of what is around them, m, that a view of a moment must hold.
+/// Points that a view of a moment must contain, each with the radius of the shape around it, m.
 fn extent(snapshot: &Snapshot) -> Vec<(DVec3, f64)> {
     let objects = snapshot.objects.iter();
     let capsules = snapshot.arm.iter().chain(objects.flat_map(|object| &object.capsules));

@@ -23,7 +23,7 @@ pub struct Panel {
     pub title: &'static str,
     right: DVec3,
     up: DVec3,
-    /// Direction towards the viewer; what is farther along it is drawn later.
+    /// Direction towards the viewer. Shapes that are farther along it are drawn later.
     near: DVec3,
     axes: [&'static str; 2],
 }
@@ -73,7 +73,7 @@ pub struct Outline {
     pub style: String,
 }
 
-/// Fill and name of each category, told apart by lightness too.
+/// Fill colour and name of a category. The colours differ in lightness, too.
 pub fn colour(category: Category, looks: &CategoryLooks) -> (&'static str, &'static str) {
     match category {
         Category::LEAF => ("#3a9d4f", "leaf"),
@@ -106,7 +106,7 @@ pub fn goal_mark(at: DVec2) -> String {
     )
 }
 
-/// Position of a taxel that is drawn, m, world frame; `None` for one that is not.
+/// Position of a taxel in the world frame, m; `None` if it is not drawn because it reports no force.
 pub fn felt_at(snapshot: &Snapshot, layout: &SkinLayout, reading: &TaxelReading) -> Option<DVec3> {
     let (patch, taxel) = (usize::from(reading.patch), usize::from(reading.taxel));
     let taxel = layout.patches.get(patch)?.taxels.get(taxel)?;
@@ -131,7 +131,7 @@ impl Panel {
         point.dot(self.near)
     }
 
-    /// The table: seen from the side, everything below its top; from above, the area for the feet of objects.
+    /// Draws the table: seen from the side, everything below its top; from above, the area for the feet of objects.
     pub fn table(&self, svg: &mut String, view: &View, workspace: &Workspace) {
         let size = view.size_px();
         if self.up == DVec3::Z {
@@ -163,7 +163,7 @@ impl Panel {
         );
     }
 
-    /// Arm and objects, nearest to the viewer last.
+    /// Draws arm and objects, nearest to the viewer last.
     pub fn shapes(&self, svg: &mut String, view: &View, snapshot: &Snapshot, looks: &CategoryLooks) {
         let mut shapes = self.outlines(view, snapshot, looks);
         shapes.sort_by(|a, b| a.depth.total_cmp(&b.depth));
@@ -180,7 +180,7 @@ impl Panel {
             let fill = colour(object.category, looks).0;
             let block = object.category == Category::BLOCK;
             for capsule in &object.capsules {
-                // Foam lies under everything.
+                // Foam is drawn under everything else.
                 let depth = if block { f64::NEG_INFINITY } else { depth(capsule) };
                 let opacity = if block { 0.45 } else { 0.9 };
                 outlines.push(self.line(view, capsule, fill, opacity, depth));
@@ -190,7 +190,7 @@ impl Panel {
                 outlines.push(Outline {
                     depth: middle.sum::<f64>() / blade.pieces.len() as f64,
                     path: blade::path(blade, |point| self.to_pixels(view, point)),
-                    // Seen from the edge, a blade is a line.
+                    // Seen from its edge, a blade has no area, so it needs a stroke.
                     style: format!(
                         "fill=\"{fill}\" stroke=\"{fill}\" stroke-width=\"2\" stroke-linejoin=\"round\" opacity=\"0.9\""
                     ),
@@ -202,7 +202,7 @@ impl Panel {
         outlines
     }
 
-    /// The taxels that report a force, filled as what they touch, and the goal.
+    /// Draws the taxels that report a force, in the colour of what they touch, and the goal.
     pub fn felt(
         &self,
         svg: &mut String,

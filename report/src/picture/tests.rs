@@ -16,7 +16,7 @@ fn capsule(start: [f64; 3], end: [f64; 3]) -> Capsule {
     }
 }
 
-/// A leaf of two pieces of 0.3 m, the upper of which leans by this angle towards x, rad.
+/// A leaf of two pieces of 0.3 m each. The upper one leans towards x by this angle, rad.
 fn blade(foot: DVec3, angle_rad: f64) -> Blade {
     let upper = DQuat::from_scaled_axis(DVec3::Y * angle_rad);
     let piece = |position, orientation| BladePiece {
@@ -135,7 +135,7 @@ fn the_frame_holds_arm_and_scene() {
     }
 }
 
-/// Pins that text from a scene cannot break the SVG and reads as it was written.
+/// Pins that text from a scene cannot break the SVG and is read back as it was written.
 #[test]
 fn captions_are_escaped() {
     let caption = "leaves & <trunks> \"5 > 3\" ]]> 'x'";
@@ -143,7 +143,7 @@ fn captions_are_escaped() {
     assert!(text.contains(caption), "{text}");
 }
 
-/// Pins that the legend explains every kind of mark that is drawn, and no category that is not there.
+/// Pins that the legend explains every kind of mark that is drawn, and no category that is not in the picture.
 #[test]
 fn every_mark_is_explained() {
     let text = words(&drawn([0.8, 0.0, 0.2], [0.7, -0.2, -0.3], "caption"));
@@ -169,8 +169,7 @@ fn numbers(path: &str) -> Vec<f64> {
     path.split(split).filter_map(|word| word.parse().ok()).collect()
 }
 
-/// Pins that the outline of a leaf passes both edges of every hinge and is smooth there, and that an upright leaf is as
-/// wide as it is.
+/// Pins that the outline of a leaf passes through every hinge and is smooth there, and that it is as wide as the leaf.
 #[test]
 fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     let (panel, foot) = (&PANELS[0], DVec3::new(0.4, 0.0, 0.0));
@@ -206,8 +205,8 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     assert!((width - 50.0).abs() < 0.2, "{width} px");
 }
 
-/// Pins that an animation moves what moves, keeps still what does not, shows the taxels only while they feel something,
-/// and is well-formed.
+/// Pins that an animation moves only the shapes that move, shows the taxels only while they report a force, and is
+/// well-formed.
 #[test]
 fn an_animation_shows_the_moments_in_turn() {
     let (mut first, layout) = moment([0.8, 0.0, 0.2], [0.7, -0.2, -0.3]);

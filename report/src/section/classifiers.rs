@@ -181,7 +181,7 @@ fn chart(
             Shape::Points(points),
         ));
     }
-    // The same at every count: all trials are judged.
+    // The baseline is the same at every count, because all trials are judged.
     if let Some(point) = first.first() {
         let majority = 100.0 * point.majority_baseline;
         description += &format!(" Majority baseline: {majority:.1}.");
@@ -230,7 +230,7 @@ fn table(classifiers: &[Compared], published: Option<f64>) -> Table {
     table
 }
 
-/// Accuracy after increasing numbers of samples, on lasting contacts and on all.
+/// Accuracy after increasing numbers of samples, on lasting contacts and on all contacts.
 fn by_samples(speeds: &[Speed], min_samples: usize) -> Table {
     let columns = [
         "contacts",

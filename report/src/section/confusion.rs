@@ -1,4 +1,4 @@
-//! Confusion of taxels by the models with most states (Figs. 6 and 7).
+//! Confusion matrices of taxel trials for the models with the most states (Figs. 6 and 7).
 
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_experiments::experiment::confusion::Outcome;

@@ -46,7 +46,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.numbers(table(outcome));
 }
 
-/// The beginning of a trial on the replay page.
+/// The address of the beginning of a trial on the replay page.
 fn address(example: &Example, place: usize) -> String {
     let time_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
     let patch = example.data.patch.as_deref();
@@ -75,7 +75,7 @@ fn typical(medians: &[Typical]) -> String {
     )
 }
 
-/// The paper's statements against the medians over all touched trials; `None` without leaves and trunks.
+/// Compares the paper's statements with the medians over all touched trials; `None` without leaves or trunks.
 pub fn against_paper(medians: &[Typical]) -> Option<String> {
     let of = |category: &str| medians.iter().find(|own| own.category == category);
     let (leaf, trunk) = (of("leaf")?, of("trunk")?);

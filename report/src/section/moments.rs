@@ -70,7 +70,7 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     report.page.link(&address(moment, place), "Replay this moment in 3-D");
 }
 
-/// Which mark stands for which verdict.
+/// Says in words which mark stands for which verdict.
 pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
     let shape = |mark: Mark| match mark {
         Mark::Circle => "circle",
@@ -105,7 +105,7 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
     names.enumerate().map(entry).collect::<Vec<_>>().join(", ")
 }
 
-/// Which colour the objects of each category in a picture have.
+/// Says in words which colour the objects of each category in a picture have.
 fn objects_in_words(snapshot: &Snapshot, looks: &CategoryLooks) -> String {
     let categories: std::collections::BTreeSet<Category> =
         snapshot.objects.iter().map(|object| object.category).collect();

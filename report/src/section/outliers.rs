@@ -152,7 +152,7 @@ fn roc(area: f64) -> String {
 /// Length of the time intervals over which the charts average, s. A choice: verdicts change from frame to frame, and a
 /// minute at 100 Hz has more frames than a chart has columns.
 const INTERVAL_S: f64 = 0.5;
-/// The blue of uncertain taxels, lighter: an area beside others that are as dark.
+/// A lighter blue for areas of uncertain taxels, because the usual blue is as dark as the areas beside them.
 const UNCERTAIN_AREA: &str = "#9cc2f0";
 
 /// Verdicts over time in one reach, with what truly touches the patch below them.
@@ -224,7 +224,8 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
     chart.svg()
 }
 
-/// How an area or a strip of a category is filled. Leaves are dotted here, as they stand beside filled outliers.
+/// How an area or a strip of a category is filled. Leaves are dotted here, because they are drawn beside filled
+/// outliers.
 fn area_style(name: &str, looks: &CategoryLooks) -> Style {
     let look = looks.look(name);
     match name {
@@ -233,8 +234,8 @@ fn area_style(name: &str, looks: &CategoryLooks) -> Style {
     }
 }
 
-/// Categories with a strip: outliers, those with a label, and all others that the patch touches, but for the foam
-/// blocks on which objects stand. Outliers come first.
+/// The categories that get a strip: outliers, categories with a label, and all others that the patch touches, except
+/// the foam blocks on which objects stand. Outliers come first.
 fn strips(reach: &Classified, labels: &[&str]) -> Vec<Category> {
     let shown = |category: &Category| {
         let touched = || reach.stream.frames.iter().any(|frame| touches(reach, frame, *category));
@@ -301,7 +302,7 @@ fn detection_table(outcome: &Outcome) -> Table {
     table
 }
 
-/// The curve of the first label against the others, and that of outliers against known categories.
+/// The curve of the first label against the others, and the curve of outliers against known categories.
 fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
     let category = thresholds.category_roc.as_ref().map(|curve| {
         let x = format!("other trials taken for {first} / %");

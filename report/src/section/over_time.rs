@@ -204,8 +204,8 @@ fn verdicts(reach: &Classified) -> Vec<String> {
     kinds.map(chart).to_vec()
 }
 
-/// Computation time frame by frame. Of all tables only this one and that of stages hold wall times, which differ from
-/// run to run.
+/// Computation time frame by frame. Only this table and the table of stages contain wall times, which differ from run
+/// to run.
 fn times_table(reach: &Classified) -> Table {
     let columns = ["time_s", "taxels_in_contact", "seconds_per_100_taxels"];
     let mut table = Table::new("figure_8_times", "Computation time", &columns);

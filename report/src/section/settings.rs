@@ -1,4 +1,4 @@
-//! Other arms and speeds: trained at one setting, tested at others.
+//! Other arms and speeds: classifiers trained at one setting and tested at others.
 
 use underbrush_experiments::experiment::settings::{Outcome, Split};
 
@@ -32,7 +32,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         report.print(&table, table.columns.len());
         report.table(table);
     }
-    // The tables above link to it.
+    // The tables above link to this table's file.
     report.tables.push(all(outcome));
 }
 
@@ -45,7 +45,7 @@ fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
     let lowest = other
         .iter()
         .min_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy))?;
-    // Compared with the classifier that was trained where this one is tested.
+    // Compared with the classifier that was trained at the setting where this one is tested.
     let covered = |split: &&&Split| {
         let native = same.iter().find(|native| native.tested == split.tested);
         native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
@@ -82,7 +82,7 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
     let caption =
         format!("{classifier}: accuracy in % with the 95 % interval by reach; after the semicolon, balanced accuracy");
     let mut table = Table::new("splits", caption, &columns);
-    // Where columns are narrow, lines break before an interval and not within it.
+    // In a narrow column, lines break before an interval and not within it.
     let text = |split: &Split| {
         let own = &split.accuracy;
         format!(
@@ -133,7 +133,7 @@ fn verdict_table(outcome: &Outcome) -> Table {
     table
 }
 
-/// All of them, one a row.
+/// All splits, one per row.
 fn all(outcome: &Outcome) -> Table {
     let mut columns = vec!["classifier", "trained", "tested", "trials"];
     columns.extend(ACCURACY_COLUMNS);

@@ -120,7 +120,7 @@ pub fn choices(report: &Report) -> Option<String> {
     ))
 }
 
-/// The majority baselines here, and in the paper, from its trial counts.
+/// The majority baselines here, and those of the paper's trial counts.
 fn baselines(report: &Report, cells: &[Cell]) -> String {
     let of = |by: TableOneUnit| {
         let cell = cells.iter().find(|cell| cell.key.by == by)?;
@@ -208,7 +208,7 @@ fn all(name: &str, cells: &[Cell]) -> Table {
     table
 }
 
-/// The cell without states and recipe.
+/// Unit and features of a cell, as an entry of a table.
 pub fn trials_and_features(key: &CellKey) -> drawing::Cell {
     format!("{}, {}", unit_name(key.by), key.features).into()
 }

@@ -45,7 +45,7 @@ fn table(rows: &[TrialsPerReach]) -> Table {
     table
 }
 
-/// Trials per reach against the published numbers.
+/// Compares the trials per reach with the published numbers.
 fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
     let part = |row: &TrialsPerReach| {
         let ratio = row.per_reach / row.paper?;

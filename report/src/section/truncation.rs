@@ -95,7 +95,7 @@ fn chart(points: &[Truncated]) -> String {
         let name = format!("{states_here} states");
         layers.push(Layer::new(name, style::paired(series), Shape::Points(marks)));
     }
-    // The same for all points: truncating changes no category.
+    // The baseline is the same for all points, because truncating changes no category.
     if let Some(point) = points.first() {
         let majority = point.accuracy.majority_baseline;
         description += &format!(" Majority baseline: {majority:.1}.");

@@ -8,7 +8,7 @@ use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
 use crate::report::Report;
 use crate::style::{FIRST, INK, OUTLIER};
 
-/// A point of a curve is drawn if it is at least so far from the one before, as a share of either axis.
+/// A point of a curve is drawn if it is at least this far from the previous one, as a share of either axis.
 const APART: f64 = 0.005;
 
 /// Adds the section.
@@ -62,7 +62,7 @@ fn accuracy(verdicts: &Verdicts) -> String {
     )
 }
 
-/// One figure in a row, with what it counts.
+/// One figure per row, with what it counts.
 fn figures(verdicts: &Verdicts) -> Table {
     let columns = ["figure", "held-out reaches", "of"];
     let mut table = Table::new("verdicts", "Verdicts on held-out reaches", &columns);
@@ -206,13 +206,13 @@ fn calibration_table(bins: &[CalibrationBin]) -> Table {
     table
 }
 
-/// The outlier's curves by name.
+/// The curves of both outliers, by name.
 fn curves(verdicts: &Verdicts) -> impl Iterator<Item = (&'static str, &RocCurve)> {
     let named = ["outlier", "second outlier"].into_iter().zip(&verdicts.curves);
     named.filter_map(|(name, curve)| Some((name, curve.as_ref()?)))
 }
 
-/// The points of a curve that are apart from each other, and its ends.
+/// The points of a curve that are at least `APART` from each other, and its ends.
 fn drawn(curve: &RocCurve) -> Vec<RocPoint> {
     let mut drawn: Vec<RocPoint> = Vec::new();
     let last = curve.points.len().saturating_sub(1);

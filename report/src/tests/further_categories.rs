@@ -1,4 +1,4 @@
-//! A category that is not the paper's, in everything that shows categories.
+//! Tests that a category that is not the paper's appears in everything that shows categories.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,8 +20,8 @@ fn looks() -> CategoryLooks {
     CategoryLooks::of(LABELS)
 }
 
-/// An outlier reach of two frames: first a trunk and a foam block press, then a reed. Both times, two taxels are called
-/// reeds.
+/// An outlier reach of two frames: first a trunk and a foam block press, then a reed. In both frames, two taxels are
+/// called reeds.
 fn reach(truths: Vec<Category>) -> Classified {
     let verdicts = ["leaf", "reed", "trunk", "uncertain", "outlier"]
         .map(str::to_owned)
@@ -67,14 +67,15 @@ fn has(svg: &str, colour: &str) -> bool {
 }
 
 /// Pins that the chart of an outlier reach has a strip for a further category that presses, in its own colour, and one
-/// for each label and for outliers, but none for foam blocks; and that without it the strips are those of the paper.
+/// for each label and for outliers, but none for foam blocks; and that without the further category the strips are the
+/// paper's.
 #[test]
 fn the_outlier_chart_has_a_strip_for_it() {
     let strips = |truths, labels: &[&str]| -> Vec<String> {
         let svg = outliers::reach_chart(&reach(truths), labels, &looks());
         let known = ["outlier", "reed", "trunk", "leaf", "block"];
         let texts = texts(&svg).into_iter().filter(|text| known.contains(&text.as_str()));
-        // Strips follow the legend.
+        // In the document, the strips come after the legend.
         texts
             .skip(labels.len() + usize::from(!labels.contains(&"reed")) + 1)
             .collect()
@@ -90,8 +91,8 @@ fn the_outlier_chart_has_a_strip_for_it() {
     assert!(has(&svg, looks().look("reed").colour), "{svg}");
 }
 
-/// Pins that the frames of outlier reaches have a column for a further category, also where only a later reach has it,
-/// and that a verdict on it stands in its own column.
+/// Pins that the table of frames has a column for touches of a further category, even if only a later reach has it, and
+/// a column of its own for verdicts on it.
 #[test]
 fn the_table_of_frames_has_a_column_for_it() {
     let online = Online {
@@ -117,8 +118,8 @@ fn the_table_of_frames_has_a_column_for_it() {
     assert_eq!(column("trunk"), ["0"; 4]);
 }
 
-/// Pins that the skin map marks a further category in its own colour and names it in the legend, which takes more rows
-/// where one is too short.
+/// Pins that the skin map marks a further category in its own colour and names it in the legend, and that the legend
+/// takes more rows if one is too short.
 #[test]
 fn the_skin_map_names_it() {
     let grid = |columns| Grid {

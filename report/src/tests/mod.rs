@@ -1,4 +1,4 @@
-//! A whole report from a handful of small reaches.
+//! Tests of a whole report on small reaches.
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use std::collections::BTreeSet;
@@ -21,7 +21,7 @@ mod sentences;
 mod unrolled_skin;
 
 /// A small experiment with every kind of section. Eight reaches of a scene are enough for two contacts of each
-/// category, whatever the physics makes of a single reach.
+/// category, whatever happens in a single reach.
 const EXPERIMENT: &str = r#"title = "A small experiment"
 states = [5]
 recipes = ["authors", "modern"]
@@ -84,7 +84,7 @@ fn experiment(folder: &Path) -> Experiment {
 
 /// Runs the experiment and writes its report into the folder.
 fn report(experiment: &Experiment, folder: &Path) -> Results {
-    // With this seed, most of the draws for the online tests do at once what they should.
+    // With this seed, most draws for the online tests meet their requirement at once.
     let session = Session::new(experiment, (3, false, 2), folder, &Silent);
     let results = Results::of(&session).unwrap();
     std::fs::create_dir(folder.join("csv")).unwrap();

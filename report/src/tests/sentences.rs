@@ -30,7 +30,7 @@ fn compared(key: &CellKey, accuracy: f64, published: Option<f64>) -> Compared<'_
 }
 
 /// Pins the agreement with published cells against differences worked out by hand, and that cells below the majority
-/// baseline are named with it.
+/// baseline are named with their baseline.
 #[test]
 fn the_page_says_how_cells_agree() {
     let keys = [key(5), key(10), key(20)];
@@ -58,7 +58,7 @@ fn the_page_says_how_cells_agree() {
     let expected = "1 of the 3 cells are below the majority baseline, so always naming the most frequent category would do \
                     better: taxel, force, 5 states, 60.2 % (majority 64.2 %, balanced accuracy 55.2 %).";
     assert!(below.ends_with(expected), "{below}");
-    // Nothing published, nothing compared.
+    // Without a published figure nothing is compared.
     let without = text(&cells[2..]);
     assert_eq!(without, "All 1 cells are at or above the majority baseline.");
 }
@@ -113,7 +113,7 @@ fn the_page_says_where_typical_trials_contradict_the_paper() {
     assert_eq!(example_trials::against_paper(&[trunk()]), None);
 }
 
-/// Pins that the counts of untouched trials are named, and that none are divided by zero.
+/// Pins that the counts of untouched trials are named, and that a category without trials is left out.
 #[test]
 fn the_page_counts_trials_that_nothing_touched() {
     let row = |category: &str, trials, untouched| TrialsPerReach {
@@ -129,8 +129,8 @@ fn the_page_counts_trials_that_nothing_touched() {
     assert!(text.contains(expected) && !text.contains("NaN"), "{text}");
 }
 
-/// Pins that classifiers with the same features are compared with each other, and the same method with and without a
-/// feature.
+/// Pins that classifiers with the same features are compared with each other, and that a method is compared with and
+/// without a feature.
 #[test]
 fn classifiers_are_compared_like_with_like() {
     let experiment = underbrush_experiments::definition::Experiment::paper().unwrap();

@@ -26,7 +26,7 @@ fn drawn(name: &str, grid: Grid, verdicts: &BTreeMap<usize, Verdict>, pressed: &
     skin_map::svg(name, ("forearm", grid), labels, verdicts, pressed)
 }
 
-/// Height of the text that is exactly `label`, px down, and of the marks in a cell, in document order.
+/// The y coordinate, px downwards, of the text that is exactly `label`, and those of all marks in document order.
 fn heights(svg: &str, label: &str) -> (f64, Vec<f64>) {
     let elements = elements(svg);
     let attribute = |own: &super::Element, name: &str| {
@@ -47,8 +47,8 @@ fn heights(svg: &str, label: &str) -> (f64, Vec<f64>) {
     (y.parse().unwrap(), marks.collect())
 }
 
-/// Pins that the taxels nearest to the hand are drawn nearest to the word "hand": on Cody's forearm the row farthest
-/// along the arm, by the positions in the skin file and not by row numbers.
+/// Pins that the taxels nearest to the hand are drawn nearest to the word "hand": on Cody's forearm this is the row
+/// farthest along the arm, by the positions in the skin file and not by row numbers.
 #[test]
 fn the_hand_is_where_the_picture_says() {
     let scene = Scene::parse("any.toml", super::scenes::LEAVES_AT_FOREARM.into()).unwrap();
@@ -73,7 +73,7 @@ fn the_hand_is_where_the_picture_says() {
     assert!(hand > elbow, "{hand} {elbow}");
 }
 
-/// Pins that a taxel that nothing presses on is drawn grey and counted in the description, and that a name with
+/// Pins that a taxel that nothing presses on is drawn grey and counted in the description, and that a name with special
 /// characters of XML gives a document that can be read.
 #[test]
 fn spurious_readings_are_marked() {
@@ -84,7 +84,7 @@ fn spurious_readings_are_marked() {
         let own = marks.filter(|own| own.1.iter().any(|(name, value)| name == "fill" && value == colour));
         own.count()
     };
-    // One each beside that of the legend.
+    // One mark of each colour on the skin, and one in the legend.
     assert_eq!((fills(LEAF), fills(UNTOUCHED)), (2, 2));
     let description = elements.iter().find(|own| own.0 == "desc").unwrap();
     assert!(

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 /// Bins of the histogram in each doubling of time: quantiles are accurate to within 9 %.
 const STEPS_PER_DOUBLING: f64 = 8.0;
-/// Doublings from one microsecond on: 2^40 µs are two weeks.
+/// Number of doublings, beginning at one microsecond: 2^40 µs are two weeks.
 const DOUBLINGS: usize = 40;
 
 /// Times from receiving a frame (a line, or a frame of a file) until its answer is written.

@@ -53,7 +53,7 @@ struct TaxelLine<'a> {
     /// Number of the region's contact.
     contact: u64,
     verdict: &'a str,
-    /// The probability of nothing and those of the categories sum to 1.
+    /// Probability that nothing touches the taxel. It and the probabilities of the categories sum to 1.
     nothing: f64,
     probabilities: BTreeMap<&'a str, f64>,
 }
@@ -63,10 +63,10 @@ struct RegionLine<'a> {
     contact: u64,
     samples: usize,
     taxels: usize,
-    /// Those that are not called nothing.
+    /// Number of taxels that are not called nothing.
     touched_taxels: usize,
     verdict: &'a str,
-    /// If something of a known category touches it; they sum to 1.
+    /// Probability of each category if something of a known category touches the region; they sum to 1.
     probabilities: BTreeMap<&'a str, f64>,
     share_beyond: f64,
 }

@@ -94,7 +94,7 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
     }
 }
 
-/// What stays the same from reach to reach.
+/// What is kept from reach to reach.
 struct Online<'a> {
     classifier: &'a dyn Answers,
     latency: Latency,

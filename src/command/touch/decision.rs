@@ -5,7 +5,7 @@ use underbrush_classifier::touch::{RiskLimits, TouchDecision};
 
 use crate::failure::Failure;
 
-/// How probabilities become verdicts. What is not given stays as in the model.
+/// How probabilities become verdicts. Options that are not given stay as in the model.
 #[derive(Args, Clone, Debug, Default)]
 pub struct TouchDecisionArguments {
     /// Call a reading nothing if the probability that nothing presses on the taxel is above this [default: as chosen in
@@ -50,7 +50,7 @@ impl TouchDecisionArguments {
         }
     }
 
-    /// Refuses options that say otherwise what limits of risk are to choose.
+    /// Refuses options that set a value which a limit of risk is to choose.
     pub fn refuse_beside(&self, limits: &RiskLimits) -> Result<(), Failure> {
         let pairs = [
             (

@@ -19,7 +19,7 @@ pub enum Judge<'a> {
     Model(Box<TouchModel>),
     /// A model fitted to the reaches of these data sets and recordings.
     FittedTo(&'a [PathBuf], TouchOptions),
-    /// For each of so many parts of the reaches, a model fitted to the others.
+    /// The reaches are divided into this many parts, and each part is judged by a model fitted to the others.
     Folds(usize, TouchOptions),
 }
 
@@ -29,7 +29,7 @@ pub struct Evaluation<'a> {
     pub paths: &'a [PathBuf],
     /// What judges them.
     pub judge: Judge<'a>,
-    /// Bad verdicts that a fitted model may give.
+    /// Limits on the bad verdicts of fitted models.
     pub limits: RiskLimits,
     /// How verdicts are decided.
     pub decision: &'a TouchDecisionArguments,
@@ -68,7 +68,7 @@ impl Evaluation<'_> {
             TouchFoldsError::Folds(_) => error.into(),
             error => about(error.into()),
         };
-        // Before the reaches are read.
+        // This is checked before the reaches are read.
         check_folds(count, reaches.count()).map_err(refused)?;
         let examples = fit::examples(reaches, options)?;
         let fit =

@@ -8,14 +8,14 @@ use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchO
 use crate::failure::Failure;
 use crate::reaches::Reaches;
 
-/// The rows of all reaches.
+/// The training rows of all reaches.
 pub(super) fn examples(reaches: &Reaches, options: &TouchOptions) -> Result<TouchExamples, Failure> {
     let mut examples = TouchExamples::new(options.clone());
     reaches.read_all(|recording| Ok(examples.add(recording)?))?;
     Ok(examples)
 }
 
-/// A model of these rows.
+/// A model fitted to these rows.
 pub(super) fn fit(
     examples: &TouchExamples,
     options: &TouchOptions,
@@ -43,7 +43,7 @@ pub(super) fn fit(
     })
 }
 
-/// The failure with the input, if there is only one.
+/// Adds the path of the input to a failure, if there is only one input.
 pub(super) fn about(failure: Failure, paths: &[PathBuf]) -> Failure {
     match paths {
         [path] => failure.about(path),

@@ -5,7 +5,7 @@ use underbrush_classifier::touch::RiskLimits;
 
 use crate::failure::Failure;
 
-/// Bad verdicts that new reaches may have. What is not given stays at its default.
+/// Limits on the bad verdicts in new reaches. Options that are not given stay at their defaults.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct RiskArguments {
     /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called

@@ -76,7 +76,7 @@ fn reach() -> Recording {
 }
 
 /// Verdicts on that reach: of 10 taxel frames on the leaf 6 are right, 1 is called nothing, 1 an outlier, and 2 are
-/// uncertain. Nothing presses in 4 more, of which 1 is called so.
+/// uncertain. Nothing presses in 4 more, of which 1 is called nothing.
 fn stream() -> Stream {
     let contact = |truth, first_right| StreamContact {
         truth,
@@ -120,7 +120,7 @@ fn metrics_are_what_they_say() {
         stream: Some(&stream),
     };
     let expected = [
-        // The contact residual is half of its bound of 1e-5, the energy residual a quarter of its own of 0.02.
+        // The contact residual is half of its bound of 1e-5, and the energy residual is a quarter of its bound of 0.02.
         ("audit", Some(0.5), Some(0.5)),
         // One of four goals: the last two were not tried.
         ("goals_reached", Some(0.25), Some(0.25)),

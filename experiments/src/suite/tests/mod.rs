@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::result::{BoundVerdict, ReachValue, SceneResult, SuiteResult};
 use super::*;
 
-/// A suite with comments, bounds in several forms, and one that is not known yet.
+/// A suite with comments, bounds in several forms, and one bound without numbers.
 const SUITE: &str = r#"# What we keep an eye on.
 summary = "Leaves and a trunk"
 seed = 7
@@ -122,7 +122,7 @@ fn values_are_held_against_bounds() {
 }
 
 /// Pins that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the
-/// default sides to one without any, and writes bounds that hold, with the margin that the file asks for.
+/// default sides to a bound without any, and writes bounds that hold, with the margin that the file asks for.
 #[test]
 fn blessing_changes_the_bounds_alone() {
     let (_folder, file) = written(SUITE);
@@ -136,7 +136,7 @@ fn blessing_changes_the_bounds_alone() {
     ];
     let found = result(&suite, &values);
     let text = bless::text(&suite, &found).unwrap();
-    // Five sides of means and shares; 0.04 / 6, as the new bound on the trunk's peak force has two.
+    // Means and shares have six sides, of which the new bound on the trunk's peak force has two.
     let margin = statistics::margin(values[3], 0.04 / 6.0).unwrap();
     let before: Vec<&str> = SUITE.lines().collect();
     let after: Vec<&str> = text.lines().collect();
@@ -168,7 +168,8 @@ fn blessing_changes_the_bounds_alone() {
     assert_eq!(bless::text(&blessed, &again).unwrap(), text);
 }
 
-/// Pins that a bound from values that differ too much is known to allow everything, and that others are not.
+/// Pins that a bound from values that differ too much is recognized as allowing everything, and that other bounds are
+/// not.
 #[test]
 fn bounds_that_allow_everything_are_noticed() {
     let (_folder, file) = written(SUITE);
@@ -190,11 +191,11 @@ fn bounds_that_allow_everything_are_noticed() {
         .filter(|bound| bound.allows_everything())
         .map(|bound| bound.name.as_str())
         .collect();
-    // The trunk's peak force is at least 0 and the goals are, too; only the first has an upper bound.
+    // The lower bounds on the trunk's peak force and on the goals are both 0, but only the force has an upper bound.
     assert_eq!(everything, ["goals_reached"]);
 }
 
-/// Pins that a metric that was measured in one reach, or none, is not blessed.
+/// Pins that a metric that was measured in only one reach is not blessed.
 #[test]
 fn one_value_is_not_blessed() {
     let (_folder, file) = written(SUITE);
