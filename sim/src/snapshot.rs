@@ -22,7 +22,7 @@ pub struct Snapshot {
 pub struct ObjectShapes {
     /// Its category.
     pub category: Category,
-    /// Its shapes, but for those of the blade.
+    /// Its shapes, except those of the blade.
     pub capsules: Vec<Capsule>,
     /// The blade of a leaf.
     pub blade: Option<Blade>,

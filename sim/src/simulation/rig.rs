@@ -101,14 +101,14 @@ impl Rig {
     pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
         let shape = collider(&free.part)?;
         let engine = &mut self.engine;
-        // Contacts act on articulated bodies only: the body hangs on a joint whose axes are free.
+        // Contacts act only on articulated bodies, so the body hangs on a joint whose axes are free.
         let origin = engine.bodies.insert(RigidBodyBuilder::fixed());
         let body = RigidBodyBuilder::dynamic()
             .pose(parry_pose(&free.pose_world))
             .can_sleep(false);
         let body = engine.bodies.insert(body);
         engine.insert_collider(shape.mass(free.mass_kg), free.surface, body);
-        // The engine would sum up the masses in its first step only.
+        // Otherwise the engine would not sum up the masses until its first step.
         engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
         let mut locked = JointAxesMask::empty();
         for (axis, free) in JointAxesMask::ANG_AXES.iter().zip(free.may_rotate) {
