@@ -122,7 +122,7 @@ impl Law {
     }
 
     /// Centre of pressure in the tangent plane, m, and the mean distance r of the pressure from it, m, at the parting
-    /// speeds `speeds`. If nothing presses at these speeds, they are those of the columns' areas.
+    /// speeds `speeds`. If nothing presses at these speeds, the columns' areas count instead of the pressures.
     pub fn center_and_radius(&self, nodes: &[Node], speeds: &NormalSpeeds) -> (DVec2, f64) {
         let rate = self.step_s + self.interface.loss_time_s;
         let force = |node: &Node| {

@@ -39,7 +39,7 @@ impl World {
                 }
             }
         }
-        // They are put in in the order of the clutter, whatever the order of the tree.
+        // Objects are inserted in the order of the clutter, whatever the order of the tree.
         near.sort_unstable();
         for index in near.iter() {
             self.insert(model, *index);

@@ -179,7 +179,7 @@ fn without_constraints_it_is_the_newton_step() {
 
 #[test]
 fn empty_boxes_are_infeasible() {
-    // Pins that x ≥ 1 with x ≤ 0 is detected, a contradiction hidden among other constraints, and 0 ≥ 1.
+    // Pins that contradictions are detected: x ≥ 1 with x ≤ 0, one hidden among other constraints, and 0 ≥ 1.
     let identity = DMatrix::identity(2, 2);
     let empty: [(&[&[f64]], &[f64]); 3] = [
         (&[&[1.0, 0.0], &[-1.0, 0.0]], &[1.0, 0.0]),

@@ -102,8 +102,8 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     tip.truncate().length()
 }
 
-/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than needed comes back from a
-/// push, and one 10 % softer does not.
+/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than the critical one comes
+/// back from a push, and one 10 % softer does not.
 #[test]
 fn a_roll_topples_at_the_load_that_is_derived() {
     // The first term of the load share is proportional to 1 / E. The second, proportional to 1 / E², is a
