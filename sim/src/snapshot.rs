@@ -28,7 +28,7 @@ pub struct ObjectShapes {
     pub blade: Option<Blade>,
 }
 
-/// A thin blade that bends at hinges: rigid pieces, each of which begins where the one before it ends.
+/// A thin blade that bends at hinges: rigid pieces, each of which begins at the end of the one before it.
 #[derive(Clone, Debug)]
 pub struct Blade {
     /// Width, m.

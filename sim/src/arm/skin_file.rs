@@ -24,7 +24,7 @@ pub(super) struct SkinFile {
     #[serde(default = "default_loss_time_s")]
     #[schemars(transform = Within(limits::LOSS_TIME_S))]
     loss_time_s: f64,
-    /// The patches. The first one is what the command line uses where no other is named.
+    /// The patches. The command line uses the first one if no other is named.
     #[serde(default)]
     #[schemars(with = "Vec<PatchTable>")]
     patch: Vec<Spanned<PatchTable>>,

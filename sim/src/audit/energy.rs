@@ -105,7 +105,7 @@ pub struct EnergySums {
     pub stored_j: f64,
     /// Taken by the joints' dampers.
     pub dampers_j: f64,
-    /// Passed to what the arm touches: friction, contact damping, objects.
+    /// Work done on the contacts: friction, contact damping, objects.
     pub contacts_j: f64,
     /// Dissipated by the integrator itself, an estimate.
     pub integrator_j: f64,

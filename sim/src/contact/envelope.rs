@@ -50,8 +50,9 @@ impl Envelope {
         [&mut self.lower[range.clone()], &mut self.upper[range]]
     }
 
-    /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's diagonal on
-    /// the diagonal. Returns whether all of U's diagonal is positive, as that of a positive definite matrix is.
+    /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's
+    /// diagonal on the diagonal. Returns whether all of U's diagonal is positive, as it is for a positive definite
+    /// matrix.
     pub fn factorize(&mut self) -> bool {
         for row in 0..self.first.len() {
             let first = self.first[row];

@@ -53,7 +53,7 @@ const ALONG_STRIP: [(f64, f64); 3] = [
 /// the strip before it; `true` marks the one that starts from the middle again.
 const OUTWARDS: [(usize, bool); 5] = [(2, false), (1, false), (0, false), (3, true), (4, false)];
 
-/// Half an extent is first guessed as this, m; about that of a trunk under a few newtons.
+/// First guess of half an extent, m: about that of a trunk under a few newtons.
 const FIRST_EXTENT_M: f64 = 0.004;
 /// No patch is larger than this, m.
 const MAX_EXTENT_M: f64 = 1.0;

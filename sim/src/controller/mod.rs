@@ -15,7 +15,7 @@ pub use kind::{ControllerKind, UnknownController};
 pub use model_predictive::ModelPredictive;
 pub use preset::Preset;
 
-/// What a controller knows at one instant. There are n joints; Jacobians are 3 × n in the world frame.
+/// The input of a controller at one instant. There are n joints; Jacobians are 3 × n in the world frame.
 #[derive(Clone, Debug)]
 pub struct ControllerInput<'a> {
     /// Joint angles q, rad, n.

@@ -145,9 +145,9 @@ fn a_force_over_the_stop_force_ends_the_reach() {
 #[test]
 fn a_stuck_arm_backs_off_and_tries_again() {
     // Pins what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the end
-    // effector is drawn back, against the way to the goal, and the goal is tried again. A trunk may hold the arm before
-    // it has gone the 5 cm, so in each reach the end effector must go back a centimetre, ten times what counts as
-    // stuck, and in one the whole way.
+    // effector is drawn back, away from the goal, and the goal is tried again. A trunk may hold the arm before it has
+    // gone the 5 cm, so in each reach the end effector must go back a centimetre, ten times what counts as stuck, and
+    // in one the whole way.
     let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
     let (mut retried, mut farthest) = (0, 0.0_f64);
     for reach_index in 0..4 {

@@ -83,7 +83,7 @@ impl Engine {
             contact_clustering: false,
             num_internal_stabilization_iterations: 0,
             // The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the fastest preset. A larger distance
-            // would create contacts between mere neighbours.
+            // would create contacts between shapes that are only near each other.
             normalized_prediction_distance: 0.005,
             // Nothing here moves far enough in a step to tunnel.
             max_ccd_substeps: 0,

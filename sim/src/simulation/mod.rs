@@ -91,7 +91,7 @@ impl Simulation {
     /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_angle_rad`, one for each joint.
     ///
     /// # Panics
-    /// If the number of angles is not that of the joints.
+    /// If there is not exactly one angle for each joint.
     pub fn step(&mut self, equilibrium_angle_rad: &[f64]) -> &FrameReport {
         self.advance(equilibrium_angle_rad, None)
     }
@@ -99,7 +99,7 @@ impl Simulation {
     /// As [`Simulation::step`], but calls `observer` after each engine step of the frame.
     ///
     /// # Panics
-    /// If the number of angles is not that of the joints.
+    /// If there is not exactly one angle for each joint.
     pub fn step_observed(&mut self, equilibrium_angle_rad: &[f64], observer: &mut StepObserver) -> &FrameReport {
         self.advance(equilibrium_angle_rad, Some(observer))
     }
@@ -198,7 +198,7 @@ impl Simulation {
     /// Sets the joint velocities q̇, rad/s, one for each joint.
     ///
     /// # Panics
-    /// If the number of velocities is not that of the joints.
+    /// If there is not exactly one velocity for each joint.
     pub fn set_joint_velocity(&mut self, velocity_rad_per_s: &[f64]) {
         assert_eq!(
             velocity_rad_per_s.len(),
