@@ -1,6 +1,7 @@
-"""Time from an open data set to an array [frames, taxels] of float32, beside Polars.
+"""Time from an open data set to an array [frames, taxels] of float32, compared with Polars.
 
-Both run alternately on the same set, whose files the operating system has in memory. The best of several runs counts.
+Both run alternately on the same set, whose files are in the operating system's cache. The fastest of several runs
+counts.
 
     python benches/column.py SET [--runs N] [--column NAME]
 """

@@ -4,12 +4,12 @@
 //!     cargo run --release --example contacts -- 20 scenes/leaf.toml scenes/trunk.toml
 //!
 //! Prints one row for each scene over that many reaches of seed 0. Columns: angle between friction and −slip where a
-//! patch slides, median and 90 %; work of friction over μ N times the way; time until a link's force on a trunk is 63 %
-//! of the level it has 0.15 to 0.3 s after the touch, and the largest force of the first 150 ms over that level,
-//! medians; largest change of a link's force from one frame to the next, with and without an impact or a back-off in
-//! the last 0.15 s; largest overlap with each category, and with patches that reach farther than 5 mm. Below the table
-//! stands a row for each jump of more than 5 N without an impact or back-off: reach, frame, link and object, and what
-//! changed.
+//! patch slides, median and 90 %; work of friction divided by μ N times the sliding distance; time until a link's force
+//! on a trunk is 63 % of the level it has 0.15 to 0.3 s after the touch, and the largest force of the first 150 ms
+//! divided by that level, medians; largest change of a link's force from one frame to the next, with and without an
+//! impact or a back-off in the last 0.15 s; largest overlap with each category, and with patches that reach farther
+//! than 5 mm. Below the table there is a row for each jump of more than 5 N without an impact or back-off: reach,
+//! frame, link and object, and what changed.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -22,20 +22,21 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 use underbrush_sim::simulation::{FrameReport, Simulation};
 
-/// Slower patches may stick, m/s.
+/// A patch that slips more slowly than this may stick, m/s.
 const SLIDING_M_PER_S: f64 = 5e-3;
-/// A link and an object that did not touch in so many frames meet with an impact. The whole arm feels it for as many.
+/// A link and an object that have not touched for this many frames meet with an impact. The whole arm feels the impact
+/// for the same number of frames.
 const IMPACT_FRAMES: usize = 15;
 /// The controller backs off by changing an equilibrium angle by more than this from one frame to the next, rad. That
 /// counts as an impact.
 const COMMANDED_RAD: f64 = 0.02;
-/// Frames of the level that an onset leads to.
+/// Frames after the touch over which the level of an onset is averaged.
 const LEVEL: std::ops::Range<usize> = 15..30;
-/// An onset that leads to this force or more is no graze, N: the allowed force of the published controller.
+/// An onset that leads to at least this force is not a graze, N. It is the allowed force of the published controller.
 const PRESSED_N: f64 = 3.0;
 /// Larger changes of force from one frame to the next are listed, N.
 const LARGE_JUMP_N: f64 = 5.0;
-/// A patch that reaches farther from its centre is no edge, m.
+/// A patch that reaches farther than this from its centre is not an edge, m.
 const BROAD_M: f64 = 5e-3;
 
 /// How a force on a trunk rises.
@@ -43,7 +44,7 @@ const BROAD_M: f64 = 5e-3;
 struct Onset {
     /// Time until 63 % of the level, s.
     time_s: f64,
-    /// Peak over the level.
+    /// Peak divided by the level.
     overshoot: f64,
     /// The force that it leads to, N.
     level_n: f64,
@@ -55,9 +56,9 @@ struct Survey {
     work_j: f64,
     coulomb_j: f64,
     onsets: Vec<Onset>,
-    /// With an impact, and without.
+    /// Largest change of force from one frame to the next, with and without an impact, N.
     jump_n: [f64; 2],
-    /// Large ones without an impact.
+    /// Large jumps without an impact.
     jumps: Vec<LargeJump>,
     deepest_m: BTreeMap<String, f64>,
     deepest_broad_m: f64,
@@ -103,8 +104,8 @@ impl Survey {
         }
     }
 
-    /// Jumps of the force on each link, and onsets on trunks. `steps_rad`: the largest change of an equilibrium angle
-    /// into each frame.
+    /// Records the jumps of the force on each link, and the onsets on trunks. `steps_rad` is the largest change of an
+    /// equilibrium angle from the frame before to each frame.
     fn observe_course(&mut self, trace: &[Forces], steps_rad: &[f64], is_trunk: impl Fn(usize) -> bool) {
         let mut touched: BTreeMap<(usize, usize), usize> = BTreeMap::new();
         let mut met = None;
@@ -139,8 +140,8 @@ impl Survey {
         }
     }
 
-    /// The onset of a link on a trunk that begins at `start`, if both stay in contact and the link touches nothing
-    /// else.
+    /// Records the onset of a contact between a link and a trunk that begins in frame `start`, if both stay in contact
+    /// and the link touches nothing else.
     fn observe_onset(&mut self, trace: &[Forces], start: usize, pair: (usize, usize)) {
         let Some(course) = trace.get(start..start + LEVEL.end) else {
             return;
@@ -162,18 +163,18 @@ impl Survey {
     }
 }
 
-/// What a link and an object do to each other in a frame.
+/// The contact between a link and an object in one frame.
 #[derive(Clone, Copy, Default)]
 struct Touch {
-    /// On the link, N, world frame.
+    /// Force on the link, N, world frame.
     force: DVec3,
-    /// Along and across the contacts' normals, N.
+    /// Force along the contacts' normals, N; `rubbing` is the force across them, N, world frame.
     normal_n: f64,
     rubbing: DVec3,
     depth_m: f64,
 }
 
-/// One frame by link and object.
+/// The contacts of one frame, by link and object.
 type Forces = BTreeMap<(usize, usize), Touch>;
 
 fn forces(report: &FrameReport) -> Forces {
@@ -218,8 +219,8 @@ impl LargeJump {
         }
     }
 
-    /// The contact began or ended; the friction turned, by more than the normal force changed; or the skin was pressed
-    /// deeper or less deep.
+    /// The cause: the contact began or ended, the friction changed by more than the normal force did, or the contact
+    /// became deeper or less deep.
     fn cause(&self) -> &'static str {
         if self.now.normal_n == 0.0 {
             "the contact ended"
@@ -284,7 +285,7 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-/// The median of a number of each onset.
+/// The median over the onsets of a number computed from each.
 fn median(onsets: &[Onset], number: impl Fn(&Onset) -> f64) -> f64 {
     quantile(&mut onsets.iter().map(number).collect::<Vec<_>>(), 0.5)
 }

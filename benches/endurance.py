@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Many reaches over all scenes and several seeds: no panic, no number that is not finite, no force over 1 kN, flat memory.
+"""Runs many reaches of all scenes and looks for panics, non-finite numbers, forces over 1 kN and growing memory.
 
     python3 benches/endurance.py --reaches 2000 [--underbrush target/release/underbrush] [--folder DIR] [--seed N]
 
-The reaches are divided among the scenes in scenes/ and suites/scenes/, and each scene has a process and a seed of its own.
-A number that is not finite cannot be written, so `generate` would fail; so would a panic inside the engine. `inspect` reads
-every file again and prints the largest contact force. Memory counts as flat if the largest resident memory in the second
-half of the time in which reaches are simulated is at most a tenth above that of the first half, or 30 MB. Assembling the set at
-the end has a column of its own, because it needs more than simulating does (benches/growth.py measures how that grows).
-Prints one row for each scene, and exits with status 1 if anything was found. Needs Linux and no packages.
+The reaches are divided among the scenes in scenes/ and suites/scenes/, and each scene has a process and a seed of its
+own. A number that is not finite cannot be written, so `generate` would fail; so would a panic inside the engine.
+`inspect` reads every file again and prints the largest contact force. Memory counts as growing if the largest resident
+memory in the second half of the simulating time is more than a tenth, and more than 30 MB, above that of the first
+half. Assembling the set at the end has a column of its own, because it needs more memory than simulating does
+(benches/growth.py measures how that grows). Prints one row for each scene, and exits with status 1 if anything was
+found. Needs Linux and no packages.
 """
 
 import argparse
@@ -21,7 +22,7 @@ import tempfile
 import time
 
 LARGEST_FORCE_N = 1000
-# What memory may grow by from the first half to the second: a part of it, or megabytes.
+# The most that memory may grow from the first half to the second: as a share of the first, or in megabytes.
 MOST_GROWTH = 0.1
 MOST_GROWTH_MB = 30
 SECONDS_BETWEEN_SAMPLES = 0.2
@@ -43,7 +44,8 @@ def generate(command, out, log):
     simulating, assembling = [], []
     with open(log, "wb") as errors, subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors) as process:
         while process.poll() is None:
-            # The tables are begun when all reaches are staged. Looked up before the sample, which is then not too late.
+            # The tables are begun when all reaches are staged. This is checked before the sample is taken, so every
+            # sample that counts for assembling was taken after it began.
             samples = assembling if os.path.exists(os.path.join(out, "meta")) else simulating
             sample = resident_mb(process.pid)
             if sample is not None:

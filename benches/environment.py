@@ -1,7 +1,7 @@
-"""Steps a second of the Gymnasium environments, beside the same loop in Rust.
+"""Steps per second of the Gymnasium environments, compared with the same loop in Rust.
 
-Both take the same actions through the same clutter. They run alternately, and the best of several runs counts, as other work on
-the machine only ever slows a run down.
+Both take the same actions through the same clutter. They run alternately, and the best of several runs counts, because
+other work on the machine can only slow a run down.
 
     python benches/environment.py [--runs N] [--steps N]
 """
@@ -21,7 +21,7 @@ SCENE = "mixed"
 
 
 def single(actions: NDArray[np.float32]) -> tuple[float, float]:
-    """Seconds of stepping one environment, and processor time with making and resetting it."""
+    """Wall time for stepping one environment, s, and processor time including making and resetting it, s."""
     used = time.process_time()
     env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, disable_env_checker=True).unwrapped
     env.reset(seed=0)
@@ -34,7 +34,7 @@ def single(actions: NDArray[np.float32]) -> tuple[float, float]:
 
 
 def vector(actions: NDArray[np.float32]) -> tuple[float, float]:
-    """The same of a vector environment."""
+    """As `single`, but for a vector environment."""
     used = time.process_time()
     env = gymnasium.make_vec("underbrush/Reach-v0", num_envs=actions.shape[1], scene=SCENE)
     env.reset(seed=0)
@@ -45,7 +45,7 @@ def vector(actions: NDArray[np.float32]) -> tuple[float, float]:
 
 
 def rust(actions: NDArray[np.float32]) -> tuple[float, float]:
-    """The same of the loop in Rust."""
+    """As `vector`, but for the loop in Rust."""
     used = time.process_time()
     return _core.seconds_without_python(SCENE, actions, 0), time.process_time() - used
 

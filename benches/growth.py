@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""How time and memory of merging, inspecting and opening a data set grow with the number of its reaches.
+"""How the time and memory for merging, inspecting and opening a data set grow with its number of reaches.
 
     python3 benches/growth.py [--underbrush target/release/underbrush] [--folder DIR] 10 100 1000
 
-Makes sets of so many short reaches in four parts, merges them, and prints one row for each set: wall time in seconds and
-largest resident memory in MB of each command. `generate` is the sum of all parts, and `open` is `merge --resume` on the
-finished set, which opens all parts and the set and does nothing else. Exits with status 1 if time per reach grows from one set to the next, or memory
-by more than a little for each reach. Needs Linux and no packages.
+For each of the numbers, makes that many short reaches in four parts, merges the parts to a set, and prints one row:
+wall time in seconds and largest resident memory in MB of each command. `generate` is the sum of all parts, and `open`
+is `merge --resume` on the finished set, which opens all parts and the set and does nothing else. Exits with status 1 if
+time per reach or memory grows by more than is allowed from one set to the next. Needs Linux and no packages.
 """
 
 import argparse
@@ -30,15 +30,15 @@ count = 1
 place = { x_m = { uniform = [0.45, 0.60] }, y_m = { uniform = [-0.40, -0.20] } }
 """
 PARTS = 4
-# Time per reach may be this much larger in the larger set, and memory beyond that for a bounded part. Choice: a quadratic
-# algorithm would be ten times slower per reach from one size to the next.
+# Time per reach and memory may be larger by this factor in the larger set, and memory by `MEMORY_KB_PER_REACH` more.
+# Choice: a quadratic algorithm would be ten times slower per reach from one size to the next.
 MOST_TIME = 1.5
 # Memory that each reach of a set may need: its row in the table of episodes and its entry in the plan, kB.
 MEMORY_KB_PER_REACH = 12
 
 
 def measured(command):
-    """Runs a command; returns seconds and megabytes of its largest resident memory."""
+    """Runs a command; returns its wall time in seconds and its largest resident memory in megabytes."""
     start = time.monotonic()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
@@ -92,7 +92,7 @@ def main():
         for name in commands if before else []:
             seconds, memory = figures[name]
             seconds_before, memory_before = before[1][name]
-            # Starting a process takes some hundredths of a second, which small sets would hide in.
+            # Starting a process takes a few hundredths of a second, which would dominate the time of small sets.
             if seconds > 0.5 and seconds / reaches > MOST_TIME * max(seconds_before, 0.05) / before[0]:
                 complaints.append(f"{name} of {reaches} reaches: {seconds:.2f} s, after {seconds_before:.2f} s")
             allowed = MOST_TIME * memory_before + MEMORY_KB_PER_REACH * reaches / 1024

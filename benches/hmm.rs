@@ -53,7 +53,7 @@ fn trials() -> Vec<Trial> {
         .collect()
 }
 
-/// The authors' models of so many states, trained on the presses.
+/// Models with this number of states, trained on the presses by the authors' recipe.
 fn models(states: usize) -> HmmClassifier {
     let recipe = Recipe {
         states,

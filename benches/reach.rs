@@ -68,7 +68,7 @@ fn reach(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Reaches of a campaign, half of them among leaves: enough to keep a few cores busy to near the end.
+/// Reaches of a campaign, half of them among leaves: enough to keep a few cores busy until near the end.
 const JOBS: u64 = 8;
 
 fn campaign(criterion: &mut Criterion) {

@@ -1,4 +1,4 @@
-//! One contact spread over the taxels of the forearm: the work that every contact costs in every frame.
+//! One contact spread over the taxels of the forearm. Every contact needs this work in every frame.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::f64::consts::FRAC_PI_2;
@@ -16,7 +16,7 @@ use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
 /// A taxel in the middle of the forearm: row 8 of 16, column 12 of 24.
 const TAXEL: usize = 8 * 24 + 12;
 
-/// The forearm of Cody with one contact of `force_n` on its middle taxel.
+/// Cody's forearm with one contact of `force_n` on its middle taxel.
 fn forearm(force_n: f64) -> (SkinPatch, ContactPoint) {
     let arm = Arm::cody().expect("Cody's files are sound");
     let patch =
@@ -31,7 +31,7 @@ fn forearm(force_n: f64) -> (SkinPatch, ContactPoint) {
     (patch, contact)
 }
 
-/// A trunk of 3 cm across the forearm, its surface at the contact.
+/// A trunk 3 cm thick across the forearm, with its surface at the contact.
 fn trunk(contact: &ContactPoint) -> (Box<dyn Shape>, Pose) {
     let shape = Capsule::new(DVec3::X * -0.2, DVec3::X * 0.2, 0.015);
     (Box::new(shape), across(contact, 0.015))

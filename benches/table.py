@@ -2,8 +2,8 @@
 
     cargo bench && python benches/table.py [target/criterion]
 
-Simulated seconds per second count frames of 10 ms over wall time; the quickest sample says more than the median where
-the machine has other work.
+Simulated seconds per second are frames of 10 ms divided by wall time. If the machine has other work, the quickest
+sample says more than the median.
 """
 
 import json
@@ -14,7 +14,7 @@ import sys
 # Benches whose elements are frames of 10 ms.
 FRAMES = ("foliage", "reach", "campaign")
 FRAME_S = 0.01
-# Control steps in a simulated second with the preset that scenes default to.
+# Control steps per simulated second with the default preset of scenes.
 CONTROL_RATE_HZ = 25
 
 
@@ -45,7 +45,7 @@ def duration(seconds):
 
 def main():
     folder = criterion_folder()
-    # Numbers in names by their value: 24 leaves before 384.
+    # Sorts numbers in names by their value: 24 leaves before 384.
     found = sorted(results(folder), key=lambda result: [(not part.isdigit(), int(part) if part.isdigit() else 0, part)
                                                         for part in result[0].split("/")])
     if not found:

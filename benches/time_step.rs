@@ -1,9 +1,10 @@
-//! What the engine's step costs in accuracy: reaches replayed open loop at many steps, against a reference at 0.625 ms.
+//! What the engine's step costs in accuracy: reaches are replayed open loop at many steps and compared with a reference
+//! at 0.625 ms.
 //!
 //! Prints two tables for each scene. *Windows*: every 0.3 s a copy of the reference continues with another step for
-//! 0.3 s, and the forces on all skinned links in each frame of 10 ms are compared. In so short a time a leaf rarely
-//! takes another way, so these errors are those of the step. *Reaches*: whole reaches at each step, in which leaves do
-//! take other ways. There only means can be compared, each with its standard error over the reaches. See
+//! 0.3 s, and the forces on all links in each frame of 10 ms are compared. In so short a time a leaf rarely follows a
+//! different path, so these errors are due to the step. *Reaches*: whole reaches at each step, in which leaves do
+//! follow different paths. There only means can be compared, each with its standard error over the reaches. See
 //! `benches/README.md`.
 //!
 //! The replay is open loop, because with the controller in the loop two runs would differ in their motions.
@@ -26,7 +27,7 @@ const REFERENCE_MS: f64 = 0.625;
 const STEPS_MS: [f64; 4] = [1.25, 2.5, 5.0, 10.0];
 /// Frames of a window.
 const WINDOW: usize = 30;
-/// A window counts if the reference has this root mean square force in it, N: the sensor's noise.
+/// A window counts if the root mean square force of the reference in it is at least this, N: the sensor's noise.
 const LEAST_N: f64 = 0.05;
 /// A link touches an object in frames with at least this force, N.
 const TOUCHING_N: f64 = 0.05;
@@ -50,7 +51,8 @@ fn by_link(forces: &Forces) -> BTreeMap<usize, DVec3> {
     sums
 }
 
-/// The squared length of the difference of two frames' forces on the links, and of the first's.
+/// Squared lengths, summed over the links, N²: of the difference of two frames' forces, and of the first frame's
+/// forces.
 fn squares(reference: &Forces, other: &Forces) -> [f64; 2] {
     let (reference, other) = (by_link(reference), by_link(other));
     let links = reference
@@ -87,8 +89,8 @@ fn statistics(trace: &[Forces]) -> [f64; 4] {
     ]
 }
 
-/// What one reach gives: relative errors of the windows for each step, and the statistics at each step and the
-/// reference.
+/// The results of one reach: relative errors of the windows for each step, and the statistics of the reference and at
+/// each step.
 struct Outcome {
     windows: Vec<Vec<f64>>,
     statistics: Vec<[f64; 4]>,

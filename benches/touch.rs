@@ -49,7 +49,7 @@ fn region(index: usize) -> [usize; 4] {
     [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(down, right)| (row + down) * COLUMNS + column + right)
 }
 
-/// A frame in which so many regions press one object; its depth goes up and down twice a second.
+/// A frame in which `regions` regions press one object; the depth goes up and down twice a second.
 fn frame(index: usize, object: usize, regions: usize) -> Frame {
     let (stiffness_n_per_m, depth_m) = OBJECTS[object];
     let depth_m = depth_m * (1.1 + (TAU * index as f64 / 50.0).sin());

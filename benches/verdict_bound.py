@@ -1,13 +1,14 @@
-"""How well leaf and trunk can be told apart at the end of a contact, with much more than a touch model reads.
+"""How well leaf and trunk can be told apart at the end of a contact, from much more than a touch model reads.
 
     pip install './python[sklearn]'
     python benches/verdict_bound.py --train SET… --test SET… --model touch.json
 
-Describes every touched contact of a forearm taxel by some 300 numbers: the course of the force on the taxel, on its surroundings
-and on all skin, the way of the taxel, stiffness, and torques and deflections of all joints. Gradient-boosted trees and random trees
-are fitted to the training sets and judge the test sets, beside the touch model. Contacts are those of the benchmark: they begin
-when a taxel senses more than 0.03 N, belong to what presses in most of their frames, and are judged at the last frame in which
-anything presses. Prints balanced accuracies over contacts, with 95 % intervals over resamples of whole reaches.
+Describes every touched contact of a forearm taxel by about 300 numbers: the course of the force on the taxel, on its
+surroundings and on all skin, the path of the taxel, stiffness, and torques and deflections of all joints.
+Gradient-boosted trees and random trees are fitted to the training sets and judge the test sets, as the touch model
+does. Contacts are defined as in the benchmark: they begin when a taxel senses more than 0.03 N, have the category that
+presses in most of their frames, and are judged at the last frame in which anything presses. Prints balanced accuracies
+over contacts, with 95 % intervals over resamples of whole reaches.
 """
 
 import argparse
@@ -22,7 +23,8 @@ PATCH = "forearm"
 
 
 def surroundings(grid, rows, columns, wraps):
-    """Sum, largest and number above the threshold in a window around each taxel of a grid [frames, rows, columns]."""
+    """Sum, maximum, and number of values above the threshold in a window around each taxel of a grid [frames, rows,
+    columns]."""
     found = [np.zeros_like(grid), np.zeros_like(grid), np.zeros_like(grid)]
     for row in range(-rows, rows + 1):
         for column in range(-columns, columns + 1):
@@ -53,7 +55,7 @@ def stretches(pressed):
 
 
 def summary(series, peak):
-    """What is kept of the courses [quantities, frames] of a contact."""
+    """Features of a contact from the courses [quantities, frames] of its quantities."""
     parts = [
         series[:, -1], series.max(1), series.min(1), series.mean(1), series.std(1), series[:, peak],
         series[:, :10].mean(1), series[:, -50:].mean(1), series[:, -1] - series[:, 0],
@@ -62,7 +64,7 @@ def summary(series, peak):
 
 
 def contacts(reach, model):
-    """Rows of features, truth and the touch model's answer, of the touched contacts of one reach."""
+    """Features, truth and the touch model's answer for each touched contact of one reach."""
     skin = reach.skin
     rows, columns = skin.grid(PATCH)
     sensed = reach.sensed_force_n(PATCH).astype(np.float64)
@@ -74,7 +76,7 @@ def contacts(reach, model):
     pose = reach.column(f"observation.patch_pose.{PATCH}")
     positions, normals = skin.positions_link(PATCH), skin.normals_link(PATCH)
     grid = sensed.reshape(len(sensed), rows, columns)
-    # The forearm's skin is closed around its axis: which of the grid's axes that is shows in the normals.
+    # The forearm's skin is closed around its axis. The normals show along which axis of the grid it is closed.
     by_place = normals.reshape(rows, columns, 3)
     wraps = [by_place[-1, 0] @ by_place[0, 0] > by_place[rows // 2, 0] @ by_place[0, 0],
              by_place[0, -1] @ by_place[0, 0] > by_place[0, columns // 2] @ by_place[0, 0]]
@@ -123,7 +125,8 @@ def contacts(reach, model):
 
 
 def read(sets, model=None):
-    """Features, truth, the model's answers and the number of the reach, of all contacts of some sets; and how many reaches."""
+    """Features, truth, the model's answers and the number of the reach, for all contacts of the sets; and the number of
+    reaches."""
     features, truth, answers, reaches, count = [], [], [], [], 0
     for path in sets:
         for reach in underbrush.Dataset(path):

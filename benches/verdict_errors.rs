@@ -1,11 +1,11 @@
-//! Where the verdicts of a touch model are wrong: by what presses, alone or with others in one contact region, and
-//! whether a leaf is wedged between the skin and something stiff.
+//! Where the verdicts of a touch model are wrong: by the category that presses, by whether an object is alone in its
+//! contact region, and by whether a leaf is wedged between the skin and something stiff.
 //!
 //!     cargo run --release --example verdict_errors -- touch.json DATA…
 //!
 //! Prints one row for each group of taxel frames that an object presses on: how many there are, the shares whose
-//! verdict is right, wrong, uncertain, unknown and nothing, and the mean force of the object on the patch. A leaf
-//! counts as wedged in frames in which it touches a trunk, by the stored poses.
+//! verdict is right, wrong, uncertain, unknown or nothing, and the mean force of the object on the patch. A leaf counts
+//! as wedged in frames in which it touches a trunk according to the stored poses.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -20,15 +20,15 @@ use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Body, BodyOwner, Category, Pose, Recording};
 use underbrush_sim::geometry::engine_shape;
 
-/// A leaf this near to a trunk touches it, m: poses are stored with this accuracy, and the blade is as thick as its
-/// contact.
+/// A leaf at most this far from a trunk touches it, m: poses are stored with this accuracy, and the blade is as thick
+/// as its contact.
 const TOUCHES_M: f64 = 4.0 * POSITION_TOLERANCE_M;
 
 /// Taxel frames of one group.
 #[derive(Default)]
 struct Group {
     frames: usize,
-    /// Right, wrong, uncertain, unknown, nothing.
+    /// Numbers of verdicts: right, wrong, uncertain, unknown, nothing.
     verdicts: [usize; 5],
     force_n: f64,
 }

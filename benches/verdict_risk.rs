@@ -1,11 +1,11 @@
-//! Whether touch models keep to the limits of risk that they are fitted with, in reaches that they have not seen.
+//! Whether touch models keep within the risk limits that they are fitted with, in reaches that they have not seen.
 //!
 //!     cargo run --release --example verdict_risk -- 20 40 DATA…
 //!
-//! From all reaches of the data sets, 40 are drawn, a model is fitted to them within a limit, and the others are
-//! judged; 20 times for each limit. Prints one row for each limit: the mean shares of the taxel frames of a new reach
-//! that are called another category, and unknown, with the standard deviation over the draws; and the shares of all
-//! taxel frames of known categories that are right and uncertain.
+//! Of all reaches of the data sets, 40 are drawn, a model is fitted to them within a limit, and the other reaches are
+//! judged. This is repeated 20 times for each limit. Prints one row for each limit: the mean shares of the taxel frames
+//! of a new reach that are called another category and that are called unknown, with the standard deviation over the
+//! draws; and the shares of all taxel frames of known categories that are right and uncertain.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -56,8 +56,8 @@ fn main() {
     }
 }
 
-/// Mean shares of a new reach that are wrong and false alarms, and shares of all taxel frames that are right and
-/// uncertain.
+/// Mean shares of the taxel frames of a new reach that are wrong and that are false alarms, and shares of all taxel
+/// frames that are right and that are uncertain.
 fn judged(examples: &TouchExamples, reaches: &[Recording], training: usize, limit: f64, seed: u64) -> [f64; 4] {
     let mut order: Vec<usize> = (0..reaches.len()).collect();
     order.shuffle(&mut rand_chacha::ChaCha8Rng::seed_from_u64(seed));

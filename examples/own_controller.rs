@@ -1,4 +1,4 @@
-//! One reach through leaves with a controller of its own: a loop over `Simulation::step`.
+//! One reach through leaves with your own controller: a loop over `Simulation::step`.
 //!
 //!     cargo run --release --example own_controller
 #![allow(clippy::print_stdout, reason = "an example shows its result")]

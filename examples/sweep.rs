@@ -1,4 +1,4 @@
-//! Runs many reaches of many scenes without writing them: shows failures, outcomes and the worst residuals of the
+//! Runs many reaches of many scenes without writing them, and shows failures, outcomes and the worst residuals of the
 //! audit.
 //!
 //!     cargo run --release --example sweep -- 200 scenes/*.toml scenes/engineered/*.toml

@@ -1,11 +1,12 @@
-"""The sweep of `benches/peers/sweep.rs` here and in MuJoCo: the same statics, and the speeds at equal error.
+"""Compares the sweep of `benches/peers/sweep.rs` here and in MuJoCo: the statics, and the speeds at equal error.
 
     pip install -r benches/peers/requirements.txt
     python benches/peers/compare.py [--leaves 24 48] [--layouts 3]
 
-Run it from the workspace. Each engine is compared with its own run at a fine step: every 0.3 s a copy of that run continues with a
-coarser step for 0.3 s. In so short a time leaves seldom take another way, so the difference is the error of the step. A speed is
-simulated seconds per second of processor time of one core over whole sweeps, physics alone, the quickest of several runs.
+Run it from the root of the workspace. Each engine is compared with its own run at a fine step: every 0.3 s a copy of
+that run continues with a coarser step for 0.3 s. In so short a time leaves seldom follow a different path, so the
+difference is the error due to the step. A speed is the simulated seconds per second of processor time on one core over
+whole sweeps, physics alone, in the fastest of several runs.
 """
 
 import argparse
@@ -25,13 +26,13 @@ except ImportError as missing:
 from engines import Peer, our_run, ours, restarted
 from statics import compare_statics
 
-# Step of both references, s. Without sleeping in MuJoCo's.
+# Step of both reference runs, s. MuJoCo's reference runs without sleeping.
 REFERENCE = 0.0001
 OUR_STEPS = [0.01, 0.005, 0.0025, 0.00125, 0.001, 0.0005]
 PEER_STEPS = [0.01, 0.005, 0.0025, 0.00125, 0.001, 0.0005, 0.00025]
-# MuJoCo's options and flags. `discrete` has implicit springs and is the quickest that holds together over 2 ms;
-# `implicitfast` is the usual recommendation. More than these were tried before: Euler, PGS, fewer iterations, a dense Jacobian and
-# exact constraint inertia are no better.
+# MuJoCo's options and flags. `discrete` has implicit springs and is the fastest that stays stable at steps over 2 ms;
+# `implicitfast` is the usual recommendation. Other settings were tried before and are no better: Euler, PGS, fewer
+# iterations, a dense Jacobian and exact constraint inertia.
 PEER_SETTINGS = {
     "discrete, elliptic": ({"integrator": "discrete", "cone": "elliptic"}, {}),
     "discrete, elliptic, one contact a pair": (
@@ -47,7 +48,7 @@ ERRORS = [0.01, 0.02, 0.05, 0.1]
 
 
 def window_errors(reference, other):
-    """RMS difference of the forces on all links over their RMS, of each window with contact."""
+    """RMS difference of the forces on all links divided by their RMS, for each window with contact."""
     found = []
     for first in range(0, len(reference), WINDOW):
         own, difference = (forces[first:first + WINDOW] for forces in (reference, other - reference))
@@ -58,7 +59,7 @@ def window_errors(reference, other):
 
 
 def here(leaves, layouts, repeats):
-    """Rows of step, windows' errors and processor time, s; and the references."""
+    """For each step, the errors of the windows and the processor times, s; and the forces of the reference runs."""
     rows, references = {step: ([], []) for step in OUR_STEPS}, []
     for layout in range(layouts):
         found = ours("windows", leaves, layout, WINDOW, REFERENCE, *OUR_STEPS)
@@ -70,12 +71,12 @@ def here(leaves, layouts, repeats):
 
 
 def there(setups, repeats):
-    """The same in MuJoCo, by settings."""
+    """As `here`, but in MuJoCo and for each of its settings."""
     found, references = {}, {}
     for name, (options, flags) in PEER_SETTINGS.items():
         rows = found[name] = {step: ([], []) for step in PEER_STEPS}
         options = {"solver": "Newton", **options}
-        # Integrators converge to the same; cones and numbers of contacts are another physics each.
+        # All integrators converge to the same solution; other cones and numbers of contacts are other models.
         fine = ({**options, "integrator": "implicitfast"}, {**flags, "sleep": "disable"})
         for setup in setups:
             peers = [Peer(setup, step, options, flags) for step in PEER_STEPS]
@@ -88,13 +89,14 @@ def there(setups, repeats):
 
 
 def points(rows, simulated_s):
-    """Step, median error and speed of each row; a step that does not hold together has no median."""
+    """Step, median error and speed of each row; an unstable step has no median and is left out."""
     found = [(step, float(np.median(errors)), simulated_s / sum(costs)) for step, (errors, costs) in rows.items()]
     return [point for point in found if math.isfinite(point[1])]
 
 
 def speed_at(found, error):
-    """The best speed with at most this error, between the steps measured as a power law; 0 where no step is as exact."""
+    """The best speed with at most this error, interpolated between the measured steps by a power law; 0 if no step is
+    as exact."""
     best = 0.0
     for (_, coarse, quick), (_, exact, slow) in zip(found, found[1:]):
         if exact <= error < coarse:
@@ -142,7 +144,7 @@ def main():
     given = parser.parse_args()
     subprocess.run(["cargo", "build", "--release", "--workspace", "--example", "foliage_peer"], check=True)
     if hasattr(os, "sched_setaffinity"):
-        # One core for both; the last, as interrupts prefer the first.
+        # Both engines run on one core. It is the last one, because interrupts prefer the first.
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     print(f"{ours('setup', 0, 0)['engine']} against MuJoCo {mujoco.__version__}, Python {platform.python_version()}, "
           f"{processor()}, {time.strftime('%Y-%m-%d')}\n")

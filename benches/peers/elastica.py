@@ -1,5 +1,5 @@
-"""The quasi-static force of a smooth elastic blade on a round forearm that passes it: Euler's elastica with its own weight,
-a springy root and Coulomb friction. It knows no hinges, no masses in motion and no contact solver."""
+"""The quasi-static force of a smooth elastic blade on a round forearm that passes it: Euler's elastica with its own
+weight, a springy root and Coulomb friction. It has no hinges, no inertia and no contact solver."""
 
 import math
 
@@ -21,7 +21,7 @@ class Blade:
         self.friction = friction
 
     def slopes(self, s, state, force):
-        """Along the blade upwards: of its angle, its bending moment, and its place x, z."""
+        """Derivatives along the blade, upwards, of its angle, its bending moment, and its position x, z."""
         angle, moment = state[:2]
         sine, cosine = math.sin(angle), math.cos(angle)
         down = force[1] - self.weight_n_per_m * (self.height - s)
@@ -39,9 +39,10 @@ class Blade:
         return state
 
     def solve(self, tip_angle, normal_force, place):
-        """Integrates from the tip to the root. `place` says where the forearm touches: if negative, on the face, that far
-        from the tip in m; if positive, at the tip's edge, with the forearm's surface at that angle to the face. Returns
-        the forearm's middle, the force on the forearm, and by how much the root misses its spring, rad."""
+        """Integrates from the tip to the root. `place` says where the forearm touches: if negative, on the face, that
+        far from the tip in m; if positive, at the tip's edge, with the forearm's surface at that angle to the face.
+        Returns the forearm's middle, the force on the forearm, and the angle by which the root misses the equilibrium
+        of its spring, rad."""
         state = np.array([tip_angle, 0.0, 0.0, 0.0])
         at = self.height + min(place, 0)
         state = self.integrate(state, self.height, at, (0.0, 0.0))
@@ -62,15 +63,16 @@ class Blade:
         return np.array([middle[0] - x, middle[1] - self.forearm_height, miss])
 
     def forces(self, step_m):
-        """Places x of the forearm's middle, m, in steps from the first touch, and the force on it, N, along x and z, until
-        there is no equilibrium: the blade then slips off. The last place is within a thousandth of a step of that."""
+        """Positions x of the forearm's middle, m, in steps from the first touch, and the force on it, N, along x and z,
+        until there is no equilibrium and the blade slips off. The last position is within a thousandth of a step of
+        that point."""
         first = -self.radius - self.half_thickness
         unknowns = np.array([0.0, 0.0, self.forearm_height - self.height])
         places, forces, step = [first], [np.zeros(2)], step_m
         before = unknowns
         while step > 1e-3 * step_m:
             x = places[-1] + step
-            # Further along the same way.
+            # Extrapolates from the last two solutions.
             guess = unknowns + (unknowns - before) * (step / max(places[-1] - places[-2], step) if len(places) > 1 else 0)
             found = self.newton(guess, x)
             if found is None:

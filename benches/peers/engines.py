@@ -1,4 +1,4 @@
-"""The sweep in both engines: this project's as a program of its own, MuJoCo's as its Python package."""
+"""The sweep in both engines: this project's runs as a separate program, MuJoCo's through its Python package."""
 
 import json
 import subprocess
@@ -9,11 +9,11 @@ import numpy as np
 
 from mujoco_model import Builder
 
-# A MuJoCo contact adds the inertia d/(1 − d) of its effective mass: none would be best, but the explicit integrators
-# need some. At 0.5 errors are half of those at the default 0.9.
+# With the impedance d, a MuJoCo contact adds the inertia d/(1 − d) times its effective mass. None would be best, but
+# the explicit integrators need some. At 0.5, errors are half as large as at the default of 0.9.
 IMPEDANCE = 0.5
 
-# Settings that do not hold together are part of the comparison: MuJoCo would write them to a file.
+# Unstable settings are part of the comparison; without this, MuJoCo would write their warnings to a file.
 mujoco.set_mju_user_warning(lambda message: None)
 
 
@@ -59,8 +59,8 @@ class Peer:
         return time.process_time() - start
 
     def forces(self, data=None, frames=slice(None)):
-        """Mean force of each frame on each link, N, world frame, frames × links × 3. `data` is the state to continue from, the
-        start if left out."""
+        """Mean force of each frame on each link, N, world frame, frames × links × 3. `data` is the state to continue
+        from; the run begins at the start if it is left out."""
         data = data or self.start()
         controls = self.controls[frames]
         forces = np.zeros((len(controls), len(self.setup["arm"]["links"]), 3))
@@ -85,15 +85,16 @@ class Peer:
         return forces
 
     def copy_of(self, data):
-        """The state of a run of the same model with other settings, to continue with these."""
+        """A copy of the state of a run of the same model with other settings, to continue with this model's
+        settings."""
         copy = mujoco.MjData(self.model)
         mujoco.mj_copyData(copy, self.model, data)
         return copy
 
 
 def restarted(reference, others, window):
-    """The forces of a run with `reference`, and those of copies of it that continue with each of the others and begin anew in each
-    window of so many frames."""
+    """The forces of a run with `reference`, and, for each of `others`, the forces of copies of that run that continue
+    with its settings. The copies begin anew every `window` frames."""
     data = reference.start()
     own, found = [], [[] for _ in others]
     for first in range(0, len(reference.controls), window):

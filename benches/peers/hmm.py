@@ -3,10 +3,11 @@
     pip install -r benches/peers/hmm-requirements.txt
     python benches/peers/hmm.py [--states 10 20] [--repeats 3]
 
-Run it from the workspace. Sequences are presses of two categories, models are left-to-right as in the authors' recipe, and
-every model scores both categories. First, log-likelihoods are compared: they must agree within 1e-9 where the peer's are
-finite, and disagreements and failures are counted and printed. Then nanoseconds per sample are measured on one thread, as
-the fastest of several runs, in processor time so that other programs disturb less. Ours come from `benches/peers/hmm.rs`.
+Run it from the root of the workspace. Sequences are presses of two categories, models are left-to-right as in the
+authors' recipe, and every model scores both categories. First, log-likelihoods are compared: they must agree within
+1e-9 where the peer's are finite, and disagreements and failures are counted and printed. Then nanoseconds per sample
+are measured on one thread, as the fastest of several runs, in processor time so that other programs disturb less. Ours
+come from `benches/peers/hmm.rs`.
 """
 
 import argparse
@@ -29,7 +30,7 @@ ITERATIONS = 10
 
 
 def sequences(category, rng):
-    """Presses that rise, hold and give way: force of each sample, N."""
+    """Presses that rise, hold and fall: force of each sample, N."""
     size = {"leaf": 0.5, "trunk": 3.0}[category]
     for _ in range(100):
         phase = np.linspace(0, 1, rng.integers(50, 150))
@@ -75,7 +76,7 @@ def by_hmmlearn(parameters, everything, own, repeats, implementation):
         for one in everything:
             try:
                 scores.append(model.score(one[:, None]))
-            except ValueError:  # Scaling gives up on data of another category.
+            except ValueError:  # With scaling, scoring fails on data of another category.
                 scores.append(np.nan)
         return scores
 
@@ -95,7 +96,8 @@ def by_dynamax(parameters, everything, repeats):
     @jax.jit
     def filtered(values, count):
         log_density = -0.5 * ((values - mean.T) ** 2 / covariance[:, 0].T + jnp.log(2 * jnp.pi * covariance[:, 0].T))
-        # Sequences are padded to one length, as each length would be compiled anew; a padded sample changes nothing.
+        # Sequences are padded to one length, because each length would be compiled anew. A padded sample changes
+        # nothing.
         log_density = jnp.where(jnp.arange(len(values))[:, None] < count, log_density, 0.0)
         return hmm_filter(initial, transition, log_density).marginal_loglik
 

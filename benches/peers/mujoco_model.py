@@ -1,4 +1,5 @@
-"""The sweep that `foliage_peer setup` writes, as a MuJoCo model: same bodies, hinges, springs, shapes and friction."""
+"""The sweep that `foliage_peer setup` writes, as a MuJoCo model with the same bodies, hinges, springs, shapes and
+friction."""
 
 import math
 from xml.etree import ElementTree
@@ -6,7 +7,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 
-# MuJoCo's contacts, critically damped. Choice: 2e3 N/m at the 5 g that a leaf weighs, about what the skin has under a leaf.
+# MuJoCo's contacts, critically damped. Choice: this is 2e3 N/m for a leaf of 5 g, about the stiffness of the skin under
+# a leaf.
 CONTACT_FREQUENCY_HZ = 100.0
 
 
@@ -94,7 +96,7 @@ class Builder:
             children.setdefault(link["parent"], []).append(index)
         names = []
         self.link(tree, children, 0, self.world, Pose(), [], names)
-        # Parts of one object do not touch each other; neighbours in the tree are left out by MuJoCo itself.
+        # Parts of one object do not touch each other. MuJoCo itself excludes neighbours in the tree.
         is_arm = tree[0]["body"] in self.arm
         for i, first in enumerate(names):
             for second in names[i + 2:]:
@@ -102,8 +104,8 @@ class Builder:
                     self.add(self.contact, "exclude", body1=first, body2=second)
 
     def link(self, tree, children, index, parent, before, waiting, names):
-        """Adds a link and what hangs on it. `before` and `waiting` are pose and joints of the massless links skipped
-        between `parent` and this one: MuJoCo stacks hinges on one body instead."""
+        """Adds a link and all links that hang on it. `before` and `waiting` are the pose and the joints of the massless
+        links that are skipped between `parent` and this link: in MuJoCo their hinges are stacked on one body."""
         link = tree[index]
         if link["parent"] is None:
             to_parent = Pose.read(link["pose_world"])
@@ -145,7 +147,7 @@ class Builder:
         if axis["limits"]:
             element.set("range", text(axis["limits"]))
         if is_arm:
-            # The springs' torques are limited, as an actuator's are.
+            # The springs are actuators, because their torques are limited.
             number = len(self.actuator)
             limit = self.setup["arm"]["torque_limit_nm"][number]
             self.add(self.actuator, "position", name=f"spring_{number}", joint=name, kp=repr(axis["stiffness"]),

@@ -3,9 +3,10 @@
     pip install -r benches/peers/requirements.txt
     python benches/peers/slide.py
 
-Run it from the workspace; it takes minutes. The forearm passes at a constant speed: over a leaf that faces it, and, with
-its axis tilted, over a leaf that is rotated, where friction has a direction to find. Both engines have the same bodies,
-hinges, springs, shapes and friction. All forces are those on the forearm, as means over frames of 10 ms.
+Run it from the root of the workspace; it takes minutes. The forearm passes at a constant speed over a leaf that faces
+it, and, with its axis tilted, over a rotated leaf, where the direction of friction is not known beforehand. Both
+engines have the same bodies, hinges, springs, shapes and friction. All forces are those on the forearm, as means over
+frames of 10 ms.
 """
 
 import platform
@@ -26,15 +27,15 @@ from mujoco_model import Builder, text
 # Rotation of the leaf and slope of the forearm's axis, degrees.
 CASES = {"facing": (0, 0), "oblique": (30, 20)}
 SPEED_M_PER_S = 0.1
-# Hinges of the blade, the default first.
+# Numbers of hinges of the blade, the default first.
 SEGMENTS = [4, 8, 16]
-# Steps here, s, the default first, and the one where another thing is varied.
+# This project's steps, s, the default first; and the step used when something else is varied.
 OUR_STEPS = [0.005, 0.0025, 0.001, 0.0005]
 FINE = 0.001
-# Drawn leaves that the whole arm meets, and MuJoCo's step there, s.
+# Number of drawn leaves that the whole arm meets, one at a time, and MuJoCo's step for them, s.
 DRAWN, PEER_DRAWN_STEP = 5, 0.0005
-# MuJoCo's settings, and what one of them changes at a time. Its second contact of a pair is left out, because it stays on
-# the blade's face when the forearm already rolls over the edge of the tip.
+# MuJoCo's settings, and what each variant changes. A pair has no second contact, because that would stay on the blade's
+# face when the forearm already rolls over the edge of the tip.
 PEER = {"step_s": 0.0001, "contact_hz": 100, "impratio": 1, "cone": "elliptic", "multiccd": "disable", "capsule": False}
 PEER_VARIANTS = {
     "step of 0.05 ms": {"step_s": 0.00005},
@@ -49,7 +50,7 @@ PEER_VARIANTS = {
 
 
 class SlideBuilder(Builder):
-    """The forearm slides freely."""
+    """Builds a model in which the forearm slides freely."""
 
     def joint(self, body, name, joint, is_arm):
         if is_arm:
@@ -91,7 +92,7 @@ def there(setup, **changed):
         for number in range(data.ncon):
             contact = data.contact[number]
             mujoco.mj_contactForce(model, data, number, wrench)
-            # It acts on the body of the second shape.
+            # The force acts on the body of the second shape.
             sign = 1 if model.geom_bodyid[contact.geom[1]] == body.id else -1
             total += sign * contact.frame.reshape(3, 3).T @ wrench[:3]
         forces.append(total)
@@ -99,14 +100,14 @@ def there(setup, **changed):
 
 
 def in_frames(forces, step_s, setup):
-    """Means over frames of the forces in each step."""
+    """Means over frames, from the forces in each step."""
     steps = round(setup["frame_period_s"] / step_s)
     whole = len(forces) // steps * steps
     return np.array(forces)[:whole].reshape(-1, steps, 3).mean(axis=1)
 
 
 def blade(setup):
-    """The elastica's places of the forearm, m, and forces on it, N, for a leaf that faces it."""
+    """The positions of the forearm, m, and the elastica's forces on it, N, for a leaf that faces it."""
     leaf, forearm = setup["trees"][0][-1]["colliders"][0], setup["trees"][-1][-1]["colliders"][0]
     return Blade(
         setup["leaf"],
@@ -129,15 +130,15 @@ def at_frames(found, setup):
 
 
 def figures(forces, period_s):
-    """Impulse, N s; mean while they touch, N; largest, N; time of the last touch, s."""
+    """Impulse, N s; mean force while they touch, N; largest force, N; time of the last touch, s."""
     size = np.linalg.norm(forces, axis=1)
     touched = np.flatnonzero(size > 1e-3)
     return np.linalg.norm(forces.sum(axis=0)) * period_s, size[touched].mean(), size.max(), (touched[-1] + 1) * period_s
 
 
 def show(name, forces, reference, setup):
-    """A row: the figures, their differences from those of the reference, the RMS of the difference over the RMS, and the
-    median and 90 % of the angle between both forces."""
+    """Prints a row: the figures, their differences from those of the reference, the RMS of the difference of the forces
+    divided by the RMS of the reference, and the median and 90th percentile of the angle between both forces."""
     period_s = setup["frame_period_s"]
     own, other = figures(forces, period_s), figures(reference, period_s)
     relative = [100 * (a / b - 1) for a, b in zip(own, other)]
@@ -182,7 +183,7 @@ def compare_elastica():
         show(f"{segments} hinges", forces, at_frames(found, setup), setup)
     setup, forces = here(segments, FINE, "facing", skin=False)
     show(f"{segments} hinges, a forearm ten times as hard", forces, at_frames(found, setup), setup)
-    # As many steps over five times the time.
+    # The same number of steps over five times the time.
     setup, forces = here(segments, 5 * FINE, "facing", SPEED_M_PER_S / 5)
     show(f"{segments} hinges, at a fifth of the speed and {5e3 * FINE:g} ms", forces, at_frames(found, setup), setup)
 

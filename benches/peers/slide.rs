@@ -25,12 +25,12 @@ fn leaf(segments: u32) -> Leaf {
     }
 }
 
-/// Height of its middle over the foam, m.
+/// Height of the forearm's middle over the foam, m.
 const HEIGHT_M: f64 = 0.2;
-/// Between the forearm's surface and the middle of the leaf at the start, m. A rotated leaf is not touched then,
-/// either.
+/// Gap between the forearm's surface and the middle of the leaf at the start, m. It is large enough that a rotated leaf
+/// is not touched at the start either.
 const GAP_M: f64 = 0.02;
-/// Way of the forearm, m. The blade is off before its end.
+/// Distance that the forearm moves, m. The blade slips off before its end.
 const WAY_M: f64 = 0.45;
 /// Mass of the forearm, kg. Choice: a leaf slows it by less than 1e-5 of its speed.
 const MASS_KG: f64 = 1e6;
@@ -41,16 +41,17 @@ pub struct Case {
     pub segments: u32,
     /// Rotation of the leaf about the vertical from where it faces the forearm, rad.
     pub rotation_rad: f64,
-    /// Slope of the forearm's axis, rad; without it the axis lies along y.
+    /// Slope of the forearm's axis, rad; at zero the axis lies along y.
     pub slope_rad: f64,
     /// Speed of the forearm, m/s, along x.
     pub speed_m_per_s: f64,
-    /// Whether the forearm has its skin; else it is ten times as hard.
+    /// Whether the forearm has its skin; otherwise it is ten times as hard.
     pub has_skin: bool,
 }
 
-/// Cody's forearm passes the leaf in steps of `step_s`: the bodies and joints at the start, and the force on the
-/// forearm in each step. That force is the change of the forearm's momentum, so the contact solver is not asked.
+/// Moves Cody's forearm past the leaf in steps of `step_s`. Returns the bodies and joints at the start, and the force
+/// on the forearm in each step. That force is derived from the change of the forearm's momentum, so it does not depend
+/// on what the contact solver reports.
 pub fn slide(case: &Case, step_s: f64) -> Value {
     let options = PhysicsOptions {
         step_s,

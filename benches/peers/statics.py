@@ -1,4 +1,4 @@
-"""The same pushes on one leaf and on the arm in both engines: shows that the two models are one."""
+"""The same pushes on one leaf and on the arm in both engines, which show that the two models are the same."""
 
 import sys
 
@@ -7,12 +7,13 @@ import numpy as np
 
 from engines import Peer, ours
 
-# What the two may differ by. Their leaves and arms are equal up to the integrators' errors at the step used.
+# Largest relative difference allowed. Leaves and arms of both engines are equal up to the integrators' errors at this
+# step.
 TOLERANCE = 0.01
 
 
 def compare_statics():
-    """Prints the table; ends the program where the models differ."""
+    """Prints the table; ends the program if the models differ."""
     expected = ours("statics")
     setup = ours("setup", 1, 0)
     peer = Peer(setup, expected["step_s"], {"integrator": "implicitfast"}, {"sleep": "disable"})
@@ -65,7 +66,7 @@ def compare_statics():
 
 
 def frequency(swing, step_s):
-    """From the first to the last upward crossing of zero, each interpolated."""
+    """Frequency in Hz, from the first to the last upward zero crossing, each interpolated."""
     up = np.flatnonzero((swing[:-1] < 0) & (swing[1:] >= 0))
     crossings = (up + swing[up] / (swing[up] - swing[up + 1])) * step_s
     return (len(crossings) - 1) / (crossings[-1] - crossings[0])

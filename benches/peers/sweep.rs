@@ -21,14 +21,14 @@ const START_DEG: [f64; 7] = [10.0, 12.0, -35.0, 75.0, 0.0, 0.0, 0.0];
 /// The change of those angles, degrees: shoulder and upper arm carry the forearm outward. Choice: it then meets about
 /// ten leaves, as in a reach of `scenes/leaf.toml`.
 const SWEEP_DEG: [f64; 7] = [0.0, 15.0, 35.0, 0.0, 0.0, 0.0, 0.0];
-/// Time there and back, s: the end effector moves at up to 0.25 m/s, as fast as the slower preset lets it.
+/// Time there and back, s: the end effector moves at up to 0.25 m/s, as fast as the slower preset allows.
 pub const DURATION_S: f64 = 6.0;
 
 /// Distance of neighbouring leaves, m: as dense as the forty of `scenes/leaf.toml` in its 0.55 m × 0.80 m.
 const SPACING_M: f64 = 0.105;
 /// The foam's top, m, world frame, and its modulus, Pa (wet floral foam): the defaults of scene files.
 const FOAM_TOP_M: f64 = -0.50;
-/// The grid's middle, m, world frame: in the middle of what the forearm and the hand pass.
+/// The grid's middle, m, world frame: in the middle of the region that the forearm and the hand pass through.
 const CENTER_WORLD: DVec2 = DVec2::new(0.32, -0.33);
 /// Clearance between the arm at its start and a leaf, m.
 const CLEARANCE_M: f64 = 0.02;
@@ -44,15 +44,15 @@ count = 1
 
 /// The arm, the leaves and the motion.
 pub struct Sweep {
-    /// Cody's arm, starting where the sweep does.
+    /// Cody's arm, which starts in the posture at the start of the sweep.
     pub arm: Arm,
     /// The leaves, those nearest to the sweep first.
     pub clutter: Clutter,
 }
 
 impl Sweep {
-    /// The sweep through `leaves` leaves, drawn from the seed `layout`. A smaller number takes the first of them, so
-    /// that the near ones are always the same.
+    /// The sweep through `leaves` leaves, drawn from the seed `layout`. A smaller number takes the first of the same
+    /// leaves, so those near the arm are always the same.
     pub fn new(leaves: usize, layout: u64) -> Self {
         let mut arm = Arm::cody().expect("Cody's files are sound");
         for (joint, degrees) in arm.joints.iter_mut().zip(START_DEG) {
@@ -103,7 +103,7 @@ impl Sweep {
         }
     }
 
-    /// The simulation at the start of the sweep through `leaves` leaves, drawn from the seed `layout`.
+    /// The simulation at the start of the sweep.
     pub fn simulation(self, physics: PhysicsOptions, dormancy: bool) -> Simulation {
         Simulation::new(Setup {
             sensor: Sensor::new(&SensorOptions::default(), &self.arm.skin, 0, "sweep", 0),
@@ -140,7 +140,7 @@ impl Sweep {
     }
 }
 
-/// Points of a square grid, those nearest to the sweep's middle first, enough for any number of leaves.
+/// The 33 × 33 points of a square grid, those nearest to the sweep's middle first.
 fn grid() -> Vec<DVec2> {
     let half = 16_i32;
     let mut points: Vec<(i32, i32)> = (-half..=half)
@@ -153,7 +153,7 @@ fn grid() -> Vec<DVec2> {
         .collect()
 }
 
-/// Force of all contacts on each link in the last frame, N, world frame, one for each link.
+/// Sum of the contact forces on each link in the reported frame, N, world frame.
 #[allow(dead_code, reason = "the bench looks at no forces")]
 pub fn force_on_links(report: &FrameReport) -> Vec<DVec3> {
     let mut forces = vec![DVec3::ZERO; report.link_pose_world.len()];

@@ -101,8 +101,8 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
     })
 }
 
-/// The forces of a sweep at a fine step, and those of copies of it that continue with each of the other steps and begin
-/// anew in each window of so many frames.
+/// The forces of a sweep at a fine step, and the forces of copies of it that continue with each of the other steps. The
+/// copies begin anew every `frames` frames.
 fn windows(sweep: Sweep, options: PhysicsOptions, frames: usize, steps_s: &[f64]) -> Value {
     let mut reference = sweep.simulation(options, true);
     let (mut own, mut others) = (Vec::new(), vec![Vec::new(); steps_s.len()]);
@@ -148,7 +148,7 @@ fn statics() -> Value {
         let displacement = push(&mut rig, tip, force, tip_of_body, settle) - tip_world;
         pushes.push(json!({"force_world_n": force.to_array(), "displacement_world_m": displacement.to_array()}));
     }
-    // Released after a push across the blade, because that vibration is the slower one.
+    // The leaf is released after a push across the blade, because that vibration is the slower one.
     push(&mut rig, tip, across * 0.05, tip_of_body, settle);
     let swing: Vec<f64> = (0..(2.0 / options.step_s) as usize)
         .map(|_| (push(&mut rig, tip, DVec3::ZERO, tip_of_body, 1) - tip_world).dot(across))
@@ -182,7 +182,7 @@ fn rig(sweep: &Sweep, options: PhysicsOptions) -> (Rig, Vec<BodyId>, Vec<Vec<Bod
     (rig, links, leaves)
 }
 
-/// Pushes a body at one of its points for some steps and returns where that point is then.
+/// Pushes a body at one of its points for `steps` steps and returns the final position of that point, m, world frame.
 fn push(rig: &mut Rig, body: BodyId, force_world: DVec3, point_body: DVec3, steps: usize) -> DVec3 {
     for _ in 0..steps {
         let point = rig.pose_world(body).transform_point(point_body);
@@ -192,7 +192,7 @@ fn push(rig: &mut Rig, body: BodyId, force_world: DVec3, point_body: DVec3, step
     rig.pose_world(body).transform_point(point_body)
 }
 
-/// The same without skin: the other engine does not compute it, so it must not count in the processor time.
+/// The sweep without skin: the other engine does not simulate skin, so it must not count in the processor time.
 fn bare(mut sweep: Sweep) -> Sweep {
     sweep.arm.skin.layout.patches.clear();
     sweep.arm.skin.surfaces.clear();
@@ -223,7 +223,7 @@ fn setup(sweep: &Sweep) -> Value {
     setup
 }
 
-/// What is on a rig, and the engine's settings.
+/// The bodies and joints of a rig, and the engine's settings.
 fn bodies_and_joints(rig: &mut Rig) -> Value {
     let options = rig.physics();
     let trees = rig.describe().trees;

@@ -1,13 +1,13 @@
-//! What a controller gains from verdicts: the same reaches by the controller as it is, with the verdicts of a touch
+//! What a controller gains from verdicts: the same reaches with the controller alone, with the verdicts of a touch
 //! model, and with the true categories, which bound what any model can gain.
 //!
 //!     cargo run --release --example verdicts -- run touch.json scenes/mixed.toml 7000 0 200 > reaches.csv
 //!     cargo run --release --example verdicts -- table reaches.csv
 //!
-//! `run` takes the model, the scene, the seed, the first reach, their number, and, if wanted, the allowed forces on
-//! leaves and on trunks and unknown things, N. It prints a row for each reach and controller. A row holds sums, so that
-//! rows can be added up. `table` prints means, and differences from the controller as it is with 95 % intervals that
-//! resample whole reaches.
+//! `run` takes the model, the scene, the seed, the first reach, their number, and optionally the allowed forces on
+//! leaves and on trunks and unknown objects, N. It prints a row for each reach and controller. A row holds sums, so
+//! that rows can be added up. `table` prints means, and differences from the controller alone with 95 % intervals from
+//! resampling whole reaches.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -28,7 +28,7 @@ mod table;
 /// The controllers, in the order of the table.
 const CONTROLLERS: [&str; 3] = ["without", "verdicts", "truth"];
 
-/// What is kept of a reach, in the order of a row.
+/// The quantities that are kept of a reach, in the order of a row.
 const SUMS: [&str; 15] = [
     "goals",
     "reached",
@@ -100,7 +100,8 @@ fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, i
     println!("{}", rows.join("\n"));
 }
 
-/// A controller that is told what truly presses on each taxel, on all patches. Foam blocks count as unknown.
+/// A controller that is told the true category of the object that presses on each taxel, on all patches. Foam blocks
+/// count as unknown.
 struct Truth {
     inner: Box<dyn Controller>,
     allowed: AllowedForces,
@@ -147,8 +148,8 @@ impl Controller for Truth {
     }
 }
 
-/// The row of a recording, as [`SUMS`] has it. Forces are true ones. A taxel counts in every frame in which it is
-/// touched.
+/// The row of a recording, in the order of [`SUMS`]. Forces are true forces. A taxel counts in every frame in which it
+/// is touched.
 fn sums(recording: &Recording) -> [f64; SUMS.len()] {
     let mut sums = [0.0; SUMS.len()];
     let at = |name: &str| SUMS.iter().position(|other| *other == name).unwrap();

@@ -12,7 +12,7 @@ use crate::reach::{ReachError, ReachPlan};
 pub struct Job {
     /// Index of its plan.
     pub plan: usize,
-    /// Index of the reach among those of its scene.
+    /// Index of the reach within its scene.
     pub reach_index: u64,
 }
 
@@ -55,7 +55,7 @@ pub fn run<E: std::error::Error + Send + 'static>(
     run_until(plans, jobs, receive, &|| false)
 }
 
-/// As [`run`], but gives up all reaches that are running, and starts no more, when `stop` returns true. It is asked in
+/// Like [`run`], but abandons all running reaches, and starts no more, when `stop` returns true. `stop` is called in
 /// every frame of every reach.
 ///
 /// # Errors

@@ -30,7 +30,7 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     if carriers.iter().all(inside) {
         return true;
     }
-    // The function of λ that is minimized, and its slope.
+    // The value and the gradient of the function of λ that is minimized.
     let state_at = |multiplier: DVec3| {
         let (mut value, mut slope) = (-multiplier.dot(total), -total);
         for carrier in carriers.iter() {
@@ -46,14 +46,14 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
     };
     let weight_n: f64 = carriers.iter().map(|carrier| carrier.weight_n).sum();
     let is_minimum = |state: &State| state.slope.length() <= 1e-13 * total.length();
-    // If there is no solution λ grows without bound: no cone lets a taxel carry a thousand times the whole force.
+    // If there is no solution, λ grows without bound. In a solution no taxel carries a thousand times the total force.
     let diverges = |state: &State| state.multiplier.length() * weight_n > 1e3 * total.length();
     let newton_step = |state: &State| {
         if is_minimum(state) || diverges(state) {
             return None;
         }
-        // Where every cone's apex is the nearest point the curvature is zero; this regularization, which vanishes
-        // towards the minimum, leads out of there.
+        // The curvature is zero where the apex of every cone is the nearest point. This regularization leads out of
+        // that region, and it vanishes towards the minimum.
         let mut curvature = DMat3::IDENTITY * (1e-3 * weight_n * state.slope.length() / total.length());
         for carrier in carriers.iter() {
             curvature += project(carrier, friction, state.multiplier).1 * carrier.weight_n;
@@ -82,7 +82,7 @@ struct State {
     slope: DVec3,
 }
 
-/// Several times as many as a solution needs.
+/// Limit of the Newton steps: several times as many as a solution needs.
 const NEWTON_STEPS: usize = 60;
 
 /// Accepts the forces that a multiplier gives, if they add up.
@@ -136,7 +136,7 @@ fn outer(vector: DVec3) -> DMat3 {
 pub fn solve_symmetric(matrix: DMat3, right: DVec3) -> DVec3 {
     let matrix = Matrix3::from_column_slice(&matrix.to_cols_array());
     let right = Vector3::new(right.x, right.y, right.z);
-    // Nearly always far from singular, and then ten times as fast as with eigenvectors.
+    // The matrix is nearly always far from singular, and then this is ten times as fast as with eigenvectors.
     if let Some(factor) = matrix.cholesky()
         && factor.l_dirty().diagonal().min().powi(2) > 1e-9 * matrix.diagonal().amax()
     {
@@ -176,8 +176,8 @@ mod tests {
     const MU: f64 = 0.35;
 
     proptest! {
-        /// Pins forces in their cones to 1e-6 with their sum kept to 1e-9 wherever there is such a set of forces (the
-        /// case is made from one), and no larger a change than to that set: it is the smallest.
+        /// Pins that the forces end up in their cones to 1e-6, with their sum kept to 1e-9, whenever such a set of
+        /// forces exists (each case is made from one), and that they change no more than they would to reach that set.
         #[test]
         fn forces_move_into_their_cones(taxels in prop::collection::vec(taxel(), 2..20)) {
             let total: DVec3 = taxels.iter().map(|(_, force, ..)| *force).sum();

@@ -1,4 +1,4 @@
-//! What the errors of this crate mean to whoever asked for the work.
+//! Maps the errors of this crate to [`Fault`].
 
 use underbrush_recording::fault::Fault;
 

@@ -6,8 +6,8 @@ use parry3d::query::{self, details::closest_points_segment_segment_with_location
 use parry3d::shape::{Segment, Shape, SharedShape};
 use underbrush_recording::{BodyShape, Pose};
 
-/// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in that shape's frame; `None` for
-/// a hull without volume.
+/// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in the frame of the given shape;
+/// `None` for a hull without volume.
 pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
     // Parry's cylinders and capsules lie along y, ours along z.
     let along_z = Pose::from_orientation(DQuat::from_scaled_axis(DVec3::X * std::f64::consts::FRAC_PI_2));
@@ -75,12 +75,12 @@ pub fn signed_distance_m(shape: &dyn Shape, pose: &Pose, point: DVec3) -> f64 {
     if projection.is_inside { -distance } else { distance }
 }
 
-/// The pose as parry's own type.
+/// Converts a pose to parry's own type.
 pub(crate) fn parry_pose(pose: &Pose) -> ParryPose {
     ParryPose::from_parts(pose.position, pose.orientation)
 }
 
-/// A pose of parry's or of the engine's.
+/// Converts a pose of parry or of the engine.
 pub(crate) fn from_parry(pose: &ParryPose) -> Pose {
     Pose::new(pose.translation, pose.rotation)
 }
@@ -234,8 +234,8 @@ mod tests {
         min
     }
 
-    /// A second segment for a first one: any; a point; on the same line, apart or overlapping; parallel; or sharing an
-    /// end.
+    /// A second segment for a first one, by kind: any; a point; on the same line, apart or overlapping; parallel; or
+    /// sharing an end.
     fn second(a: DVec3, b: DVec3, kind: u8, c: DVec3, d: DVec3, s: f64) -> (DVec3, DVec3) {
         match kind {
             0 => (c, d),

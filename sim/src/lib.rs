@@ -2,12 +2,12 @@
 //!
 //! | step | where |
 //! |---|---|
-//! | what could be there: a scene file with ranges | [`scene`] |
-//! | what is there: one draw of it from a seed | [`clutter`], [`object`], [`seed`] |
+//! | a scene file with the ranges to draw from | [`scene`] |
+//! | one draw of the scene from a seed | [`clutter`], [`object`], [`seed`] |
 //! | the arm and its skin, from files | [`arm`] |
 //! | arm and clutter in the physics engine: equilibrium angles in, one report of the frame out | [`simulation`] |
-//! | contacts spread over taxels, and what the sensor makes of them | [`skin`], [`sensor`] |
-//! | equilibrium angles from what is felt | [`controller`] |
+//! | contacts spread over taxels, and the sensor's readings | [`skin`], [`sensor`] |
+//! | equilibrium angles from the sensed forces | [`controller`] |
 //! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
 //! | a reach as an environment for an agent that learns | [`environment`] |
 

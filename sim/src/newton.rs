@@ -48,8 +48,8 @@ mod tests {
         (found, looked.get())
     }
 
-    /// Pins that the line search leads to the minimum from where the undamped method diverges: for ln cosh x that is
-    /// |x| > 1.09, where each full step goes farther away.
+    /// Pins that the line search leads to the minimum from starts at which the undamped method diverges. For ln cosh x
+    /// these are |x| > 1.09, where each full step goes farther away.
     #[test]
     fn a_step_that_overshoots_is_shortened() {
         for start in [0.5, 1.0, 2.0, -3.0] {

@@ -1,6 +1,6 @@
 //! The physics engine's name and the options of its step.
 
-/// Name and version of the engine, for provenance. A test compares the version with that of the lock file.
+/// Name and version of the engine, for provenance. A test compares the version with the lock file.
 pub const ENGINE: &str = "rapier3d-f64 0.36.1, enhanced-determinism";
 
 /// Step and solver options of the engine; recorded in the provenance of every data set.

@@ -133,7 +133,7 @@ impl Quantity {
                 return Some((self.draw.to_string(), "the lower bound first".into()));
             }
             Draw::Uniform(low, high) => within(low) && within(high),
-            // A wider one would be a uniform range in all but name, and nearly all its draws would be rejected.
+            // A wider distribution would be nearly uniform, and nearly all its draws would be rejected.
             Draw::Normal(_, deviation) if !(0.0..=limits.1 - limits.0).contains(&deviation) => {
                 let allowed = format!("a standard deviation from 0 to {}", short(limits.1 - limits.0));
                 return Some((self.draw.to_string(), allowed));

@@ -27,17 +27,17 @@ mod tests;
 /// Watches a reach: called once in each frame.
 pub type Observer<'a> = dyn FnMut(&Simulation, &Frame) + 'a;
 
-/// Asked in each frame whether to give up the reach.
+/// Called in each frame; returns whether to abandon the reach.
 pub type Stop<'a> = dyn Fn() -> bool + 'a;
 
-/// A reach under way.
+/// A running reach.
 struct Reach<'a> {
     plan: &'a ReachPlan,
     stop: &'a Stop<'a>,
     simulation: Simulation,
     steering: Steering,
     log: ReachLog,
-    /// What aborted the last attempt, if its force exceeded the stop force.
+    /// The contact that aborted the last attempt, if its force exceeded the stop force.
     safety_stop: Option<SafetyStop>,
 }
 
@@ -103,7 +103,7 @@ impl<'a> Reach<'a> {
         })
     }
 
-    /// Drives the end effector towards `target` until one of the rules ends the attempt. The frames name the goal.
+    /// Drives the end effector towards `target` until one of the rules ends the attempt. The frames record `goal`.
     fn go(
         &mut self,
         target_world: DVec3,
@@ -128,7 +128,7 @@ impl<'a> Reach<'a> {
             self.steering.observe(&frame);
             self.steering.control(&self.plan.arm, report, target_world)?;
             let equilibrium_rad = self.steering.equilibrium_rad();
-            // The angles that the arm is given now.
+            // The frame holds the angles that the arm is given now.
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);
             let frame = self.log.record(&self.simulation, frame);
             observer(&self.simulation, frame);

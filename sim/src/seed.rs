@@ -22,7 +22,8 @@ mod tests {
     use super::stream;
     use rand::Rng;
 
-    /// Pins that each of the four parts makes a stream of its own, and the same four the same stream.
+    /// Pins that a change of any of the four arguments gives another stream, and that the same arguments give the same
+    /// stream.
     #[test]
     fn streams_differ_in_every_part() {
         let first = |seed, scene, reach, purpose| stream(seed, scene, reach, purpose).next_u64();

@@ -5,14 +5,15 @@
 //! pressed by p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the
 //! gap g_j to the sub-point along the contact's normal (negative where they overlap; the distance if it is beside the
 //! object). It is moved by a further depth δ and two tilts t, so h_j = δ + t·x_j − g_j, where x_j is the sub-point's
-//! place in the tangent plane of the contact. δ and t are those for which the pressures add up to the solver's normal
-//! force and to its moment about the tangents: the minimum of a convex, piecewise quadratic energy, found by Newton's
-//! method. They are small, and stand for the loss of the layer, for movement within a frame and for taxels that do not
-//! cover all of the contact. What the taxels' normals cannot carry (friction, and the sideways rest on a curved skin)
-//! is spread as shear in proportion to pressure, so that the vector sum over the taxels is the solver's force. If this
-//! takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as little as possible
-//! (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all pressed taxels lie
-//! on one side of the contact's normal, as a single taxel or column may; the shear then stays as it is.
+//! place in the tangent plane of the contact. δ and t are chosen so that the pressures add up to the solver's normal
+//! force and to its moment about the tangents. They are at the minimum of a convex, piecewise quadratic energy, which
+//! Newton's method finds. δ and t are small, and account for the loss of the layer, for movement within a frame and for
+//! taxels that do not cover all of the contact. What the taxels' normals cannot carry (friction, and the sideways rest
+//! on a curved skin) is spread as shear in proportion to pressure, so that the vector sum over the taxels is the
+//! solver's force. If this takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as
+//! little as possible (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all
+//! pressed taxels lie on one side of the contact's normal, as a single taxel or column may; the shear then stays as it
+//! is.
 
 use glam::{DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -57,7 +58,7 @@ pub struct SkinPatch {
     pub surface: Surface,
 }
 
-/// One contact point as the solver saw it, between a link and one collision shape of an object.
+/// One contact point of the solver, between a link and one collision shape of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Position, m, link frame.
@@ -81,7 +82,7 @@ pub struct TaxelForce {
     pub shear_link: DVec3,
 }
 
-/// What [`SkinPatch::spread`] works on. It is kept from contact to contact, so that a frame allocates nothing.
+/// Buffers of [`SkinPatch::spread`]. They are kept from contact to contact, so that a frame allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct SpreadBuffers {
     faces: Faces,
@@ -92,7 +93,7 @@ pub struct SpreadBuffers {
     forces: Vec<TaxelForce>,
 }
 
-/// The layer looks for indented taxels this much farther from a contact than its radius, m: by more than a taxel's
+/// Indented taxels are searched for this much farther from a contact than its radius, m. It is more than a taxel's
 /// diagonal.
 const SEARCH_MARGIN_M: f64 = 0.015;
 
@@ -141,8 +142,8 @@ impl SkinPatch {
     }
 
     /// Spreads the contacts between this patch and one collision shape with the surface `object` over the taxels.
-    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts. What
-    /// `buffers` holds does not matter.
+    /// `shape_pose` is the shape's pose in the link frame. The forces returned add up to those of the contacts. The
+    /// contents of `buffers` do not matter.
     pub fn spread<'a>(
         &self,
         contacts: &[ContactPoint],
@@ -182,7 +183,7 @@ impl SkinPatch {
         cells.extend(under.map(|point| {
             let offset = point.position_link - center;
             let place = DVec2::new(offset.dot(across), offset.dot(along));
-            // Beside an edge, the layer is dragged along as far as it is away from it.
+            // Beside the shape, the gap is the distance from it, because its edge drags the layer along.
             let surface_m = chords.and_then(|chords| chords.at(place, End::Leaves).end_m());
             let gap = surface_m.map_or_else(
                 || signed_distance_m(shape, shape_pose, point.position_link),
@@ -243,7 +244,7 @@ impl SkinPatch {
             weight_n: *force,
             force: tangent_plane(*taxel, shear) * *force - normal(*taxel) * (force * scale),
         }));
-        // If that is impossible, the taxels keep what the solver gave them.
+        // If that is impossible, the forces stay as they are.
         within_cones(carriers, friction, total);
         let carried = taxels
             .iter()
@@ -293,7 +294,7 @@ fn is_facing(normal_link: DVec3, inward: DVec3) -> bool {
 struct Cell {
     taxel: usize,
     gap: f64,
-    /// (1, x₁, x₂): the derivative of its indentation by depth and tilts.
+    /// (1, x₁, x₂): the derivative of its indentation with respect to depth and tilts.
     place: Vector3<f64>,
     stiffness: f64,
     /// Share of its pressure that acts along the contact's normal.
@@ -311,8 +312,8 @@ impl Cell {
 /// The scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
 
-/// Depth and tilts of a rigid shape that is pressed on the cells with `force` (N) through the origin; `None` without
-/// cells.
+/// Depth and tilts of a rigid shape that is pressed on the cells with `force` (N) through the origin; `None` if there
+/// are no cells.
 fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
     let nearest = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp)?;
     let stiffness: f64 = cells.iter().map(|cell| cell.stiffness * cell.share).fold(0.0, f64::max);
@@ -325,7 +326,7 @@ fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
             .sum();
         0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
     };
-    // Deep enough that at least one cell is in touch, so that the first Newton step has a slope.
+    // Deep enough that at least one cell is pressed, so that the first Newton step has a slope.
     let start = Vector3::new(nearest + force / stiffness, 0.0, 0.0);
     let newton_step = |(pose, _): &(Vector3<f64>, f64)| {
         let mut slope = cost * pose - load;

@@ -22,13 +22,13 @@ pub struct Snapshot {
 pub struct ObjectShapes {
     /// Its category.
     pub category: Category,
-    /// Its shapes, but for those of the blade.
+    /// Its shapes, except those of the blade.
     pub capsules: Vec<Capsule>,
     /// The blade of a leaf.
     pub blade: Option<Blade>,
 }
 
-/// A thin blade that bends at hinges: rigid pieces, each of which begins where the one before it ends.
+/// A thin blade that bends at hinges: rigid pieces, each of which begins at the end of the one before it.
 #[derive(Clone, Debug)]
 pub struct Blade {
     /// Width, m.

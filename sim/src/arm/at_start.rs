@@ -1,4 +1,4 @@
-//! An arm in its start posture: what is needed to draw a clutter.
+//! An arm in its start posture, with everything that is needed to draw a clutter.
 
 use glam::DVec3;
 use underbrush_recording::Pose;
@@ -87,7 +87,7 @@ fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
     )
 }
 
-/// Where the first patch on a moving link lies; without any, the axis of the whole arm.
+/// Where the first patch on a moving link lies; if there is none, the axis of the whole arm.
 fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
     let length_m = path_length_m(chain);
     let whole = SkinAlongArm {

@@ -36,7 +36,7 @@ pub(super) struct ArmFile {
     /// One table for each moving joint of the chain.
     #[schemars(with = "Vec<JointTable>", length(min = 1))]
     joint: Vec<Spanned<JointTable>>,
-    /// Convex collision shapes, beside those of the URDF.
+    /// Convex collision shapes, in addition to those of the URDF.
     #[serde(default)]
     #[schemars(with = "Vec<HullTable>")]
     hull: Vec<Spanned<HullTable>>,

@@ -1,8 +1,9 @@
 //! The arm as data: a serial chain of links on compliant revolute joints, with tactile skin.
 //!
 //! An arm is described by three files. A URDF holds what URDF can express (links, inertia, joint axes, limits,
-//! collision shapes). A TOML file that names it holds the rest (springs, dampers, the controller's model stiffness,
-//! start posture, convex hulls). A skin file places patches of taxels on links. The robot Cody ships as such files.
+//! collision shapes). A TOML file that names the URDF holds the rest (springs, dampers, the controller's model
+//! stiffness, start posture, convex hulls). A skin file places patches of taxels on links. The robot Cody ships as such
+//! files.
 
 use std::path::Path;
 
@@ -59,7 +60,7 @@ pub struct ArmSource {
 /// One rigid link. The origin of its frame is at the joint that carries it.
 #[derive(Clone, Debug)]
 pub struct Link {
-    /// Name in the URDF; of rigidly joined links, the name of the one closest to the base.
+    /// Name in the URDF; for rigidly joined links, the name of the one closest to the base.
     pub name: String,
     /// Mass, kg; 0 for a base without inertia.
     pub mass_kg: f64,
@@ -103,7 +104,7 @@ pub struct Joint {
     pub armature_kg_m2: f64,
     /// Stiffness in the controller's model of the arm, Nm/rad.
     pub model_stiffness_nm_per_rad: f64,
-    /// Limits of q that the controller observes, rad.
+    /// Limits of q that the controller respects, rad.
     pub controller_limits_rad: [f64; 2],
     /// Angle at the start of a reach, rad.
     pub start_rad: f64,
@@ -183,8 +184,8 @@ impl Arm {
 
 /// The layout of a skin's taxels, from the TOML file of an arm or from a skin file alone.
 ///
-/// From an arm's file, the frame of a patch is that of the moving link that carries it, as in recordings of the arm.
-/// From a skin file, it is the frame of the link that the file names.
+/// If the file is an arm's, a patch is in the frame of the moving link that carries it, as in recordings of the arm. If
+/// it is a skin file, a patch is in the frame of the link that the file names.
 ///
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.

@@ -8,7 +8,7 @@ use underbrush_recording::{SkinLayout, Taxel};
 /// All tactile skin of an arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
-    /// Positions of the taxels; the frame of a patch is that of its link.
+    /// Positions of the taxels, m, each patch in the frame of its link.
     pub layout: SkinLayout,
     /// The surface under each patch, in the layout's order.
     pub surfaces: Vec<PatchSurface>,
@@ -116,7 +116,7 @@ pub const FACING_COSINE: f64 = 0.5;
 /// taxels of a skin are a few centimetres apart at most; farther apart they are separate sensors.
 const MAX_REACH_M: f64 = 0.05;
 
-/// Largest distance from the nearest taxel's centre at which a contact point still is on the patch, m.
+/// Largest distance from the nearest taxel's centre at which a contact point is still on the patch, m.
 ///
 /// It is the distance between neighbouring centres, because the cover extends across the gaps between taxels and a
 /// little beyond the outermost ones. A taxel's own corners always belong to the skin, even if it has no neighbour.

@@ -24,14 +24,14 @@ pub(super) struct SkinFile {
     #[serde(default = "default_loss_time_s")]
     #[schemars(transform = Within(limits::LOSS_TIME_S))]
     loss_time_s: f64,
-    /// The patches. The first one is what the command line uses where no other is named.
+    /// The patches. The command line uses the first one if no other is named.
     #[serde(default)]
     #[schemars(with = "Vec<PatchTable>")]
     patch: Vec<Spanned<PatchTable>>,
 }
 
-/// Soft rubber and foam rubber: their loss factor is 0.05 to 0.3 at the frequencies of touch, some 10 to 20 Hz, which
-/// is a loss time of 1 to 2 ms.
+/// Loss time of soft rubber and foam rubber, s: their loss factor is 0.05 to 0.3 at the frequencies of touch, about 10
+/// to 20 Hz, which is a loss time of 1 to 2 ms.
 fn default_loss_time_s() -> f64 {
     0.002
 }
@@ -153,8 +153,9 @@ struct PatchTaxels {
     offsets: Vec<usize>,
 }
 
-/// Reads the taxels of a patch in the frame that the file names, and the shape of its surface in the link's frame, in
-/// which that frame has the pose `pose`. The patch's name must differ from those of `earlier` patches.
+/// Reads the taxels of a patch in the frame that the file names, and the shape of its surface in the frame of the
+/// moving link. `pose` is the pose of the first frame in the second. The patch's name must differ from those of
+/// `earlier` patches.
 fn patch_taxels(
     source: &Source,
     table: &Spanned<PatchTable>,
@@ -253,7 +254,7 @@ fn cylinder_taxels(
     let row_0 = DVec3::from_array(table.row_0_m);
     let axis = source.direction(start, "patch.cylinder.axis", table.axis)?;
     let zero = source.direction(start, "patch.cylinder.zero_angle", table.zero_angle)?;
-    // Closer than a thousandth to the axis, the direction across it would be mostly rounding error.
+    // If it is closer to the axis than this, the direction across the axis would be mostly rounding error.
     let Some(zero) = Some(zero.reject_from_normalized(axis))
         .filter(|across| across.length() > 1e-3)
         .and_then(DVec3::try_normalize)
@@ -358,7 +359,7 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
                 return Err(source.fault_after(at, &place("area_m2"), "none", allowed));
             }
         };
-        // Along the link's z axis, or along its x axis if z is the normal.
+        // The tangent follows the link's z axis, or its x axis if z is the normal.
         let along = DVec3::Z.reject_from_normalized(normal_link);
         let along = if along.length() > 1e-6 { along } else { DVec3::X };
         let tangent_link = along.reject_from_normalized(normal_link).normalize();

@@ -1,4 +1,4 @@
-//! Tests of the arm: its files, its kinematics.
+//! Tests of the arm's files and kinematics.
 
 use std::path::Path;
 

@@ -291,7 +291,7 @@ impl<'a> Reader<'a> {
         let matrix = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let mut moments = matrix.symmetric_eigenvalues();
         moments.as_mut_slice().sort_by(f64::total_cmp);
-        // Values rounded to a few digits may violate the triangle inequality by that rounding.
+        // Values that are rounded to a few digits may violate the triangle inequality slightly.
         let within = moments.iter().all(|moment| limits::INERTIA_KG_M2.hold(*moment));
         if !within || moments[2] > (moments[0] + moments[1]) * 1.001 {
             let found = format!("principal moments {:e}, {:e}, {:e}", moments[0], moments[1], moments[2]);

@@ -114,8 +114,8 @@ impl<'a> Elements<'a> {
         Ok(elements)
     }
 
-    /// The line of the element at `path`, such as `inertial.mass`, in the link or joint of a name, or else of the
-    /// closest element around it.
+    /// The line of the element at `path`, such as `inertial.mass`, in the link or joint called `name`. If there is no
+    /// such element, the line of the closest element around it.
     pub(super) fn line(&self, kind: &str, name: &str, path: &str) -> Option<usize> {
         let mut owners = self.owners();
         let mut element =
@@ -186,7 +186,7 @@ fn children<'a, 'input>(element: Node<'a, 'input>) -> impl Iterator<Item = Node<
     element.children().filter(Node::is_element)
 }
 
-/// The value of an attribute, in whatever namespace, as urdf-rs reads it.
+/// The value of an attribute in any namespace, as urdf-rs reads it.
 fn attribute<'a>(element: Node<'a, '_>, key: &str) -> Option<&'a str> {
     let found = element.attributes().find(|attribute| attribute.name() == key);
     found.map(|attribute| attribute.value())

@@ -5,13 +5,13 @@
 //! * the **actuators** move the rest angles of the springs from φ₀ to φ₁ at the joint angles q₀, which takes the work
 //!   Σ ½ K ((φ₁ − q₀)² − (φ₀ − q₀)²);
 //! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for a constant acceleration;
-//! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the link's point under it.
-//!   This includes losses by friction and contact damping, and what the objects store and lose;
+//! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the point of the link on
+//!   which it acts. This includes losses by friction and contact damping, and what the objects store and lose;
 //! * the **integrator** dissipates energy numerically. For one step h of the implicit Euler rule on M v̇ = −K x,
 //!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v.
 //!
 //! The rest is the residual: impacts within a step, and gyroscopic terms. Steps that begin or end with a joint at a
-//! mechanical limit are left out, because no term holds the work of a stop.
+//! mechanical limit are left out, because no term accounts for the work of a stop.
 
 use glam::DVec3;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
@@ -99,13 +99,13 @@ impl ArmState {
 pub struct EnergySums {
     /// Work of the actuators.
     pub actuators_j: f64,
-    /// The same with the absolute value of every step: the scale of the residual.
+    /// Sum of the absolute values of the actuators' work in each step: the scale of the residual.
     pub exchanged_j: f64,
-    /// Growth of kinetic and spring energy.
+    /// Increase of kinetic and spring energy.
     pub stored_j: f64,
     /// Taken by the joints' dampers.
     pub dampers_j: f64,
-    /// Passed to what the arm touches: friction, contact damping, objects.
+    /// Work done on the contacts: friction, contact damping, objects.
     pub contacts_j: f64,
     /// Dissipated by the integrator itself, an estimate.
     pub integrator_j: f64,
@@ -147,7 +147,7 @@ impl EnergyBalance {
         &self.now.joints
     }
 
-    /// Takes an engine step, with its contacts.
+    /// Observes an engine step with its contacts.
     pub fn observe_step(&mut self, step: &StepReport) {
         let arm = step.arm;
         std::mem::swap(&mut self.last, &mut self.now);

@@ -1,4 +1,4 @@
-//! The audit of a reach: how large the errors of its physics were, and the bounds that they should keep.
+//! The audit of a reach: how large the errors of its physics were, and the bounds within which they should stay.
 
 use glam::DVec3;
 use underbrush_recording::{Audit, AuditField, FRAME_PERIOD_S, SkinLayout};
@@ -72,8 +72,8 @@ const REST_FRAMES: u32 = 10;
 /// Largest relative difference between springs and contacts at rest.
 const STATIC_RESIDUAL: f64 = 0.05;
 
-/// Contacts that exert less torque than this on the joints are too weak to compare with, Nm. The torque that the arm's
-/// strongest damper may exert while the arm counts as resting is the allowed share of it. 0.69 Nm for Cody.
+/// Contacts that exert less torque than this on the joints are too weak to compare with, Nm. It is the torque that the
+/// arm's strongest damper may exert while the arm counts as resting, divided by the allowed residual: 0.69 Nm for Cody.
 fn min_contact_torque_nm(arm: &Arm) -> f64 {
     let dampers = arm.joints.iter().map(|joint| joint.damping_nm_s_per_rad);
     REST_RATE_RAD_PER_S * dampers.fold(0.0, f64::max) / STATIC_RESIDUAL
@@ -120,7 +120,7 @@ impl Jump {
 }
 
 impl Auditor {
-    /// An auditor of a simulation from now on.
+    /// An auditor that observes a simulation from now on.
     pub fn new(simulation: &Simulation) -> Self {
         let arm = simulation.arm();
         let joints = simulation.report().joints.iter();
@@ -157,7 +157,7 @@ impl Auditor {
         &self.energy
     }
 
-    /// Takes an engine step, with its contacts.
+    /// Observes an engine step with its contacts.
     pub fn observe_step(&mut self, step: &StepReport) {
         self.energy.observe_step(step);
         let audit = &mut self.audit;
@@ -171,7 +171,7 @@ impl Auditor {
         audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
     }
 
-    /// Takes a frame of `arm` that is about to be recorded.
+    /// Observes a frame of `arm` that is about to be recorded.
     pub fn observe_frame(&mut self, arm: &Arm, report: &FrameReport) {
         let audit = &mut self.audit;
         audit.largest_force_residual = audit.largest_force_residual.max(report.tactile.force_residual);
@@ -196,7 +196,8 @@ impl Auditor {
         let contact_torque_nm = report.contact_torque_nm(arm);
         let (mut torque, mut missing) = (0.0, 0.0);
         for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&contact_torque_nm) {
-            // At a mechanical stop, which is compliant, the stop carries the rest.
+            // A joint at a mechanical stop, which is compliant, is left out, because the stop carries a part of the
+            // torque.
             let [lower, upper] = joint.limits_rad;
             if lower + 1e-3 < state.angle_rad && state.angle_rad < upper - 1e-3 {
                 let spring_nm = joint.stiffness_nm_per_rad * (state.rest_angle_rad - state.angle_rad);

@@ -115,7 +115,7 @@ fn bounds_follow_the_arm_and_its_skin() {
     assert!(moment_m(&forearm) < 0.015, "{}", moment_m(&forearm));
 }
 
-/// Pins the jump of a force: the largest change of the sum over one link, scaled.
+/// Pins the jump of a force: the largest change of the summed and scaled force on one link.
 #[test]
 fn jumps_are_changes_of_a_links_force() {
     let contact = |link: usize, force: f64| Contact {

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 /// The simulation's poses of the bodies of every object in one frame.
 type ObjectPoses = Vec<Vec<Pose>>;
 
-/// The first goal of a shipped scene, with the poses of the bodies that have shapes, frame by frame.
+/// A reach for one goal in a shipped scene, with the poses of the bodies that have shapes, frame by frame.
 fn watched(scene: &str) -> (ReachPlan, Recording, Vec<ObjectPoses>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(scene);
     let mut scene = Scene::load(path).unwrap();
@@ -91,8 +91,8 @@ fn stored_link_poses_follow_from_the_joint_angles() {
     assert!(recording.bodies[1].track.len() > 10, "the arm moves");
 }
 
-/// Pins the objects in the table of bodies: as many pieces as a leaf has, a trunk that is one fixed capsule of its
-/// height and diameter, a block as one box of its size.
+/// Pins the bodies of each object: a leaf has all of its pieces, a trunk is one fixed capsule of its height and
+/// diameter, and a block is one box of its size.
 #[test]
 fn bodies_have_the_shapes_of_their_objects() {
     let (_, recording, _) = watched("mixed.toml");

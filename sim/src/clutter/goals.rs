@@ -77,8 +77,7 @@ pub(super) fn draw_goals(
     Ok(goals)
 }
 
-/// Whether the skin meets a plant on the way, for an arm that is taken to be stretched from the shoulder to the end
-/// effector.
+/// Whether the skin meets a plant on the way, if the arm is taken to be straight from the shoulder to the end effector.
 ///
 /// This looks at the first patch of skin and not at the hand, because that patch is the one that is classified: an
 /// operator picks goals that bring it among plants.

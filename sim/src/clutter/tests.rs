@@ -65,8 +65,8 @@ fn goals_keep_their_distance_from_a_trunk() {
     assert!(draw(&goal_beside_a_trunk(0.579), &slimmer).is_ok());
 }
 
-/// Pins that a goal must bring the skin to a plant: with the trunk 8.1 cm behind the end effector, skin that begins
-/// farther back, or passes by at more than its radius, is not enough.
+/// Pins that a goal must bring the skin to a plant: with the trunk 8.1 cm behind the end effector, skin that ends
+/// before the trunk or begins behind it by more than the skin's radius is not enough.
 #[test]
 fn goals_bring_the_skin_to_a_plant() {
     let skin = |behind_end_effector_m, radius_m| ArmAtStart {
@@ -87,7 +87,7 @@ fn goals_bring_the_skin_to_a_plant() {
     assert!(draw(&scene, &skin([0.12, 0.13, 0.14], 0.020)).is_ok());
 }
 
-/// Pins that goals beyond the reach of the arm are refused, and the text says how many were.
+/// Pins that goals beyond the reach of the arm are refused, and that the error says how many were.
 #[test]
 fn goals_are_within_reach() {
     let goal = |x_m: f64| format!("goals = {{ count = 2, x_m = {x_m}, y_m = 0.0, z_m = 0.0 }}\n");
@@ -176,7 +176,7 @@ fn groups_without_room_are_refused() {
 }
 
 /// Pins the random streams: seed, scene name and index of the reach each change the clutter, options of goals do not
-/// change the objects, and a larger number of goals begins with the same ones.
+/// change the objects, and a larger number of goals begins with the same goals.
 #[test]
 fn streams_are_apart() {
     let text = |goals: u32| {
@@ -204,9 +204,9 @@ fn streams_are_apart() {
     assert_eq!((more.0, more.1[0], more.1.len()), (first.0, first.1[0], 3));
 }
 
-/// Pins the properties of the arm on which goals depend. Cody's forearm skin, from its files: rows 94.2 to 256.2 mm
-/// from the elbow axis, which is 278.53 mm from the wrist, 270 mm behind the end effector, at a radius of 46.04 mm; a
-/// flipper of 41 mm half thickness.
+/// Pins the properties of the arm on which goals depend. According to Cody's files, the rows of the forearm's skin are
+/// 94.2 to 256.2 mm from the elbow axis, which is 278.53 mm from the wrist; the wrist is 270 mm behind the end
+/// effector. The skin's radius is 46.04 mm, and half the thickness of the flipper is 41 mm.
 #[test]
 fn goals_know_the_arm_and_its_skin() {
     let cody = Arm::cody().unwrap();
@@ -229,8 +229,7 @@ fn goals_know_the_arm_and_its_skin() {
         start.hand_half_thickness_m
     );
 
-    // The same arm with the flipper's patch as the first: its skin ends at the end effector and is as far from the axis
-    // as its taxels.
+    // The same arm with the flipper's patch as the first: its skin ends at the end effector.
     let mut hand = cody.clone();
     hand.skin.layout.patches.swap(0, 1);
     hand.skin.surfaces.swap(0, 1);

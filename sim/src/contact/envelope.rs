@@ -1,7 +1,9 @@
-//! LU factorization of a matrix whose rows begin at their first non-zero column, and its columns at the same rows.
+//! LU factorization within an envelope: row i of the matrix begins at its first non-zero column f(i), and column i
+//! begins at row f(i).
 
-/// A square matrix with a symmetric pattern: each row of its lower triangle from its first column on, and each column of its
-/// upper triangle from the same row on. The factorization fills nothing outside of it. It does not pivot.
+/// A square matrix with a symmetric pattern: each row of its lower triangle from its first column on, and each column
+/// of its upper triangle from the same row on. The factorization fills no entry outside this pattern. It does not
+/// pivot.
 #[derive(Clone, Debug, Default)]
 pub struct Envelope {
     /// First column of each row.
@@ -48,8 +50,9 @@ impl Envelope {
         [&mut self.lower[range.clone()], &mut self.upper[range]]
     }
 
-    /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's diagonal on
-    /// the diagonal. Returns whether all of U's diagonal is positive, as that of a positive definite matrix is.
+    /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's
+    /// diagonal on the diagonal. Returns whether all of U's diagonal is positive, as it is for a positive definite
+    /// matrix.
     pub fn factorize(&mut self) -> bool {
         for row in 0..self.first.len() {
             let first = self.first[row];
@@ -76,7 +79,7 @@ impl Envelope {
         true
     }
 
-    /// Solves for the right side `x`, in place, once factorized.
+    /// Solves for the right-hand side `x` in place. The matrix must have been factorized.
     pub fn solve(&self, x: &mut [f64]) {
         for row in 0..self.first.len() {
             let first = self.first[row];
@@ -94,7 +97,7 @@ impl Envelope {
     }
 }
 
-/// Four sums side by side, which the compiler turns into vector instructions; in a fixed order.
+/// The dot product, as four sums side by side that the compiler turns into vector instructions. Their order is fixed.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));

@@ -6,11 +6,12 @@
 //! column closes only during the step (h < 0), loss acts for the part of the step in which it is closed:
 //! Δt k a · max(0, (1 + τ/Δt) h − (Δt + τ) v). Both are slopes of convex functions of v.
 //!
-//! Friction acts at the patch's centre of pressure, on the slip (v₁, v₂) there and on the angular velocity ω about the normal.
-//! It is Coulomb's, for a patch whose limit surface is an ellipsoid (Howe & Cutkosky, "Practical force-motion models for
-//! sliding manipulation", 1996): the vector (f₁, f₂, moment/r) is opposite to (v₁, v₂, r ω) and has the magnitude μ N, where r
-//! is the mean distance of the pressure from its centre. A patch that sticks gives way elastically by [`STICTION_M`] before it
-//! slips, as surfaces with asperities do. The displacement is kept from step to step, so a patch that sticks does not creep.
+//! Friction acts at the patch's centre of pressure, on the slip (v₁, v₂) there and on the angular velocity ω about the
+//! normal. It is Coulomb friction for a patch whose limit surface is an ellipsoid (Howe & Cutkosky, "Practical
+//! force-motion models for sliding manipulation", 1996): the vector (f₁, f₂, moment/r) is opposite to (v₁, v₂, r ω) and
+//! has the magnitude μ N, where r is the mean distance of the pressure from its centre. A patch that sticks gives way
+//! elastically by [`STICTION_M`] before it slips, as surfaces with asperities do. The displacement is kept from step to
+//! step, so a patch that sticks does not creep.
 
 use glam::{DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -29,8 +30,8 @@ pub type NormalSpeeds = Vector3<f64>;
 /// Slip of the first body against the second along the two tangents, m/s, and r times the angular velocity about the normal.
 pub type SlipSpeeds = Vector3<f64>;
 
-/// What the law returns for a velocity: the impulse on the first body (N s, and N m s), and minus its derivative by the
-/// velocity, which is symmetric and positive semidefinite.
+/// What the law returns for a velocity: the impulse on the first body (N s, and N m s), and minus its derivative with
+/// respect to the velocity, which is symmetric and positive semidefinite.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Response {
     /// Impulse.
@@ -49,7 +50,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// The overlap that a column presses with if the surfaces do not part or approach, m.
+    /// The overlap with which a column presses if the surfaces neither part nor approach, m.
     fn pressed_m(&self, overlap_m: f64) -> f64 {
         if overlap_m >= 0.0 {
             overlap_m
@@ -120,8 +121,8 @@ impl Law {
         displaced * (STICTION_M / displaced.norm().max(STICTION_M))
     }
 
-    /// Centre of pressure in the tangent plane, m, and the mean distance r of the pressure from it, m, at the parting speeds
-    /// `speeds`. If nothing presses there, those of the columns' areas.
+    /// Centre of pressure in the tangent plane, m, and the mean distance r of the pressure from it, m, at the parting
+    /// speeds `speeds`. If nothing presses at these speeds, the columns' areas count instead of the pressures.
     pub fn center_and_radius(&self, nodes: &[Node], speeds: &NormalSpeeds) -> (DVec2, f64) {
         let rate = self.step_s + self.interface.loss_time_s;
         let force = |node: &Node| {

@@ -1,10 +1,11 @@
 //! The patch on which two convex shapes overlap, as a few columns.
 //!
-//! The tangent plane of the contact is divided into columns along the contact's normal. The overlap of the undeformed shapes
-//! in a column is what the surfaces together must give way. For convex shapes the overlap is a concave function of the place
-//! in the plane, so the columns that overlap fill a convex region. It is integrated by Gauss-Legendre quadrature: strips
-//! across the region, and nodes along each strip. The rule is exact where the overlap is constant or quadratic along a strip
-//! (boxes, parabolic contacts of cylinders), and has an error of 3e-3 for an elliptic region.
+//! The tangent plane of the contact is divided into columns along the contact's normal. The overlap of the undeformed
+//! shapes in a column is the distance by which the two surfaces together must give way. For convex shapes the overlap
+//! is a concave function of the place in the plane, so the columns that overlap fill a convex region. It is integrated
+//! by Gauss-Legendre quadrature: strips across the region, and nodes along each strip. The rule is exact where the
+//! overlap is constant or quadratic along a strip (boxes, parabolic contacts of cylinders), and has an error of 3e-3
+//! for an elliptic region.
 
 use glam::{DVec2, DVec3};
 use parry3d::shape::{Shape, TypedShape};
@@ -52,15 +53,16 @@ const ALONG_STRIP: [(f64, f64); 3] = [
 /// the strip before it; `true` marks the one that starts from the middle again.
 const OUTWARDS: [(usize, bool); 5] = [(2, false), (1, false), (0, false), (3, true), (4, false)];
 
-/// Half an extent is first guessed as this, m; about that of a trunk under a few newtons.
+/// First guess of half an extent, m: about that of a trunk under a few newtons.
 const FIRST_EXTENT_M: f64 = 0.004;
 /// No patch is larger than this, m.
 const MAX_EXTENT_M: f64 = 1.0;
-/// Extents are found to half of this part of themselves.
+/// Extents are found to half of this relative error.
 const TOLERANCE: f64 = 1e-3;
-/// The middle of a strip at this part of the way to the end of the region leads farther towards the true end.
+/// The search for the true end of the region continues from the middle of a strip at this share of the way to the end
+/// found so far.
 const NEAR_END: f64 = 0.9;
-/// The end is found when it moves by less than this part of itself.
+/// The end is found when its distance changes by less than this share.
 const SETTLED: f64 = 1e-2;
 /// Trials for one extent. Bisection alone would need 40 at most.
 const MAX_TRIALS: usize = 60;
@@ -80,7 +82,7 @@ pub struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// Overwrites `faces`. `None` if a shape is none of those that links and objects are made of.
+    /// Overwrites `faces`. `None` if a shape is not one of those that links and objects are made of.
     pub fn new(pair: &Pair, plane: &Plane, faces: &'a mut [Faces; 2]) -> Option<Self> {
         let [first, second] = plane.tangents_world;
         let view = |side: usize| {
@@ -158,8 +160,9 @@ impl<'a> Columns<'a> {
         0.5 * (within + beyond)
     }
 
-    /// The end of the region of columns whose overlap is more than `over_m`, in the direction `along` of the first tangent. Where
-    /// the edge of the region is not at right angles to that tangent, the region goes on beside it.
+    /// The end of the region of columns whose overlap is more than `over_m`, in the direction `along` of the first
+    /// tangent. Where the edge of the region is not at right angles to that tangent, the region extends farther beside
+    /// it.
     fn end(&self, along: DVec2, over_m: f64, guess_m: f64) -> DVec2 {
         let mut end = along * self.extent_m(DVec2::ZERO, along, over_m, guess_m);
         for _ in 0..MAX_TRIALS {
@@ -184,7 +187,8 @@ impl<'a> Columns<'a> {
         end
     }
 
-    /// The columns whose overlap is more than `over_m`, added to `nodes`. None if the origin of the plane is not among them.
+    /// Adds the columns whose overlap is more than `over_m` to `nodes`. Adds none if the origin of the plane is not
+    /// among them.
     pub fn add_nodes(&self, over_m: f64, nodes: &mut Vec<Node>) {
         if !self.has_more_than(over_m, DVec2::ZERO) {
             return;
@@ -193,7 +197,7 @@ impl<'a> Columns<'a> {
         let lower_end = self.end(DVec2::NEG_X, over_m, upper_end.x);
         let (upper, lower) = (upper_end.x, lower_end.x);
         let at = |strip: usize| 0.5 * (upper + lower) + 0.5 * (upper - lower) * STRIPS[strip].0;
-        // Middle and half length of the strip before, and of the one in the middle.
+        // Middle and half length of the previous strip, and of the central one.
         let mut before = (0.0, FIRST_EXTENT_M);
         let mut central = before;
         for (strip, follows_center) in OUTWARDS {
@@ -201,7 +205,7 @@ impl<'a> Columns<'a> {
                 before = central;
             }
             let inside = |across: &f64| self.has_more_than(over_m, DVec2::new(at(strip), *across));
-            // The line from the origin to an end lies within the region, as it is convex.
+            // The line from the origin to an end lies within the region, because the region is convex.
             let end = if at(strip) > 0.0 { upper_end } else { lower_end };
             let Some(across) = [before.0, end.y * at(strip) / end.x].into_iter().find(inside) else {
                 continue;
@@ -217,7 +221,7 @@ impl<'a> Columns<'a> {
             let half_width = 0.5 * (upper - lower) * STRIPS[strip].1;
             for (node, weight) in ALONG_STRIP {
                 let place = DVec2::new(at(strip), middle + half * node);
-                // Within a convex region, so every column meets both shapes.
+                // The place is within a convex region, so its column meets both shapes.
                 if let Some(overlap_m) = self.overlap_m(place) {
                     nodes.push(Node {
                         place,
@@ -231,8 +235,8 @@ impl<'a> Columns<'a> {
 }
 
 impl Pair<'_> {
-    /// A tangent plane whose tangents suit the shapes: along the edges of a box, else along the axes of relative curvature.
-    /// Strips lie along the second tangent.
+    /// A tangent plane whose tangents suit the shapes: along the edges of a box, or otherwise along the axes of
+    /// relative curvature. Strips lie along the second tangent.
     pub fn plane(&self, origin_world: DVec3, normal_world: DVec3) -> Plane {
         let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
         let along = strip.map_or_else(
@@ -252,7 +256,7 @@ impl Pair<'_> {
         }
     }
 
-    /// The longest edge of a box that lies in the tangent plane; of two boxes, of the more slender one.
+    /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.
     fn box_edge(&self, normal_world: DVec3) -> Option<DVec3> {
         let mut found: Option<(f64, DVec3)> = None;
         for (shape, pose) in self.shapes.iter().zip(&self.poses_world) {

@@ -23,7 +23,7 @@ const LAW: Law = Law {
     step_s: 0.005,
 };
 
-/// The first shape above the second, each with its pose, in contact near the origin, under a vertical normal.
+/// The columns of a contact near the origin with a vertical normal. The first shape lies above the second.
 fn nodes(first: (SharedShape, Pose), second: (SharedShape, Pose)) -> Vec<Node> {
     let pair = Pair {
         shapes: [first.0.as_ref(), second.0.as_ref()],
@@ -52,8 +52,8 @@ fn lying(radius_m: f64, angle_rad: f64, height_m: f64) -> (SharedShape, Pose) {
 }
 
 proptest! {
-    /// Pins force against depth for a ball on a plane, k π R d², and for crossed cylinders, k π √(R₁R₂) d² / sin α. Both
-    /// are the first term in d / R, and the quadrature of an ellipse is within 0.3 %.
+    /// Pins force against depth for a ball on a plane, k π R d², and for crossed cylinders, k π √(R₁R₂) d² / sin α.
+    /// Both are the first term of a series in d / R, and the quadrature of an ellipse is within 0.3 %.
     #[test]
     fn balls_and_crossed_cylinders_press_with_the_closed_form(
         radius_m in 0.01..0.06f64,
@@ -73,8 +73,8 @@ proptest! {
         prop_assert!(relative.abs() < 5e-3 + slender, "crossed: {relative}");
     }
 
-    /// Pins a blade of width w across a cylinder, k w (4/3) √(2R) d^1.5, however the blade lies around it, and a flat box,
-    /// k d times its area, to the error of the parabola for the circle.
+    /// Pins a blade of width w across a cylinder, k w (4/3) √(2R) d^1.5, however the blade lies around it, and a flat
+    /// box, k d times its area. The first is exact up to the error of a parabola in place of the circle.
     #[test]
     fn blades_and_flats_press_with_the_closed_form(
         radius_m in 0.02..0.06f64,
@@ -95,10 +95,10 @@ proptest! {
         prop_assert!((force_n(&flat) / expected - 1.0).abs() < 3e-3);
     }
 
-    /// Pins a flat face of radius R that is tilted by θ and stands on a segment of height s, in any direction and from any place in
-    /// the segment: k tan θ (2/3 (R² − c²)^1.5 − c A), where c = R − s and A is the segment's area. The quadrature
-    /// of a segment is within 1.1 %. The search for the ends of a region may stop a little before a sharp corner: up to 3 % of the
-    /// force were missing in 2000 cases.
+    /// Pins the force of a flat face of radius R that is tilted by θ in any direction and stands on a segment of height
+    /// s, with the plane's origin at any place in the segment: k tan θ (2/3 (R² − c²)^1.5 − c A), where c = R − s and A
+    /// is the segment's area. The quadrature of a segment is within 1.1 %. The search for the ends of a region may stop
+    /// a little before a sharp corner: up to 3 % of the force was missing in 2000 cases.
     #[test]
     fn a_tilted_face_presses_with_its_whole_segment(
         tilt_rad in 0.003..0.02f64,
@@ -153,8 +153,8 @@ proptest! {
         }
     }
 
-    /// Pins Coulomb's law of a sliding block of any mass matrix: the solver's friction opposes the slip at the end of the step
-    /// to 1e-6, with μ times the normal force, whatever the coupling between the tangents.
+    /// Pins Coulomb's law for a sliding block with any mass matrix: the solver's friction opposes the slip at the end
+    /// of the step to 5e-5 rad, and is μ times the normal force to 1e-5, whatever the coupling between the tangents.
     #[test]
     fn friction_opposes_the_slip_for_any_mass_matrix(
         entries in prop::array::uniform9(-1.0..1.0f64),
@@ -183,7 +183,7 @@ proptest! {
             prop_assert!(cosine > 1.0 - 1e-9, "{cosine}");
             prop_assert!((force.norm() / (LAW.interface.friction * solved.normal_impulse[0]) - 1.0).abs() < 1e-5);
         }
-        // Impulse and momentum balance.
+        // The impulses add up to the change of momentum.
         let change: Vec<f64> = solver.change(block).collect();
         let momentum = mass * Vector3::from_row_slice(&change);
         let impulse = Vector3::new(force[0], force[1], solved.normal_impulse[0]);
@@ -221,10 +221,11 @@ fn a_patch_that_sticks_does_not_creep() {
     assert!(place.abs() < STICTION_M, "crept by {place} m");
 }
 
-/// Pins that the solver leaves an unstable solution for a stable one, even if it starts near it and so needs hundreds of
-/// iterations. A body slides while its friction presses it into the other: N = K (h − r v), with v = v* + (a − μ b) N as long
-/// as it slides. If 1 + K r (a − μ b) is negative, there are three solutions: the body parts (N = 0), it slides (unstable), or
-/// it sticks, where slip = 0 gives N = K (h − r (v* − b s*/d)) / (1 + K r (a − b²/d)).
+/// Pins that the solver leaves an unstable solution for a stable one, even if it starts near the unstable one and
+/// therefore needs hundreds of iterations. A body slides while its friction presses it into the other: N = K (h − r v),
+/// with v = v* + (a − μ b) N as long as it slides. If 1 + K r (a − μ b) is negative, there are three solutions: the
+/// body parts (N = 0), it slides (unstable), or it sticks, where slip = 0 gives N = K (h − r (v* − b s*/d)) / (1 + K r
+/// (a − b²/d)).
 #[test]
 fn the_solver_leaves_an_unstable_solution_for_a_stable_one() {
     let (a, b, d) = (100.0, 322.0, 1500.0);

@@ -14,7 +14,7 @@ use crate::arm::Arm;
 pub enum ControllerKind {
     /// The model-predictive controller with the parameters of [`Preset::cody_2013`].
     Cody2013,
-    /// The same with the parameters of [`Preset::ijrr_foliage`].
+    /// The model-predictive controller with the parameters of [`Preset::ijrr_foliage`].
     IjrrFoliage,
     /// `Cody2013` without tactile feedback.
     Blind,

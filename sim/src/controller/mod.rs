@@ -15,7 +15,7 @@ pub use kind::{ControllerKind, UnknownController};
 pub use model_predictive::ModelPredictive;
 pub use preset::Preset;
 
-/// What a controller knows at one instant. There are n joints; Jacobians are 3 × n in the world frame.
+/// The input of a controller at one instant. There are n joints; Jacobians are 3 × n in the world frame.
 #[derive(Clone, Debug)]
 pub struct ControllerInput<'a> {
     /// Joint angles q, rad, n.
@@ -47,7 +47,7 @@ pub struct TaxelContact {
     pub inward_normal_world: DVec3,
     /// Sensed force along it, N.
     pub force_n: f64,
-    /// Force that this contact should not exceed, N, where it differs from the controller's own limit for all contacts.
+    /// Force that this contact should not exceed, N, if it differs from the controller's own limit for all contacts.
     pub allowed_force_n: Option<f64>,
 }
 
@@ -76,12 +76,12 @@ pub trait Controller: Send {
     /// Name in recordings.
     fn name(&self) -> &str;
 
-    /// How often it wants to be called, Hz. It is called at most once per frame.
+    /// How often [`Controller::control`] is to be called, Hz. It is called at most once per frame.
     fn rate_hz(&self) -> f64;
 
-    /// Takes in a frame. Called once in every frame, also in those in which no control is due, and before control. The
-    /// equilibrium angles are those in force until this frame. A frame holds ground truth too, which a robot would not
-    /// know.
+    /// Receives a frame. This is called once in every frame, before [`Controller::control`] and also if no control is
+    /// due. The frame's equilibrium angles are those that were in force until this frame. A frame also holds ground
+    /// truth, which a robot would not know.
     fn observe(&mut self, _frame: &Frame) {}
 
     /// Computes new equilibrium angles. Every slice of the input has one entry per joint.

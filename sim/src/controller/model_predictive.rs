@@ -12,9 +12,9 @@
 //! w_p ‖Δx − J_h Δq‖² + w_t ‖K_j Δφ‖² + (w_f / m) Σ (Δf_i + Δf_reduce)²,
 //!
 //! the last sum over the m contacts above the force limit, within bounds on every Δf_i, on q + Δq and on Δφ. The limit
-//! is that of the contact, if it has one, or else that of the parameter set. The
-//! publication also has weights for a wanted orientation and a wanted posture. The goals here are positions and the
-//! parameter sets give the posture's weight no value, so both are left out.
+//! is the contact's own if it has one, and otherwise that of the parameter set. The publication also has weights for a
+//! wanted orientation and a wanted posture. The goals here are positions and the parameter sets give the posture's
+//! weight no value, so both are left out.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, RowDVector, Vector3};
@@ -55,9 +55,9 @@ impl ModelPredictive {
         ModelPredictive { preset, joints }
     }
 
-    /// The equilibrium angles from which the step starts: those given, except that a joint's is reset to its angle when
-    /// the two are too far apart. The authors' controller resets; doing so per joint, and to the angle itself, is a
-    /// choice.
+    /// The equilibrium angles from which the step starts. They are those given, except that a joint's equilibrium angle
+    /// is reset to its angle when the two are too far apart. The authors' controller resets; doing so per joint, and to
+    /// the angle itself, is a choice.
     fn start(&self, input: &ControllerInput<'_>) -> Vec<f64> {
         let reset = self.preset.equilibrium_reset_rad.unwrap_or(f64::INFINITY);
         let pairs = input.equilibrium_angle_rad.iter().zip(input.joint_angle_rad);

@@ -44,14 +44,14 @@ pub struct Preset {
     pub slow_distance_m: Option<f64>,
     /// Largest change of an equilibrium angle in one step, rad, in addition to the joint's own slew limit.
     pub equilibrium_step_rad: Option<f64>,
-    /// Bound of |φ − q|, rad.
+    /// Bound on |φ − q|, rad.
     pub equilibrium_offset_rad: Option<f64>,
     /// A joint's φ is reset to q when |φ − q| exceeds this, rad.
     pub equilibrium_reset_rad: Option<f64>,
 }
 
 impl Preset {
-    /// The authors' robot Cody with its flipper \[2\]; what is not in its files is from \[1\].
+    /// The authors' robot Cody with its flipper \[2\]; values that are not in its files are from \[1\].
     pub fn cody_2013() -> Preset {
         Preset {
             name: "cody-2013",
@@ -101,8 +101,8 @@ impl Preset {
         }
     }
 
-    /// The same at `scale` times the hand speed: scales the longest step of the end effector and the largest change of
-    /// the equilibrium angles, which would otherwise limit the speed.
+    /// This preset at `scale` times the hand speed. It scales the longest step of the end effector and the largest
+    /// change of the equilibrium angles, which would otherwise limit the speed.
     pub fn at_hand_speed(self, scale: f64) -> Preset {
         Preset {
             end_effector_step_m: self.end_effector_step_m * scale,
@@ -111,7 +111,7 @@ impl Preset {
         }
     }
 
-    /// The same with `scale` times the force that a contact should not exceed.
+    /// This preset with `scale` times the force that a contact should not exceed.
     pub fn with_force_limit(self, scale: f64) -> Preset {
         Preset {
             force_limit_n: self.force_limit_n * scale,

@@ -154,7 +154,7 @@ impl Search<'_> {
             let value = normal.dot(&self.point) - self.bounds[index];
             // Near the origin the point is small, but its rounding error is that of the starting point.
             let scale = length * self.point.norm().max(self.start_norm) + self.bounds[index].abs();
-            // A constraint without a normal, 0 ≥ b, is its own measure.
+            // A violated constraint without a normal, 0 ≥ b, has no distance and counts as the worst.
             let depth = if length > 0.0 { -value / length } else { f64::INFINITY };
             if -value > VIOLATION * scale && depth > deepest {
                 (worst, deepest) = (Some(index), depth);

@@ -24,7 +24,7 @@ struct Situation<'a> {
 }
 
 impl<'a> Situation<'a> {
-    /// At rest on its equilibrium angles, without contact, its goal where its end effector is.
+    /// An arm at rest at its equilibrium angles, without contact, with its goal at its end effector.
     fn at(arm: &'a Arm, angle: &[f64]) -> Self {
         let links = arm.forward_kinematics(angle);
         let goal_position_world = arm.end_effector_pose(&links).position;

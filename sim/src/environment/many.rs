@@ -9,7 +9,7 @@ use underbrush_recording::InputError;
 use super::{Environment, EnvironmentOptions, Part, Stepped};
 use crate::reach::{ReachError, ReachPlan};
 
-/// Environments that step at once, on several threads. Each gives the numbers that it would give alone.
+/// Environments that step at once, on several threads. Each gives the same numbers that it would give alone.
 pub struct Environments {
     all: Vec<Environment>,
     /// Whether its last step ended an episode. The next step then begins a new one.
@@ -17,7 +17,7 @@ pub struct Environments {
 }
 
 impl Environments {
-    /// So many environments of one plan. Environment i has the plan's seed plus i.
+    /// `count` environments of one plan. Environment i has the plan's seed plus i.
     ///
     /// # Errors
     /// As [`Environment::new`].
@@ -53,8 +53,8 @@ impl Environments {
         self.all.first().map_or(0, Environment::action_size)
     }
 
-    /// On the threads of the current rayon pool, resets those that `which` returns true for, each with its seed, if it
-    /// has one. Observations of the others stay as they are in `observations`, which has a row for each environment.
+    /// Resets the environments for which `which` returns true, each with its seed if it has one, on the threads of the
+    /// current rayon pool. `observations` has a row for each environment; the rows of the others stay as they are.
     ///
     /// # Errors
     /// As [`Environment::reset`]: the error of the first environment that has one.
@@ -87,7 +87,7 @@ impl Environments {
     /// Takes a step with every environment. One whose last step ended an episode begins a new one instead: its action
     /// is ignored, and its reward is 0. `actions` and `observations` have a row for each environment.
     ///
-    /// This thread does the work together with those of `helpers`. That way it need not be woken at the end, which can
+    /// The calling thread shares the work with the threads of `helpers`, so it need not be woken at the end, which can
     /// take as long as a step.
     ///
     /// # Errors

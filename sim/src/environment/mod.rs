@@ -18,7 +18,7 @@ pub use many::Environments;
 pub use observation::Part;
 pub use options::{ActionKind, EnvironmentOptions, Reward};
 
-/// What a step gave.
+/// The result of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stepped {
     /// The reward.
@@ -35,7 +35,7 @@ pub struct Stepped {
     pub sensed_force_n: f64,
     /// Ground truth: the largest force between one link and one object in the step, N.
     pub contact_force_n: f64,
-    /// The reach: its index among those of the seed.
+    /// Index of the reach among those of the seed.
     pub reach_index: u64,
 }
 
@@ -49,7 +49,7 @@ pub struct Environment {
     episode: Option<Episode>,
 }
 
-/// An episode under way.
+/// A running episode.
 struct Episode {
     simulation: Simulation,
     steering: Steering,
@@ -62,7 +62,7 @@ struct Episode {
 }
 
 impl Environment {
-    /// An environment of the reaches of a plan. [`Environment::reset`] begins its first episode.
+    /// An environment for the reaches of a plan. [`Environment::reset`] begins its first episode.
     ///
     /// # Errors
     /// If an option is outside its limits, or the scene has fewer goals than an episode.
@@ -113,8 +113,8 @@ impl Environment {
         self.episode.as_ref().map(|episode| &episode.simulation)
     }
 
-    /// Begins the next episode: reach 0 of a seed if one is given, and else the next reach of the seed. Writes the
-    /// first observation into `observation`, which has [`Environment::observation_size`] places.
+    /// Begins the next episode: reach 0 of a seed if one is given, and otherwise the next reach of the present seed.
+    /// Writes the first observation into `observation`, which has [`Environment::observation_size`] places.
     ///
     /// # Errors
     /// When the scene is impossible for this draw.

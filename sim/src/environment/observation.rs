@@ -12,7 +12,7 @@ pub struct Part {
     pub shape: Vec<usize>,
     /// Where it begins in the row.
     pub first: usize,
-    /// Smallest and largest number; what is outside is cut to this range.
+    /// Smallest and largest number; numbers outside are clamped to this range.
     pub range: [f32; 2],
 }
 
@@ -34,7 +34,7 @@ const PLACE_M: f32 = 10.0;
 /// Sensed forces, N. Cody's taxels read 17 N at most.
 const FORCE_N: f32 = 100.0;
 
-/// The parts of an observation of this arm, in their order. All of them are known to a robot.
+/// The parts of an observation of this arm, in their order. A robot could know all of them.
 pub(super) fn parts(arm: &Arm) -> Vec<Part> {
     let joints = arm.joints.len();
     let mut parts: Vec<Part> = Vec::new();
@@ -68,7 +68,7 @@ pub(super) fn parts(arm: &Arm) -> Vec<Part> {
     parts
 }
 
-/// Writes what is sensed now.
+/// Writes the present observation into `row`.
 pub(super) fn write(
     parts: &[Part],
     simulation: &Simulation,

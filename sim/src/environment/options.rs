@@ -1,14 +1,14 @@
-//! What an environment gives as reward, and when its episodes end.
+//! The options of an environment: its actions, its reward, and when its episodes end.
 
 use underbrush_recording::{FRAME_PERIOD_S, InputError, Limits};
 
-/// What an action is. Its numbers are from -1 to 1; others are cut to that range.
+/// What an action is. Its numbers are from -1 to 1; others are clamped to that range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActionKind {
     /// One number for each joint: the change of its equilibrium angle in one step, as a share of
     /// [`EnvironmentOptions::largest_change_rad`].
     Equilibrium,
-    /// Three numbers: where the end effector should go next, from where it is, as a share of
+    /// Three numbers: the displacement from the end effector to where it should go next, as a share of
     /// [`EnvironmentOptions::largest_waypoint_m`] along each axis of the world frame. The scene's controller drives it
     /// there.
     Waypoint,
@@ -27,15 +27,15 @@ impl ActionKind {
 pub struct Reward {
     /// For every metre by which the end effector has come closer to its goal.
     pub progress_per_m: f64,
-    /// Taken off for every newton of F above `free_force_n` and every second.
+    /// Subtracted for every newton of F above `free_force_n` and every second.
     pub force_per_n_s: f64,
     /// Forces up to this cost nothing, N.
     pub free_force_n: f64,
-    /// Taken off for every second.
+    /// Subtracted for every second.
     pub time_per_s: f64,
     /// For reaching a goal.
     pub reached: f64,
-    /// Taken off when the force on a link exceeds the stop force, which ends the episode.
+    /// Subtracted when the force on a link exceeds the stop force, which ends the episode.
     pub aborted: f64,
 }
 
@@ -65,7 +65,7 @@ pub struct EnvironmentOptions {
     pub largest_change_rad: f64,
     /// Largest distance of a waypoint along each axis, m.
     pub largest_waypoint_m: f64,
-    /// Number of goals of an episode: the first ones of the scene's.
+    /// Number of goals of an episode: the first of the scene's goals.
     pub goals: u32,
     /// An episode is cut off when a goal takes longer than this, s.
     pub time_limit_s: f64,
@@ -74,8 +74,8 @@ pub struct EnvironmentOptions {
 }
 
 impl Default for EnvironmentOptions {
-    /// Choices: 25 steps a second as the published controller; 1.5 degrees a step are 37 degrees a second; one goal in
-    /// at most 20 s.
+    /// Choices: 25 steps per second, as in the published controller; 1.5 degrees per step, which is 37 degrees per
+    /// second; one goal in at most 20 s.
     fn default() -> Self {
         EnvironmentOptions {
             action: ActionKind::Equilibrium,

@@ -6,7 +6,7 @@ use super::{ActionKind, Environment, EnvironmentOptions, Environments, Reward};
 use crate::reach::ReachPlan;
 use crate::scene::Scene;
 
-/// A scene with leaves before a goal that a hand can reach.
+/// A scene with leaves in front of a goal that a hand can reach.
 fn plan(seed: u64) -> ReachPlan {
     let text =
         "summary = \"Leaves\"\n[goals]\ncount = 2\n[[objects.foam_block]]\ncount = 4\n[[objects.leaf]]\ncount = 6\n";
@@ -24,7 +24,8 @@ fn options(action: ActionKind) -> EnvironmentOptions {
 #[test]
 fn many_give_the_numbers_of_one() {
     // Pins that environments that step at once give, bit for bit, what each gives alone, with and without helping
-    // threads, also across the end of an episode, whose next step begins another: action ignored, reward 0.
+    // threads. This also holds across the end of an episode: the next step begins another one, ignores the action and
+    // has a reward of 0.
     let steps = 60;
     let action = |step: usize, joint: usize| ((step * 7 + joint * 3) as f64 * 0.37).sin();
     let mut many = Environments::new(&plan(5), &options(ActionKind::Equilibrium), 3).unwrap();
@@ -67,8 +68,8 @@ fn many_give_the_numbers_of_one() {
 
 #[test]
 fn rewards_follow_their_definition() {
-    // Pins the reward of every step against its definition, computed from what the step reports. Forces count from 0 N
-    // here.
+    // Pins the reward of every step against its definition, computed from what the step reports. The term for forces is
+    // switched off here.
     let reward = Reward {
         free_force_n: 0.0,
         force_per_n_s: 0.0,

@@ -116,8 +116,8 @@ impl Specification for FoamBlockSpecification {
     }
 }
 
-/// Density of the foam without water, kg/m³: a dry brick of two litres weighs some 50 g. Choice: in wet foam, too, only
-/// this mass moves with the top, and the water flows through the cells.
+/// Density of the foam without water, kg/m³: a dry brick of two litres weighs about 50 g. Choice: in wet foam, too,
+/// only this mass moves with the top, and the water flows through the cells.
 const DENSITY_KG_PER_M3: f64 = 25.0;
 /// Share of the stiffness that relaxes, and the relaxation time, s. Choices: dry phenolic foam is a brittle solid and
 /// creeps little; in soaked foam water must flow, which takes some seconds over a hand's breadth.
@@ -141,7 +141,7 @@ impl Kinds {
 /// One foam block: a bar under axial pressure, whose top sinks as a whole on a standard linear solid of stiffness E A /
 /// H. The feet of leaves do not move with it; their roots have the stiffness of the foam.
 ///
-/// A dry block has some 600 kN/m and a wet one 15 kN/m, two to four orders of magnitude above the arm's 0.1–0.4 kN/m.
+/// A dry block has about 600 kN/m and a wet one 15 kN/m, two to four orders of magnitude above the arm's 0.1–0.4 kN/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoamBlock {
     /// Height, m.

@@ -2,8 +2,8 @@
 //!
 //! A kind has two types: a *specification*, which holds what a scene file says about a group of such objects, and an
 //! *object*, one concrete instance drawn from it. The object describes its bodies and joints as plain data
-//! ([`structure`]) and knows nothing of the engine. To add a kind, write a file like `trunk.rs` and add its line to the
-//! list; a kind that is none of the built-in categories defines its own (`wand.rs` does, for the tests).
+//! ([`structure`]) and does not depend on the engine. To add a kind, write a file like `trunk.rs` and add its line to
+//! the list. A kind that belongs to none of the built-in categories defines its own, as `wand.rs` does for the tests.
 
 use std::collections::BTreeMap;
 
@@ -128,8 +128,8 @@ pub trait Object: std::fmt::Debug + Send + Sync {
 /// Gravity under which an object must stand by itself, m/s².
 pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 
-/// Coefficient of friction between the skin and whatever it touches. The paper gives none; 0.2–0.4 is usual for fabric
-/// and silicone on plastic, and the authors' planar simulation uses 0.4.
+/// Coefficient of friction of the surface of leaves, trunks, foam blocks and foam rolls. The paper gives none; 0.2–0.4
+/// is usual for fabric and silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;
 
 /// Coefficient of friction of the table. Choice: that of the skin, so that an object slides on both alike.

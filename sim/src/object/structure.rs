@@ -1,5 +1,5 @@
 //! The mechanical structure of an object, as plain data: rigid bodies, the joints between them, and the springs on
-//! those joints. The simulation builds it into its engine; an object file needs to know nothing of the engine.
+//! those joints. The simulation builds it into its engine, so an object file does not depend on the engine.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub struct Structure {
 /// One rigid body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// The joint that carries it. Without one it is fixed to the ground, its frame in the object's.
+    /// The joint that carries it. Without one the body is fixed to the ground, and its frame is the object's frame.
     pub joint: Option<Joint>,
     /// Mass and inertia; a fixed body needs none.
     pub inertia: Inertia,
@@ -38,12 +38,12 @@ pub struct Joint {
     pub parent: usize,
     /// Origin of the joint frame and of the child's frame at rest, m, in the parent's frame. All have parallel axes.
     pub origin_parent: DVec3,
-    /// The free axes; all others are locked. The engine has no joint of two free rotations: stack two joints instead.
+    /// The free axes; all others are locked. The engine has no joint with two free rotations: stack two joints instead.
     pub free_axes: Vec<(Axis, Spring)>,
 }
 
 impl Joint {
-    /// A joint that holds nothing: all six axes are free and have no spring. Contacts act on bodies with joints only.
+    /// A joint that holds nothing: all six axes are free and have no spring. Contacts act only on bodies with joints.
     pub fn free(parent: usize, origin_parent: DVec3) -> Self {
         let axes = [
             Axis::TranslationX,
@@ -157,8 +157,8 @@ impl Inertia {
 /// What the shapes of a body collide with. All of them collide with the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CollisionGroup {
-    /// Heavy or fixed things such as trunks and foam blocks: they collide with [`CollisionGroup::Bendable`] bodies, and
-    /// not with each other.
+    /// Heavy or fixed objects such as trunks and foam blocks: they collide with [`CollisionGroup::Bendable`] bodies,
+    /// but not with each other.
     Fixed,
     /// Moving parts: they collide with every group.
     Bendable,
@@ -171,7 +171,7 @@ pub enum CollisionGroup {
 }
 
 impl Body {
-    /// The foot that everything else hangs on: fixed to the ground, without shapes.
+    /// The foot that carries everything else: fixed to the ground, without shapes.
     pub fn foot() -> Self {
         Body {
             joint: None,
@@ -190,7 +190,7 @@ impl Body {
     }
 }
 
-/// A shape centred on `center_body` (m), its axes parallel to the body's.
+/// A shape centred on `center_body` (m), with its axes parallel to the body's.
 pub fn part(shape: BodyShape, center_body: DVec3) -> BodyPart {
     BodyPart {
         shape,

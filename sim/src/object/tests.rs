@@ -71,7 +71,7 @@ fn an_added_object_goes_through_a_reach() {
     assert!(felt > 0 && moved > 0, "{felt} taxels felt a wand, {moved} wands moved");
 }
 
-/// Pins that a drawn object is of the kind and of the category that its group says.
+/// Pins that a drawn object has the kind and the category of its group.
 #[test]
 fn drawn_objects_are_what_their_group_says() {
     let mut random = crate::seed::stream(0, "objects", 0, "clutter");

@@ -24,8 +24,8 @@ const WATER_DENSITY_KG_PER_M3: f64 = 1000.0;
 /// One bottle of a water dispenser, nearly empty. It is a rigid upright cylinder that no joint holds: it stands on the
 /// table by contact alone.
 ///
-/// Pushed slowly below the height r / μ it slides, and resists with μ m g however far it has been pushed. Pushed higher
-/// up it tips over.
+/// If it is pushed slowly below the height r / μ, it slides and resists with μ m g, however far it has been pushed. If
+/// it is pushed higher up, it tips over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaterBottle {
     /// Diameter, m.
@@ -70,8 +70,8 @@ impl WaterBottle {
         self.water_mass_kg / (WATER_DENSITY_KG_PER_M3 * PI * self.radius_m().powi(2))
     }
 
-    /// About the centre of mass, which is the origin of the body's frame. Choices: all plastic is in the wall, and the
-    /// water moves as if it were frozen, because slow pushes hardly make it slosh.
+    /// Mass and inertia about the centre of mass, which is the origin of the body's frame. Choices: all plastic is in
+    /// the wall, and the water moves as if it were frozen, because slow pushes hardly make it slosh.
     fn inertia(&self) -> Inertia {
         let (radius, height) = (self.radius_m(), self.height_m);
         // A thin-walled cylinder without ends: (m/12) (6 r² + h²) across, m r² about its axis.
@@ -92,7 +92,7 @@ impl WaterBottle {
         }
     }
 
-    /// Hard, as the other shells of plastic are: where a wall bends under a push, it does so locally.
+    /// Hard, like the other shells of plastic: where a wall bends under a push, it bends locally.
     fn surface(&self) -> Surface {
         Surface::hard(self.friction)
     }

@@ -5,8 +5,8 @@ use underbrush_recording::Outcome;
 
 const BACK_OFF_M: f64 = 0.05;
 const SIDESTEP_M: f64 = 0.10;
-/// Time limit for each of the two, s. Choice: at the slowest published hand speed, 0.2 m/s, they take half a second at
-/// most.
+/// Time limit for each of these two moves, s. Choice: at the slowest published hand speed, 0.2 m/s, they take half a
+/// second at most.
 pub(super) const TIME_S: f64 = 2.0;
 
 /// One leg of the recovery.
@@ -93,7 +93,7 @@ mod tests {
         );
     }
 
-    /// Pins the two points: 5 cm back along the ground from the goal's direction, then 10 cm to the left of it.
+    /// Pins the two points: 5 cm back from the goal, measured horizontally, and then 10 cm to the left.
     #[test]
     fn points_lie_behind_and_to_the_left() {
         let stuck_at = DVec3::new(0.3, 0.1, 0.2);
@@ -106,13 +106,13 @@ mod tests {
             close(ahead, [DVec3::new(0.25, 0.1, 0.2), DVec3::new(0.25, 0.2, 0.2)]),
             "{ahead:?}"
         );
-        // The goal to the right: its left is ahead.
+        // The goal to the right: left of this direction is ahead.
         let right = waypoints(stuck_at, DVec3::new(0.3, -0.4, 0.2));
         assert!(
             close(right, [DVec3::new(0.3, 0.15, 0.2), DVec3::new(0.4, 0.15, 0.2)]),
             "{right:?}"
         );
-        // Straight above there is no direction along the ground: ahead counts.
+        // A goal straight above gives no horizontal direction, so the direction ahead is used.
         let above = waypoints(stuck_at, DVec3::new(0.3, 0.1, 0.9));
         assert!(close(above, ahead), "{above:?}");
     }

@@ -2,13 +2,13 @@
 
 use underbrush_recording::InputError;
 
-/// Why a reach has no recording. How a reach ends, such as an arm that gets stuck, is data and no error.
+/// Why a reach has no recording. How a reach ends, for example with an arm that is stuck, is data and not an error.
 #[derive(Debug, thiserror::Error)]
 pub enum ReachError {
     /// The scene is impossible for this draw.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The caller gave up the reach.
+    /// The caller stopped the reach.
     #[error("the reach was stopped before its end")]
     Stopped,
     /// The controller returned the wrong number of equilibrium angles.

@@ -32,18 +32,18 @@ pub struct ReachPlan {
 /// A function that makes a controller for an arm.
 pub type MakeController = Arc<dyn Fn(&Arm) -> Box<dyn Controller> + Send + Sync>;
 
-/// A function that puts a controller into another one, which may see frames and change what the inner one is given.
+/// A function that wraps a controller in another one, which may see frames and change the input of the inner one.
 pub type WrapController = Arc<dyn Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync>;
 
 /// The controller of a plan.
 #[derive(Clone)]
 pub enum PlannedController {
-    /// One that ships, with its parameters.
+    /// A controller that ships, with its parameters.
     Shipped(ControllerKind, Preset),
-    /// One that ships, with its parameters, within a user's own.
+    /// A controller that ships, with its parameters, wrapped in a user's own controller.
     Wrapped(ControllerKind, Preset, WrapController),
-    /// A user's own. It is made afresh for every reach, because reaches run in parallel and a controller may keep
-    /// state.
+    /// A user's own controller. It is made afresh for every reach, because reaches run in parallel and a controller may
+    /// keep state.
     Own(MakeController),
 }
 
@@ -75,7 +75,7 @@ impl PlannedController {
         }
     }
 
-    /// This controller within another one, which `wrap` makes at the start of every reach.
+    /// This controller wrapped in another one, which `wrap` makes at the start of every reach.
     fn wrapped(self, wrap: WrapController) -> PlannedController {
         match self {
             PlannedController::Shipped(kind, preset) => PlannedController::Wrapped(kind, preset, wrap),
@@ -135,7 +135,8 @@ impl ReachPlan {
         self
     }
 
-    /// The same plan with its controller inside another one. `wrap` makes that one at the start of every reach.
+    /// The same plan with its controller wrapped in another one. `wrap` makes the other one at the start of every
+    /// reach.
     pub fn with_controller_within(
         mut self,
         wrap: impl Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync + 'static,
@@ -181,7 +182,7 @@ impl ReachPlan {
         self.run_until(reach_index, observer, &|| false)
     }
 
-    /// As [`ReachPlan::run`], but gives up in the first frame in which `stop` returns true.
+    /// As [`ReachPlan::run`], but abandons the reach in the first frame in which `stop` returns true.
     ///
     /// # Errors
     /// As [`ReachPlan::run`], and [`ReachError::Stopped`].

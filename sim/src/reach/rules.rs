@@ -47,11 +47,11 @@ impl ReachRules {
         }
     }
 
-    /// The same under an operator who gives up a goal when the arm has made no progress for `patience_s`.
+    /// These rules with an operator who gives up a goal when the arm has made no progress for `patience_s`.
     pub(super) fn watched_for(self, patience_s: f64) -> ReachRules {
         ReachRules {
             stuck_window_s: patience_s,
-            // The middles of the window's two halves are half of it apart.
+            // The middles of the window's two halves are half a window apart.
             stuck_distance_m: PROGRESS_M_PER_S * patience_s / 2.0,
             ..self
         }

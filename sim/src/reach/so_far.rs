@@ -1,4 +1,4 @@
-//! The recording of a reach while it still runs, for those who watch it.
+//! The recording of a reach that is still running, for observers.
 
 use underbrush_recording::{Frame, Recording};
 
@@ -8,8 +8,8 @@ use crate::simulation::Simulation;
 
 /// Follows a reach as its observer, and gives the recording so far at any time.
 ///
-/// It has the frames, poses and contacts; goals are known when they have ended, so it has none, and its audit is not
-/// that of the engine's steps. The recording that [`ReachPlan::run`] returns has everything.
+/// It has the frames, poses and contacts. It has no goals, because they are known only when they have ended, and its
+/// audit is empty. The recording that [`ReachPlan::run`] returns has everything.
 pub struct ReachSoFar<'a> {
     plan: &'a ReachPlan,
     reach_index: u64,
@@ -17,7 +17,7 @@ pub struct ReachSoFar<'a> {
 }
 
 impl<'a> ReachSoFar<'a> {
-    /// Nothing yet of reach number `reach_index` of a plan.
+    /// An empty recording of reach number `reach_index` of a plan.
     pub fn new(plan: &'a ReachPlan, reach_index: u64) -> Self {
         ReachSoFar {
             plan,

@@ -24,7 +24,7 @@ pub(super) struct ControlCounts {
 }
 
 impl Steering {
-    /// At the start of a reach, with the equilibrium angles in the arm's start posture.
+    /// A controller at the start of a reach, with the equilibrium angles of the arm's start posture.
     pub(crate) fn new(controller: Box<dyn Controller>, arm: &Arm) -> Self {
         Steering {
             controller,
@@ -46,12 +46,12 @@ impl Steering {
         self.counts
     }
 
-    /// Lets the controller see a frame.
+    /// Passes a frame to the controller.
     pub(super) fn observe(&mut self, frame: &Frame) {
         self.controller.observe(frame);
     }
 
-    /// Lets the controller move the equilibrium angles, in the frames in which it is due.
+    /// Calls the controller if it is due in this frame, and takes over its equilibrium angles.
     ///
     /// # Errors
     /// [`ReachError::EquilibriumAngles`].

@@ -59,8 +59,7 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
 
 #[test]
 fn the_allowed_force_is_scaled() {
-    // Pins that `force_limit_scale` scales the controller's f_max and nothing else of it, with each published
-    // controller.
+    // Pins that `force_limit_scale` scales the f_max of each published controller and none of its other parameters.
     for kind in [ControllerKind::Cody2013, ControllerKind::IjrrFoliage] {
         let published = kind.preset();
         let text = "summary = \"x\"\n[robot]\nforce_limit_scale = 1.25\n";
@@ -106,9 +105,9 @@ fn through_trunks(controller: &str, retries: u32) -> ReachPlan {
 
 #[test]
 fn a_force_over_the_stop_force_ends_the_reach() {
-    // Pins, on reaches that are simulated, that a goal is aborted in the first frame with more than the stop force
-    // between one link and one object, that the recording names them with that force, and that no other goal follows.
-    // The second published controller stops at 15 N, which blows on a trunk exceed within a few reaches.
+    // Pins on simulated reaches that a goal is aborted in the first frame with more than the stop force between one
+    // link and one object, that the recording names both with that force, and that no other goal follows. The second
+    // published controller stops at 15 N, which impacts on a trunk exceed within a few reaches.
     let plan = through_trunks("ijrr-foliage", 0);
     let mut aborted = 0;
     for reach_index in 0..6 {
@@ -146,9 +145,9 @@ fn a_force_over_the_stop_force_ends_the_reach() {
 #[test]
 fn a_stuck_arm_backs_off_and_tries_again() {
     // Pins what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the end
-    // effector is drawn back, against the way to the goal, and the goal is tried again. A trunk may hold the arm before
-    // it has gone the 5 cm, so in each reach the end effector must go back a centimetre, ten times what counts as
-    // stuck, and in one the whole way.
+    // effector is drawn back, away from the goal, and the goal is tried again. A trunk may hold the arm before it has
+    // gone the 5 cm, so in each reach the end effector must go back a centimetre, ten times what counts as stuck, and
+    // in one the whole way.
     let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
     let (mut retried, mut farthest) = (0, 0.0_f64);
     for reach_index in 0..4 {
@@ -171,8 +170,8 @@ fn a_stuck_arm_backs_off_and_tries_again() {
         farthest = farthest.max(back);
     }
     assert!(retried > 0, "no reach got stuck");
-    // The controller takes a point as reached within its dead zone, and a stuck arm may still have crept a little
-    // before it moved back.
+    // A point counts as reached within the reached distance, and a stuck arm may still have crept a little before it
+    // moved back.
     let whole_way = 0.05 - once.rules.reached_distance_m - once.rules.stuck_distance_m;
     assert!(farthest >= whole_way, "{farthest} m, {whole_way} m");
 }
@@ -180,7 +179,7 @@ fn a_stuck_arm_backs_off_and_tries_again() {
 #[test]
 fn a_watched_reach_is_the_recorded_one() {
     // Pins that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and
-    // nothing before the first frame.
+    // that there is none before the first frame.
     let plan = plan("");
     let mut so_far = ReachSoFar::new(&plan, 0);
     assert!(so_far.recording().is_none());

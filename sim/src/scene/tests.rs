@@ -1,4 +1,4 @@
-//! Scene files as users have written them.
+//! Scene files that users wrote for earlier versions.
 
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 

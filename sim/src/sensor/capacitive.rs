@@ -15,7 +15,7 @@ pub const CREEP_TIMES_S: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 /// The capacitive taxels of one patch.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Capacitive {
-    /// The four neighbours of each taxel; the taxel itself in place of one that the grid does not have.
+    /// The four neighbours of each taxel; the taxel itself in place of a neighbour that the grid does not have.
     neighbours: Vec<[usize; 4]>,
     crosstalk_share: f64,
     creep_share: f64,
@@ -75,8 +75,8 @@ impl Capacitive {
     }
 }
 
-/// The force on a taxel's capacitor, N, after the cover has passed part of it to the neighbours and part of theirs to
-/// it.
+/// The force on a taxel's capacitor, N, after the cover has passed part of it to the neighbours and part of their
+/// forces to the taxel.
 ///
 /// A taxel with fewer than four neighbours keeps the parts of those that are missing. Each column of the kernel
 /// therefore sums to 1, and no force is lost.

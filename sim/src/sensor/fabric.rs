@@ -20,7 +20,7 @@ pub struct Fabric {
 }
 
 impl Fabric {
-    /// This many taxels, unloaded.
+    /// `taxels` taxels, unloaded.
     pub fn new(options: &FabricOptions, taxels: usize) -> Self {
         Fabric {
             full_scale_n: options.full_scale_n,

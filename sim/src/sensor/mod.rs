@@ -83,7 +83,7 @@ impl Sensor {
             readings_n: vec![vec![0.0; taxels]; frames],
             newest: 0,
             random: stream(seed, scene, reach_index, "sensor"),
-            // The name of the stream is part of what decides the random numbers: it stays as it was.
+            // The name of the stream decides the random numbers, so the stream keeps its earlier name.
             random_spurious: stream(seed, scene, reach_index, "strays"),
         }
     }

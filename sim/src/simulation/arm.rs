@@ -9,12 +9,12 @@ use super::report::JointState;
 use crate::arm::{Arm, Link};
 use crate::geometry::{engine_shape, from_parry, parry_pose};
 
-/// The axis of a joint in the engine's layout of six: rotation about the joint frame's x.
+/// The axis of a joint among the engine's six: rotation about the joint frame's x.
 const AXIS: usize = JointAxis::AngX as usize;
 
 /// Angle by which an end stop gives way under the largest torque of the joint's actuator, rad: 2°, as rubber stops do.
 const STOP_GIVE_RAD: f64 = 0.035;
-/// Loss time of the stops, s. Choice: about critical damping for a joint of Cody's shoulder, whose inertia of some
+/// Loss time of the stops, s. Choice: about critical damping for a joint of Cody's shoulder, whose inertia of about
 /// 0.3 kg m² and stop of 2 kNm/rad oscillate with 13 Hz.
 const STOP_LOSS_TIME_S: f64 = 0.02;
 

@@ -1,4 +1,4 @@
-//! Ruling out pairs of shapes that are far apart, by boxes around the shapes.
+//! Rules out pairs of shapes that are far apart, by boxes around the shapes.
 //!
 //! The engine compares boxes that are parallel to the world's axes. The one around a slanted forearm contains most of
 //! the leaves beside it. Boxes that are parallel to the shapes' own axes rule out more of them, at a low cost.
@@ -17,7 +17,7 @@ struct Bounds {
 /// The boxes around all shapes of an engine.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct AllBounds {
-    /// By the index in the collider's handle.
+    /// Indexed by the index in the collider's handle.
     bounds: Vec<Option<Bounds>>,
 }
 
@@ -34,7 +34,7 @@ impl AllBounds {
         });
     }
 
-    /// Whether a pair of shapes may be nearer than `distance_m`, where they were when the last step began.
+    /// Whether a pair of shapes may be nearer than `distance_m` in the poses that they had when the last step began.
     pub(super) fn may_be_near(&self, pair: [ColliderHandle; 2], colliders: &ColliderSet, distance_m: f64) -> bool {
         let [first, second] = pair.map(|handle| Some((self.of(handle)?, colliders[handle].position())));
         first
@@ -47,7 +47,7 @@ impl AllBounds {
     }
 }
 
-/// A lower bound on the distance of two boxes, m: the largest along the normals of their faces.
+/// A lower bound on the distance of two boxes, m: the largest distance along the normals of their faces.
 fn distance_at_least_m((first, first_pose): (&Bounds, &Pose), (second, second_pose): (&Bounds, &Pose)) -> f64 {
     let to_first = first_pose.rotation.inverse();
     let rotation = DMat3::from_quat(to_first * second_pose.rotation);
@@ -72,7 +72,7 @@ mod tests {
     }
 
     proptest! {
-        /// Pins that the bound never exceeds the distance that parry finds, and is the distance where a face is
+        /// Pins that the bound never exceeds the distance that parry finds, and equals the distance where a face is
         /// nearest.
         #[test]
         fn the_bound_is_at_most_the_distance(

@@ -37,7 +37,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The contact as the link's skin takes it. `link_pose` is the link's pose in the world frame.
+    /// The contact as input of the link's skin. `link_pose` is the link's pose in the world frame.
     pub fn in_link_frame(&self, link_pose: &Pose) -> ContactPoint {
         ContactPoint {
             position_link: self.position_link,

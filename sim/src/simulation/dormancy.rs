@@ -1,4 +1,4 @@
-//! Leaving out of the engine what rests untouched, so that objects far from the arm cost nothing.
+//! Takes objects that rest untouched out of the engine, so that objects far from the arm cost nothing.
 
 use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
@@ -9,14 +9,14 @@ use super::model::Model;
 use super::mover::{DormancyBuffers, Mover};
 use super::world::World;
 
-/// A dormant object is put into the engine when a moving shape comes within this distance, m: a frame at 1 m/s, twice
-/// the hand speed of the fastest preset.
+/// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a
+/// frame at 1 m/s, twice the hand speed of the fastest preset.
 const WAKE_M: f64 = 0.01;
-/// An object at rest is taken out when everything that moves is farther away than that and this margin, m.
+/// An object at rest is taken out when everything that moves is farther away than [`WAKE_M`] plus this margin, m.
 const SLEEP_MARGIN_M: f64 = 0.005;
 
 impl World {
-    /// Takes out every object that rests with nothing moving near it, and puts in every dormant one that something
+    /// Takes out every object that rests while nothing moves near it, and puts in every dormant object that something
     /// moving has come near to.
     pub(super) fn rest_and_wake(&mut self, model: &Model) {
         let mut buffers = std::mem::take(&mut self.dormancy);
@@ -39,7 +39,7 @@ impl World {
                 }
             }
         }
-        // In the order of the clutter, whatever the order of the tree.
+        // Objects are inserted in the order of the clutter, whatever the order of the tree.
         near.sort_unstable();
         for index in near.iter() {
             self.insert(model, *index);
@@ -81,7 +81,7 @@ impl World {
         arm.chain(objects.copied()).map(mover)
     }
 
-    /// Whether a mover is nearer to an object at rest than its waking distance and a margin.
+    /// Whether a mover is nearer to an object at rest than the waking distance plus a margin.
     fn is_near(&self, model: &Model, mover: &Mover, index: usize, margin_m: f64) -> bool {
         let (outline, pose) = &model.outlines[index];
         let collider = &self.engine.colliders[mover.collider];

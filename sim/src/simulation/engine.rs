@@ -34,11 +34,11 @@ pub struct Engine {
     pub colliders: ColliderSet,
     /// Multibodies: the arm and every bendable object.
     pub joints: MultibodyJointSet,
-    /// What is near what.
+    /// Pairs of shapes whose bounding boxes are near each other.
     pub narrow_phase: NarrowPhase,
     /// Contacts of the last step.
     pub(super) contact_step: ContactStep,
-    /// The heights of the tables that are laid, m.
+    /// The heights of the tables, m.
     tables_m: Vec<f64>,
     #[serde(skip, default = "PhysicsPipeline::new")]
     pipeline: PhysicsPipeline,
@@ -83,7 +83,7 @@ impl Engine {
             contact_clustering: false,
             num_internal_stabilization_iterations: 0,
             // The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the fastest preset. A larger distance
-            // would create contacts between mere neighbours.
+            // would create contacts between shapes that are only near each other.
             normalized_prediction_distance: 0.005,
             // Nothing here moves far enough in a step to tunnel.
             max_ccd_substeps: 0,
@@ -123,7 +123,8 @@ impl Engine {
         collider
     }
 
-    /// Lays a table whose top is at a height, m, unless there is one. Only what stands free collides with it.
+    /// Adds a table whose top is at this height, m, unless there is one already. Only objects that stand free collide
+    /// with it.
     pub fn lay_table(&mut self, height_m: f64) {
         if self.tables_m.contains(&height_m) {
             return;
@@ -140,7 +141,7 @@ impl Engine {
         self.insert_collider(top, Surface::hard(TABLE_FRICTION), body);
     }
 
-    /// The pose of a collider, world frame. The engine's own copy is that of the start of the last step.
+    /// The pose of a collider, world frame. The engine's own copy of the pose is from the start of the last step.
     pub fn collider_pose(&self, collider: ColliderHandle) -> Pose {
         let collider = &self.colliders[collider];
         let body = collider.parent().map(|body| *self.bodies[body].position());
@@ -155,7 +156,7 @@ impl Engine {
         self.options
     }
 
-    /// The next steps have this length, s.
+    /// Sets the length of the next steps, s.
     pub fn set_step(&mut self, step_s: f64) {
         self.options.step_s = step_s;
         self.parameters.dt = step_s;
@@ -246,13 +247,14 @@ pub mod groups {
         InteractionGroups::new(ROOTED, ARM | BENDABLE, InteractionTestMode::And)
     }
 
-    /// What stands free on the table: as moving parts, and it collides with the table.
+    /// Objects that stand free on the table: like moving parts, but they also collide with the table.
     pub fn standing() -> InteractionGroups {
         let others = ARM | FIXED | BENDABLE | ROOTED | TABLE;
         InteractionGroups::new(BENDABLE, others, InteractionTestMode::And)
     }
 
-    /// The table. Other moving parts belong to the group that it collides with, but do not collide with it.
+    /// The table. Other moving parts belong to the group that the table accepts, but they do not accept the table, so
+    /// the two do not collide.
     pub fn table() -> InteractionGroups {
         InteractionGroups::new(TABLE, BENDABLE, InteractionTestMode::And)
     }

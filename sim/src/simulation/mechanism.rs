@@ -18,7 +18,7 @@ struct Coordinate {
     dashpot: f64,
 }
 
-/// One object's bodies and springs in a [`Engine`].
+/// One object's bodies and springs in an [`Engine`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Mechanism {
     bodies: Vec<RigidBodyHandle>,
@@ -26,9 +26,9 @@ pub(super) struct Mechanism {
     coordinates: Vec<Coordinate>,
 }
 
-/// Hinge angles under 2e-3 rad (displacements under 2 mm) and speeds under 0.02 a second count as rest: what a leaf of
-/// E I = 0.02 N m² so bent pushes with at half its height, E I / h · 2e-3 / 0.2 m, is 5 mN, a sixth of the sensor's
-/// gate.
+/// Hinge angles under 2e-3 rad (displacements under 2 mm) and speeds under 0.02 a second count as rest: a leaf of E I =
+/// 0.02 N m² that is bent so far pushes with 5 mN at half its height, E I / h · 2e-3 / 0.2 m, which is a sixth of the
+/// contact threshold.
 const REST_COORDINATE: f64 = 2e-3;
 const REST_SPEED: f64 = 2e-2;
 
@@ -51,7 +51,7 @@ impl Mechanism {
         mechanism
     }
 
-    /// Every collider with its place in the object, lowest first.
+    /// The colliders of all bodies, in the order of the bodies.
     pub(super) fn colliders(&self) -> &[ColliderHandle] {
         &self.colliders
     }
@@ -134,7 +134,8 @@ impl Mechanism {
     fn finish(&mut self, engine: &mut Engine) {
         let Some(first) = self.coordinates.first() else { return };
         if let Some((multibody, _)) = engine.joints.get_mut(first.joint) {
-            // Lets a fixed root drop its six degrees of freedom now; the damping vector is indexed after that.
+            // Drops the six degrees of freedom of a fixed root now, because the damping vector is indexed by the
+            // remaining ones.
             multibody.forward_kinematics(&engine.bodies, true);
             multibody.damping_mut().fill(0.0);
         }
@@ -148,7 +149,7 @@ impl Mechanism {
         }
     }
 
-    /// Lets the slow branches of its springs relax over one step; call before [`Engine::step`].
+    /// Relaxes the slow branches of the springs over one step. Call it before [`Engine::step`].
     pub(super) fn relax(&mut self, engine: &mut Engine) {
         let step_s = engine.options().step_s;
         for coordinate in &mut self.coordinates {
@@ -195,7 +196,7 @@ impl Mechanism {
     }
 }
 
-/// Index in a multibody's generalized vectors of a link joint's free `axis`.
+/// Index of the free `axis` of a link's joint in the generalized vectors of a multibody.
 fn degree_of_freedom(multibody: &Multibody, link: usize, axis: usize) -> Option<usize> {
     let link = multibody.link(link)?;
     let locked = link.joint.data.locked_axes.bits();
@@ -203,7 +204,7 @@ fn degree_of_freedom(multibody: &Multibody, link: usize, axis: usize) -> Option<
     Some(link.assembly_id() + free_before)
 }
 
-/// Number of a degree of freedom in the engine's layout of six.
+/// Number of a degree of freedom among the engine's six.
 pub(super) fn engine_axis(axis: Axis) -> usize {
     let axis = match axis {
         Axis::TranslationX => JointAxis::LinX,
@@ -228,8 +229,8 @@ fn engine_groups(group: CollisionGroup) -> InteractionGroups {
 /// A collision shape in its place on its body; `None` for a hull without volume.
 pub(super) fn collider(part: &BodyPart) -> Option<ColliderBuilder> {
     if let BodyShape::Capsule { radius_m, length_m } = part.shape {
-        // Between its ends in the body's frame: an upright capsule then needs no rotation, whose rounding contacts
-        // would inherit.
+        // It is built between its ends in the body's frame. An upright capsule then needs no rotation, whose rounding
+        // errors would affect contacts.
         let end = DVec3::Z * (length_m / 2.0);
         let ends = [-end, end].map(|end| part.pose_body.transform_point(end));
         return Some(ColliderBuilder::capsule_from_endpoints(ends[0], ends[1], radius_m));

@@ -40,11 +40,11 @@ pub use report::{FrameReport, JointState, ObjectState, StepObserver, StepReport}
 pub use saved::StateError;
 pub use tactile::{ContactPair, LinkForce, TactileFrame};
 
-/// What a simulation is made of.
+/// The parts of a simulation.
 pub struct Setup {
     /// The arm; it starts at rest in its start posture.
     pub arm: Arm,
-    /// What stands around it, at rest.
+    /// The objects around the arm, at rest.
     pub clutter: Clutter,
     /// The electronics of the arm's skin.
     pub sensor: Sensor,
@@ -91,15 +91,15 @@ impl Simulation {
     /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_angle_rad`, one for each joint.
     ///
     /// # Panics
-    /// If the number of angles is not that of the joints.
+    /// If there is not exactly one angle for each joint.
     pub fn step(&mut self, equilibrium_angle_rad: &[f64]) -> &FrameReport {
         self.advance(equilibrium_angle_rad, None)
     }
 
-    /// As [`Simulation::step`], and calls `observer` after each engine step of the frame.
+    /// As [`Simulation::step`], but calls `observer` after each engine step of the frame.
     ///
     /// # Panics
-    /// If the number of angles is not that of the joints.
+    /// If there is not exactly one angle for each joint.
     pub fn step_observed(&mut self, equilibrium_angle_rad: &[f64], observer: &mut StepObserver) -> &FrameReport {
         self.advance(equilibrium_angle_rad, Some(observer))
     }
@@ -119,8 +119,8 @@ impl Simulation {
         &self.state.report
     }
 
-    /// The present state as a frame of a recording, with these equilibrium angles, rad, one for each joint, and on the
-    /// way to this goal of the end effector, m, world frame.
+    /// The present state as a frame of a recording, with these equilibrium angles, rad, one for each joint, and with
+    /// this goal of the end effector, m, world frame.
     pub fn frame(&self, equilibrium_angle_rad: &[f64], goal_index: u16, goal_position_world: DVec3) -> Frame {
         let report = self.report();
         let surfaces = self.arm().skin.surfaces.iter();
@@ -144,7 +144,7 @@ impl Simulation {
         &self.model.arm
     }
 
-    /// What stands around the arm.
+    /// The objects around the arm.
     pub fn clutter(&self) -> &Clutter {
         &self.model.clutter
     }
@@ -164,7 +164,7 @@ impl Simulation {
         self.state.world.engine.options()
     }
 
-    /// Continues with engine steps of `step_s`, s, from the present state.
+    /// Sets the length of the engine's steps from the present state on, s.
     ///
     /// # Panics
     /// If a frame of 10 ms is not a whole number of such steps.
@@ -186,7 +186,7 @@ impl Simulation {
     }
 
     /// Continues from a state that a simulation with the same arm, clutter and options saved, bit for bit as that one
-    /// would. The sensor, too, becomes the saved one.
+    /// would. The sensor is replaced by the saved one, too.
     ///
     /// # Errors
     /// If the bytes are not a saved state, are damaged, or belong to another simulation; this one is then unchanged.
@@ -198,7 +198,7 @@ impl Simulation {
     /// Sets the joint velocities q̇, rad/s, one for each joint.
     ///
     /// # Panics
-    /// If the number of velocities is not that of the joints.
+    /// If there is not exactly one velocity for each joint.
     pub fn set_joint_velocity(&mut self, velocity_rad_per_s: &[f64]) {
         assert_eq!(
             velocity_rad_per_s.len(),
@@ -212,7 +212,7 @@ impl Simulation {
 }
 
 impl State {
-    /// Reads the world and the skin as they are now.
+    /// Writes the present state of the world and the skin into the report.
     fn write_report(&mut self, model: &Model) {
         let State {
             world,
@@ -229,7 +229,7 @@ impl State {
             let was_active = std::mem::replace(&mut object.active, mechanism.is_some());
             match mechanism {
                 Some(mechanism) => mechanism.read_body_poses(&world.engine, &mut object.body_pose_world),
-                // What is left out of the engine stands as it was built.
+                // An object that is left out of the engine stands as it was built.
                 None if was_active || report.frame == 0 => object.body_pose_world.clone_from(rest),
                 None => {}
             }

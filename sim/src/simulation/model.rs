@@ -1,4 +1,4 @@
-//! What stays the same while a simulation runs: the arm, the clutter, and what follows from them.
+//! What stays the same while a simulation runs: the arm, the clutter, and what is derived from them.
 
 use glam::{DQuat, DVec3};
 use rapier3d::parry::bounding_volume::Aabb;
@@ -23,7 +23,7 @@ pub(super) struct Model {
     pub(super) rest_pose_world: Vec<Vec<Pose>>,
     /// Each object at rest as a box.
     pub(super) outlines: Vec<(Cuboid, EnginePose)>,
-    /// The bounding boxes of the outlines as a tree, to find what is near.
+    /// The bounding boxes of the outlines as a tree, to find the objects near a shape.
     pub(super) outline_tree: Bvh,
     pub(super) patches: Vec<SkinPatch>,
 }

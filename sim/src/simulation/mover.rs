@@ -1,4 +1,4 @@
-//! What may touch a dormant object.
+//! The shapes that may touch a dormant object.
 
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::ColliderHandle;
@@ -11,11 +11,11 @@ pub(super) struct Mover {
     pub(super) bounds: Aabb,
 }
 
-/// What the world works on when it lets objects rest and wakes them. It is kept from frame to frame, so that a frame
-/// allocates nothing.
+/// Buffers for putting objects to rest and waking them. They are kept from frame to frame, so that a frame allocates
+/// nothing.
 #[derive(Clone, Default)]
 pub(super) struct DormancyBuffers {
     pub(super) movers: Vec<Mover>,
-    /// The objects to put in.
+    /// The objects to put into the engine.
     pub(super) near: Vec<usize>,
 }

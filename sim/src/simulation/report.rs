@@ -1,4 +1,4 @@
-//! What a simulation reports of a frame, and of each engine step within it.
+//! What a simulation reports about a frame, and about each engine step within it.
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
@@ -85,7 +85,7 @@ impl FrameReport {
 pub struct StepReport<'a> {
     /// The arm.
     pub arm: &'a Arm,
-    /// Length of the step.
+    /// Length of the step, and gravity.
     pub physics: PhysicsOptions,
     /// The joints at the end of the step.
     pub joints: &'a [JointState],

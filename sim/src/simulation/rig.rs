@@ -101,14 +101,14 @@ impl Rig {
     pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
         let shape = collider(&free.part)?;
         let engine = &mut self.engine;
-        // Contacts act on articulated bodies only: the body hangs on a joint whose axes are free.
+        // Contacts act only on articulated bodies, so the body hangs on a joint whose axes are free.
         let origin = engine.bodies.insert(RigidBodyBuilder::fixed());
         let body = RigidBodyBuilder::dynamic()
             .pose(parry_pose(&free.pose_world))
             .can_sleep(false);
         let body = engine.bodies.insert(body);
         engine.insert_collider(shape.mass(free.mass_kg), free.surface, body);
-        // The engine would sum up the masses in its first step only.
+        // Otherwise the engine would not sum up the masses until its first step.
         engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
         let mut locked = JointAxesMask::empty();
         for (axis, free) in JointAxesMask::ANG_AXES.iter().zip(free.may_rotate) {
@@ -157,7 +157,7 @@ impl Rig {
 
     /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls
     /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring at the end of the
-    /// step, N or Nm; `None` if the body hangs on no joint.
+    /// step, N or Nm; `None` if no joint carries the body.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         self.relax();
         let link = self.joint_mut(body)?;
@@ -229,7 +229,7 @@ impl Rig {
         impulse / self.engine.options().step_s
     }
 
-    /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if it hangs on no joint.
+    /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if no joint carries it.
     pub fn coordinate(&self, body: BodyId, axis: Axis) -> Option<f64> {
         let link = self.engine.joints.rigid_body_link(self.bodies[body.0])?;
         let multibody = self.engine.joints.get_multibody(link.multibody)?;

@@ -17,10 +17,10 @@ const HASH: usize = blake3::OUT_LEN;
 /// Why a state could not be saved or loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
-    /// The bytes are something else.
+    /// The bytes are not a saved state.
     #[error("these bytes are not a saved state of a simulation: give bytes that `Simulation::save` returned")]
     NotAState,
-    /// The state was saved from a simulation of something else.
+    /// The state was saved from another simulation.
     #[error(
         "this state was saved by another version of the program or from a simulation with another arm, clutter or step: load it \
          into a simulation with the same"

@@ -71,7 +71,7 @@ impl Touch {
     }
 }
 
-/// What [`sense`] works on. It is kept from frame to frame, so that a frame allocates nothing.
+/// Buffers of [`sense`]. They are kept from frame to frame, so that a frame allocates nothing.
 #[derive(Clone, Default)]
 pub(super) struct SenseBuffers {
     touches: Vec<Touch>,
@@ -81,8 +81,8 @@ pub(super) struct SenseBuffers {
     wrenches: Vec<PatchWrenches>,
 }
 
-/// Reads the skin of the world as it is into `tactile`, and samples the sensor once. What `buffers` holds does not
-/// matter.
+/// Writes what the skin feels in the present world into `tactile`, and samples the sensor once. The contents of
+/// `buffers` do not matter.
 pub(super) fn sense(
     world: &World,
     model: &Model,
@@ -128,7 +128,7 @@ pub(super) fn sense(
             });
         }
     }
-    // In the order of the contacts within a pair. An unstable sort needs no memory.
+    // Within a pair, the order of the contacts is kept. An unstable sort needs no memory.
     touches.sort_unstable_by_key(|touch| (touch.pair(), touch.number));
     loads.clear();
     for group in touches.chunk_by(|a, b| a.pair() == b.pair()) {
@@ -219,7 +219,7 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
     wrenches
         .iter()
         .fold([0.0, 0.0], |[force, moment], PatchWrenches { solver, felt }| {
-            // Under a micronewton there is no contact to speak of.
+            // Below a micronewton there is practically no contact.
             let missing = (felt.force - solver.force).length() / solver.force.length().max(1e-6);
             let torque_error = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
             [force.max(missing), moment.max(torque_error)]
@@ -230,8 +230,8 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf outdo a trunk that presses
-    /// harder than either, and of equals the first is named.
+    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf count more than a trunk
+    /// that presses harder than either, and of two equal objects the first is named.
     #[test]
     fn a_taxel_names_the_object_that_presses_most_in_sum() {
         let mut loads = Loads::default();

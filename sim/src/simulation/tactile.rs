@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::TaxelReading;
 
-/// Two things that press on each other: a patch of skin, or the bare part of a link, and an object.
+/// A part of the arm and an object that press on each other. The part is a patch of skin or the bare part of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ContactPair {
     /// The patch; `None` for the bare part of the link.
@@ -70,7 +70,7 @@ impl TactileFrame {
                 force_n: sum.length(),
             }
         });
-        // Of equal forces, that of the last link and object.
+        // Of equal forces, the one on the last link and object counts.
         let order = |force: &LinkForce| (force.link, force.object);
         forces.max_by(|a, b| a.force_n.total_cmp(&b.force_n).then_with(|| order(a).cmp(&order(b))))
     }
@@ -93,9 +93,9 @@ pub(super) fn entry<K: Ord, V: Default>(list: &mut Vec<(K, V)>, key: K) -> &mut 
 mod tests {
     use super::*;
 
-    /// Pins the force that a stop force is held against: that between one link and one object, skin and bare parts
-    /// together; forces of other links or other objects are not added, and the patch named is the one that feels most
-    /// of it.
+    /// Pins the force that is compared with the stop force: the force between one link and one object, skin and bare
+    /// parts together. Forces of other links or other objects are not added, and the patch named is the one that feels
+    /// most of it.
     #[test]
     fn forces_add_up_by_link_and_object() {
         let pair = |patch, link, object| ContactPair { patch, link, object };

@@ -1,4 +1,4 @@
-//! The engine's side of a simulation: arm and objects as bodies, one frame of steps, and the contacts out of them.
+//! The engine's side of a simulation: arm and objects as bodies, the steps of one frame, and their contacts.
 
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub(super) struct World {
     contact_colliders: Vec<ColliderHandle>,
     /// The objects; `None` for a dormant one.
     pub(super) mechanisms: Vec<Option<Mechanism>>,
-    /// What observers of the steps see of the arm.
+    /// The state of the arm for observers of the steps.
     #[serde(skip)]
     joints: Vec<JointState>,
     #[serde(skip)]
@@ -122,7 +122,7 @@ impl World {
         self.mechanisms[index] = Some(mechanism);
     }
 
-    /// The contacts of the last step between arm and objects.
+    /// Adds the contacts of the last step between arm and objects.
     fn gather_contacts(&mut self) {
         for contact in &self.engine.contact_step.contacts {
             let links = contact.colliders.map(|collider| self.arm.link_of(collider));
@@ -153,8 +153,8 @@ impl World {
     }
 }
 
-/// The mark of an object's collision shape: the object's index plus one, and the body's above it. The arm's shapes have
-/// no mark.
+/// The mark of an object's collision shape: the object's index plus one in the lower 64 bits, and the body's index in
+/// the upper 64 bits. The arm's shapes have no mark.
 fn mark(object: usize, body: usize) -> u128 {
     (body as u128) << 64 | (object as u128 + 1)
 }

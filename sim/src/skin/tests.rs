@@ -21,7 +21,7 @@ fn forearm() -> SkinPatch {
 }
 
 /// A contact `along_m` and `around_rad` off the middle taxel's centre, on the surface of the sleeve, with this force
-/// normal to it and `slip` of the friction that the cone allows in the direction `slip_rad`.
+/// normal to it and a share `slip` of the friction that the cone allows, in the direction `slip_rad`.
 fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: f64, slip_rad: f64) -> ContactPoint {
     let rotation = glam::DQuat::from_rotation_z(around_rad);
     let normal = rotation * skin.normals_link[TAXEL];
@@ -35,7 +35,8 @@ fn contact(skin: &SkinPatch, along_m: f64, around_rad: f64, force_n: f64, slip: 
     }
 }
 
-/// A pose over the contact, its z axis towards the skin, its x axis rotated by `angle_rad` from the sleeve's axis.
+/// A pose over the contact, with its z axis towards the skin and its x axis rotated by `angle_rad` from the sleeve's
+/// axis.
 fn over(contact: &ContactPoint, distance_m: f64, angle_rad: f64) -> Pose {
     let down = contact.inward_link;
     let side = down.cross(DVec3::Z).normalize();
@@ -60,16 +61,16 @@ fn force(skin: &SkinPatch, taxel: &TaxelForce) -> DVec3 {
     taxel.shear_link - skin.normals_link[taxel.taxel] * taxel.normal_force_n
 }
 
-/// Largest shear over what the cone allows, over the taxels.
+/// Largest ratio of a taxel's shear to what its cone allows.
 fn largest_slip(forces: &[TaxelForce]) -> f64 {
     let slip = |taxel: &TaxelForce| taxel.shear_link.length() / (MU * taxel.normal_force_n);
     forces.iter().map(slip).fold(0.0, f64::max)
 }
 
 proptest! {
-    /// Pins, for a trunk in any pose on the sleeve with any friction inside its cone: the force is conserved to 1e-9,
-    /// its moment to half a pitch (a taxel measures how much presses on it, not where), and every taxel stays in its
-    /// own cone to 1e-6 if there are taxels on both sides of the contact's normal.
+    /// Pins that, for a trunk in any pose on the sleeve with any friction inside its cone, the force is conserved to
+    /// 1e-9, its moment to half a pitch (a taxel measures how much presses on it, not where), and every taxel stays in
+    /// its own cone to 1e-6 if there are taxels on both sides of the contact's normal.
     #[test]
     fn a_trunk_is_spread_without_loss(
         along_m in -0.005..0.005f64,
@@ -107,7 +108,7 @@ fn a_broad_contact_looks_like_the_real_one() {
     let contact = contact(&skin, 0.0054, 0.13, 8.99, 0.0, 0.0);
     let (shape, pose) = trunk(&contact, 0.02, std::f64::consts::FRAC_PI_2);
     let forces = spread(&skin, contact, &shape, &pose);
-    // Weaker ones are among the spurious readings of that frame (up to 0.10 N).
+    // Weaker forces are among the spurious readings of that frame (up to 0.10 N).
     let lit: Vec<f64> = forces
         .iter()
         .map(|taxel| taxel.normal_force_n)

@@ -38,8 +38,8 @@ const LINKS: [Published; 5] = [
 
 #[test]
 fn inertia_is_the_published_one_in_link_frames() {
-    // Pins the conversion from DH frames written into the URDF, the skin's shell on the forearm included: compared in
-    // the base frame at zero posture, so that no frame convention is shared with the files.
+    // Pins the inertia in the URDF, which was converted from DH frames and includes the skin's shell on the forearm. It
+    // is compared in the base frame at the zero posture, so no frame convention is shared with the files.
     let arm = Arm::cody().unwrap();
     let frames = modified_dh_frames(&[0.0; 7]);
     let poses = arm.forward_kinematics(&[0.0; 7]);
@@ -64,7 +64,7 @@ fn inertia_is_the_published_one_in_link_frames() {
         let link = &arm.links[index + 1];
         let pose = matrix(&poses[index + 1]);
         let link_center = pose.transform_point(&Vector3::from(link.center_of_mass_link.to_array()).into());
-        // The URDF gives micrometres and 1e-6 kg m².
+        // The URDF is rounded to micrometres and 1e-6 kg m².
         assert!((link.mass_kg - mass).abs() < 1e-9);
         assert!((link_center.coords - center).amax() < 1e-6, "{}", link.name);
         let stated = Matrix3::from_column_slice(&link.inertia_link.to_cols_array());
@@ -109,7 +109,7 @@ fn forearm_skin_is_a_closed_sleeve_short_of_the_wrist() {
 #[test]
 fn flipper_skin_has_its_69_taxels_on_the_flipper() {
     // Pins count, area bounds and frame of the flipper's taxels: the tip taxel faces along the flipper at the tip, and
-    // every taxel is at the surface of the collision shapes, which are 6 mm off at most.
+    // every taxel is at most about 6 mm away from the surface of the collision shapes.
     let arm = Arm::cody().unwrap();
     let patch = &arm.skin.layout.patches[1];
     assert_eq!(

@@ -43,8 +43,8 @@ fn earlier_keys_are_still_read() {
 
 #[test]
 fn bad_values_are_refused_with_their_place() {
-    // Pins that every kind of bad value gives an error that names its file, its field and, if possible, its line. File,
-    // original text, its replacement, a part of the error's field, a part of its text.
+    // Pins that every kind of bad value gives an error that names its file, its field and, if possible, its line. Each
+    // case holds the file, the original text, its replacement, a part of the error's field, and a part of its text.
     #[rustfmt::skip]
     let cases = [
         ("cody.toml", "name = \"cody\"\n", "name = \"cody\"\ncolour = 1\n", "TOML", "colour"),
@@ -119,7 +119,8 @@ fn bad_values_are_refused_with_their_place() {
 
 #[test]
 fn errors_name_the_line() {
-    // Pins line numbers on a key of a later table, an XML element and a parse error, counted by hand from the change.
+    // Pins the line numbers of errors at a key of a later table, at an XML element and of a parse error. Each is the
+    // line of the altered text.
     for (name, from, to) in [
         (
             "cody.toml",
@@ -153,8 +154,8 @@ fn errors_name_the_line() {
     }
 }
 
-/// Pins that a fault in a URDF is reported with the line of its element, also in tags over many lines and in a second
-/// shape.
+/// Pins that a fault in a URDF is reported with the line of its element, also for tags that span several lines and for
+/// a second shape.
 #[test]
 fn urdf_faults_name_the_line_of_the_element() {
     let second = "<collision>\n<geometry><sphere radius=\"0.035\"/></geometry>\n</collision>\n";
@@ -182,7 +183,7 @@ fn deeply_nested_elements_are_refused() {
     assert!(error.line.is_some());
 }
 
-/// Pins that a skin of more taxels than frames can number is refused when it is read, whatever its rows and columns.
+/// Pins that a skin with more taxels than a frame can number is refused when it is read, whatever its rows and columns.
 #[test]
 fn skins_of_too_many_taxels_are_refused() {
     for rows in ["rows = 2800", "rows = 18446744073709551"] {
@@ -230,8 +231,8 @@ fn skins_that_cannot_feel_are_refused() {
 
 #[test]
 fn rigidly_joined_links_become_one() {
-    // Pins merging: a fixed split of the forearm into two halves of known inertia gives back mass, centre and inertia
-    // by the parallel-axis theorem, and skin and shapes may still name the second half.
+    // Pins merging: a forearm that a fixed joint splits into two halves of known inertia has the mass, centre and
+    // inertia that the parallel-axis theorem gives, and skin and shapes may still name the second half.
     let split = r#"<link name="forearm"><inertial><origin xyz="0 0 0.1"/><mass value="1"/>
         <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0015"/></inertial></link>
         <joint name="seam" type="fixed"><parent link="forearm"/><child link="sleeve"/>

@@ -16,8 +16,8 @@ pub(super) const MODIFIED_DH: [[f64; 4]; 7] = [
     [0.0, 90.0, 0.0, 90.0],
 ];
 
-/// Frames 1 to 7 of the table at joint angles q: Rot_x(alpha) Trans_x(a) Rot_z(q + offset) Trans_z(d), multiplied up
-/// (Craig, *Introduction to Robotics*, equation 3.6).
+/// Frames 1 to 7 of the table at joint angles q: Rot_x(alpha) Trans_x(a) Rot_z(q + offset) Trans_z(d), multiplied from
+/// the base on (Craig, *Introduction to Robotics*, equation 3.6).
 pub(super) fn modified_dh_frames(joint_angle_rad: &[f64]) -> Vec<Matrix4<f64>> {
     let mut frame = Matrix4::identity();
     MODIFIED_DH
@@ -90,7 +90,7 @@ fn zero_posture_hangs_straight_down() {
 
 #[test]
 fn positive_angles_swing_forward_outward_and_bend() {
-    // Pins the signs of the axes by what a person would see.
+    // Pins the signs of the axes by the motions that a person would see.
     let arm = Arm::cody().unwrap();
     let end_effector = |joint: usize| {
         let mut posture = [0.0; 7];

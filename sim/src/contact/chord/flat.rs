@@ -32,7 +32,7 @@ impl FlatShape for ConvexPolyhedron {
     }
 }
 
-/// Faces as functions of the place, linear each.
+/// Faces as linear functions of the place.
 #[derive(Clone, Debug, Default)]
 pub struct Faces {
     /// Where lines enter, m.
@@ -44,7 +44,7 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Reads the faces of another shape. Values and gradients are those at the view's origin.
+    /// Replaces the faces by those of another shape. Values and gradients are those at the view's origin.
     pub(super) fn read(&mut self, faces: impl Iterator<Item = (DVec3, DVec3)>, view: &View) {
         self.entering.clear();
         self.leaving.clear();

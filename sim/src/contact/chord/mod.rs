@@ -1,7 +1,7 @@
 //! Where the lines of one direction pass through a convex shape.
 //!
-//! The lines cross a plane at right angles, and everything is a function of the place where a line crosses it. For a convex
-//! shape these functions are concave or convex, so their slopes tell how far it is to where they vanish.
+//! The lines cross a plane at right angles, and everything is a function of the place where a line crosses it. For a
+//! convex shape these functions are concave or convex, so their slopes tell how far away their zeros are.
 
 use glam::{DVec2, DVec3};
 use parry3d::shape::{Shape, TypedShape};
@@ -30,7 +30,7 @@ impl View {
         DVec3::new(vector.dot(first), vector.dot(second), vector.dot(direction))
     }
 
-    /// The same of a point, from the plane's origin.
+    /// Components of a point's position relative to the plane's origin, m.
     fn point(&self, point: DVec3) -> DVec3 {
         self.components(point - self.origin)
     }
@@ -56,7 +56,7 @@ impl std::ops::Sub for Slope {
     }
 }
 
-/// An end of a line's way through a shape.
+/// An end of the part of a line that is inside a shape.
 #[derive(Clone, Copy, Debug)]
 pub enum End {
     /// Where it enters.
@@ -65,11 +65,11 @@ pub enum End {
     Leaves,
 }
 
-/// A line's way through a shape, with one of its ends: nobody needs the slopes of both.
+/// The part of a line that is inside a shape, with one of its ends; no caller needs the slopes of both.
 #[derive(Clone, Copy, Debug)]
 pub struct Chord {
-    /// Positive if the line passes through the shape. Else a concave function of the place, which rises towards the shape; the
-    /// gradient is only known then.
+    /// Positive if the line passes through the shape. Otherwise a concave function of the place, which rises towards
+    /// the shape. The gradient is known only in the second case.
     pub inside: Slope,
     /// The end, m from the plane along the direction, if the line passes through the shape.
     pub end_m: Slope,
@@ -83,7 +83,8 @@ impl Chord {
         }
     }
 
-    /// The chord between two ends that `slope` returns, the first and the second, if they are in this order.
+    /// The chord between two ends, m, if the first end lies before the second. `slope` returns the first end for 0 and
+    /// the second for 1.
     fn between(ends_m: [f64; 2], end: End, slope: impl Fn(usize) -> Slope) -> Self {
         let length_m = ends_m[1] - ends_m[0];
         if length_m <= 0.0 {
@@ -117,8 +118,8 @@ pub enum Chords<'a> {
 }
 
 impl<'a> Chords<'a> {
-    /// The lines of a view through a shape. `faces` is overwritten. `None` if the shape is none of those that links and
-    /// objects are made of.
+    /// The lines of a view through a shape. `faces` is overwritten. `None` if the shape is not one of those that links
+    /// and objects are made of.
     pub fn new(shape: &dyn Shape, view: &View, faces: &'a mut Faces) -> Option<Self> {
         Some(match shape.as_typed_shape() {
             TypedShape::Ball(ball) => Chords::Capsule(Capsule::new([DVec3::ZERO; 2], ball.radius, view)),
@@ -165,7 +166,7 @@ mod tests {
         [End::Enters, End::Leaves].map(|end| chords.at(place, end))
     }
 
-    /// One of each kind.
+    /// One shape of each kind.
     fn shapes(hull: SharedShape) -> [SharedShape; 5] {
         [
             SharedShape::ball(0.07),

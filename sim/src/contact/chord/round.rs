@@ -89,7 +89,7 @@ pub struct Cylinder {
     axis: DVec3,
     half_height_m: f64,
     endless: Endless,
-    /// The gradient of where a line meets a cap. Not used for lines at right angles to the axis.
+    /// The gradient of the distance at which a line meets a cap. Not used for lines at right angles to the axis.
     cap_gradient: DVec2,
 }
 
@@ -125,7 +125,7 @@ impl Cylinder {
         } else {
             None
         };
-        // Which of the ends are at a cap, and where both are.
+        // Which of the ends are at a cap, and the positions of both.
         let (at_cap, ends_m) = match (round.ends(), caps) {
             (Some(sides), Some(caps)) => {
                 let at_cap = [caps[0] > sides[0], caps[1] < sides[1]];
@@ -149,7 +149,7 @@ impl Cylinder {
     }
 }
 
-/// A cylinder without ends, in the components of a view, with what all lines through it share.
+/// A cylinder without ends, in the components of a view, with the values that all lines through it share.
 #[derive(Clone, Copy, Debug)]
 struct Endless {
     /// Unit vector, or zero for a ball.
@@ -164,7 +164,7 @@ struct Endless {
 
 /// A line along the view's direction and a cylinder without ends.
 struct Round {
-    /// As [`Chord::inside`]: the squares of the radius less that of the distance between line and axis.
+    /// As [`Chord::inside`]: the square of the radius less the square of the distance between line and axis.
     inside: Slope,
     /// Square of the sine of the angle between line and axis.
     square: f64,
@@ -225,7 +225,7 @@ impl Round {
     }
 }
 
-/// The end of a chord on a surface with this normal, of any length.
+/// The end of a chord on a surface with this normal, which may have any length.
 fn surface(end_m: f64, normal: DVec3) -> Slope {
     let steepest = f64::MIN_POSITIVE.sqrt();
     let along = if normal.z.abs() > steepest { normal.z } else { steepest };

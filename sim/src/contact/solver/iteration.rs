@@ -5,7 +5,7 @@ use super::{Block, Convergence, ROWS, Solver, split};
 
 /// Iterations for normal impulses and friction together.
 const JOINT_ITERATIONS: usize = 20;
-/// A step is accepted there if it leaves at most this part of the squared residual.
+/// Such an iteration's step is accepted if it leaves less than this share of the squared residual.
 const SUFFICIENT: f64 = 0.5;
 /// Iterations altogether. Where friction wedges a body, the equations may have several solutions, and one of them is unstable:
 /// limits near it move away from it by a constant factor each time, which may be little more than 1. Of 2,555 reaches three had
@@ -68,7 +68,7 @@ impl Solver {
             self.evaluate(true);
             let is_last = convergence.iterations == MAX_ITERATIONS;
             if is_last || self.relative_residual() <= TOLERANCE {
-                // What the held limits hide counts as well.
+                // The residual must also be small with the limits that follow from the present normal impulses.
                 self.hold_limits();
                 self.evaluate(false);
                 convergence.residual = self.relative_residual();
@@ -87,7 +87,8 @@ impl Solver {
         }
     }
 
-    /// Finds the Newton step. `is_coupled`: for friction limits that follow the normal impulses. Returns whether there is one.
+    /// Finds the Newton step and returns whether there is one. With `is_coupled`, friction limits follow the normal
+    /// impulses.
     fn find_step(&mut self, is_coupled: bool) -> bool {
         self.assemble(is_coupled);
         if !self.matrix.factorize() {
@@ -135,8 +136,8 @@ impl Solver {
         }
     }
 
-    /// Impulses and the residual M (u − u*) − Σ Jᵀ λ at the present speeds, with friction limits that are held or those of the
-    /// normal impulses.
+    /// Impulses and the residual M (u − u*) − Σ Jᵀ λ at the present speeds, with friction limits that are held or that
+    /// follow from the normal impulses.
     fn evaluate(&mut self, hold_limits: bool) {
         self.impulse.fill(0.0);
         for patch in &mut self.patches {

@@ -5,13 +5,15 @@
 //!
 //!   M (u − u*) = Σ Jᵀ λ(J u),
 //!
-//! where J gives the speeds of a patch from u, and λ is the impulse of [`super::law`]. Newton's method solves for normal impulses
-//! and friction together. Friction has the limit μ N, so the derivative is not symmetric, and a step may lead away.
+//! where J maps u to the speeds of a patch, and λ is the impulse of [`super::law`]. Newton's method solves for normal
+//! impulses and friction together. Friction has the limit μ N, so the derivative is not symmetric, and a step may lead
+//! away from the solution.
 //!
-//! For limits that are held fixed the equations are those of the minimum of a strictly convex function: the kinetic term and
-//! the potentials of the law. Newton's method with a line search along it finds that minimum from any start. It takes over
-//! where a step of the first kind does not help, and altogether after `JOINT_ITERATIONS`: the limits are then held until the
-//! function is minimized, and renewed, half way. What remains unsolved is reported as the residual.
+//! If the limits are held fixed, the solution is the minimum of a strictly convex function: the kinetic term and the
+//! potentials of the law. Newton's method with a line search along this function finds the minimum from any start. This
+//! method takes over where a step of the first one does not help, and completely after `JOINT_ITERATIONS`. The limits
+//! are then held until the function is minimized, and moved half way to their new values. The error that remains is
+//! reported as the residual.
 
 use nalgebra::Vector3;
 
@@ -38,7 +40,7 @@ struct Block {
     mass: usize,
 }
 
-/// What moves one side of a patch.
+/// The block that moves one side of a patch.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     block: usize,
@@ -46,7 +48,7 @@ struct Side {
     columns: usize,
 }
 
-/// One patch as the solver sees it.
+/// One patch in the solver.
 #[derive(Clone, Debug)]
 struct Patch {
     law: Law,
@@ -78,10 +80,10 @@ pub struct Solved {
     pub deflection_m: Vector3<f64>,
 }
 
-/// How a solution went.
+/// How the solver converged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
     /// Largest entry of the residual, relative to the largest generalized impulse.
     pub residual: f64,
@@ -102,13 +104,13 @@ pub struct Solver {
     impulse: Vec<f64>,
     residual: Vec<f64>,
     step: Vec<f64>,
-    /// The first block that each block shares a patch with, itself if it is the first.
+    /// For each block, the first block that it shares a patch with; the block itself if there is none before it.
     first_block: Vec<usize>,
     matrix: Envelope,
 }
 
 impl Solver {
-    /// Forgets the last step.
+    /// Begins a new step and removes everything that belonged to the last one.
     pub fn start(&mut self, step_s: f64) {
         self.step_s = step_s;
         self.blocks.clear();
@@ -121,8 +123,9 @@ impl Solver {
         self.velocity.clear();
     }
 
-    /// Adds an articulated body with its velocities at the start of the step, and at its end if nothing touched it. `mass`
-    /// returns the entries of its mass matrix. Bodies that many others touch should come last.
+    /// Adds an articulated body and returns its index. `before` holds its velocities at the start of the step, `free`
+    /// those at the end if nothing touches it, and `mass` returns the entries of its mass matrix. Bodies that many
+    /// others touch should come last.
     pub fn add_block(
         &mut self,
         before: impl Iterator<Item = f64>,
@@ -163,8 +166,8 @@ impl Solver {
         self.patches.len() - 1
     }
 
-    /// Says how a block moves one side of a patch: the six speeds of that side for each velocity of the block, with a
-    /// minus for the second side.
+    /// Sets how a block moves one side of a patch: the six speeds of that side for each velocity of the block, with a
+    /// minus sign for the second side.
     pub fn add_side(&mut self, patch: usize, side: usize, block: usize, columns: impl Iterator<Item = [f64; ROWS]>) {
         let first = self.columns.len();
         self.columns.extend(columns);

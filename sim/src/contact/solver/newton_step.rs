@@ -8,7 +8,7 @@ use super::{Patch, ROWS, Solver, split};
 const MAX_SEARCH: usize = 20;
 
 impl Solver {
-    /// A row begins at the first block that its own touches.
+    /// Sets the shape of the matrix. A row begins at the first block that shares a patch with the row's own block.
     pub(super) fn shape_matrix(&mut self) {
         let first = &mut self.first_block;
         first.clear();
@@ -25,7 +25,8 @@ impl Solver {
         self.matrix.reset(columns);
     }
 
-    /// The matrix M + Σ Jᵀ (−∂λ/∂v) J. `is_coupled`: friction changes with the normal impulse, which makes it unsymmetric.
+    /// Assembles the matrix M + Σ Jᵀ (−∂λ/∂v) J. With `is_coupled`, friction changes with the normal impulse, which
+    /// makes the matrix unsymmetric.
     pub(super) fn assemble(&mut self, is_coupled: bool) {
         self.matrix.clear();
         for block in &self.blocks {
@@ -77,7 +78,8 @@ impl Solver {
         }
     }
 
-    /// The share of the Newton step to take: 1, or less where the slope of the convex function has turned before.
+    /// The share of the Newton step to take: 1, or less if the slope of the convex function changes its sign before
+    /// that.
     pub(super) fn line_search(&self) -> f64 {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let at_start = dot(&self.step, &self.residual);
@@ -143,11 +145,11 @@ impl Solver {
     }
 }
 
-/// Minus the derivative of a patch's impulses by its speeds.
+/// Minus the derivative of a patch's impulses with respect to its speeds.
 struct Stiffness {
     normal: Matrix3<f64>,
     friction: Matrix3<f64>,
-    /// Of friction by the normal speeds, through the limit.
+    /// Minus the derivative of friction with respect to the normal speeds, through the limit.
     coupling: Matrix3<f64>,
 }
 

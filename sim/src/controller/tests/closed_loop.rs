@@ -57,7 +57,7 @@ struct Wall {
 }
 
 impl Wall {
-    /// How deep the taxel is in the wall, m, and the gradient of that over the joint angles.
+    /// How deep the taxel is in the wall, m, and the gradient of this depth with respect to the joint angles.
     fn depth(&self, arm: &Arm, angle: &[f64]) -> (f64, DVector<f64>) {
         let links = arm.forward_kinematics(angle);
         let link = arm.skin.surfaces[self.patch].link;
@@ -149,7 +149,7 @@ fn push(
 
 #[test]
 fn forces_over_the_limit_fall_below_it() {
-    // Pins that a contact pressed above the limit is relieved, with the assumed and with a stiffer contact.
+    // Pins that a contact pressed above the limit is relieved, both with the assumed stiffness and with a higher one.
     let arm = Arm::cody().unwrap();
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
         let mut controller = ModelPredictive::new(preset.clone(), &arm);
@@ -173,8 +173,8 @@ fn forces_over_the_limit_fall_below_it() {
 
 #[test]
 fn goals_behind_a_wall_are_pushed_for_within_the_limit() {
-    // Pins the controller's purpose: on the way to a goal behind a wall as stiff as assumed, the force approaches the
-    // limit and stays there, while a controller without skin keeps pushing.
+    // Pins the controller's purpose: on the way to a goal behind a wall of the assumed stiffness, the force approaches
+    // the limit but does not exceed it, while a controller without skin pushes harder.
     let arm = Arm::cody().unwrap();
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
         let stiffness = preset.contact_stiffness_n_per_m;

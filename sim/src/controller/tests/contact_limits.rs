@@ -10,8 +10,8 @@ use crate::arm::Arm;
 
 #[test]
 fn the_usual_limit_given_to_each_contact_changes_nothing() {
-    // Pins that the answer is the same bit for bit whether contacts have no limit of their own or that of the parameter
-    // set, and that a lower one changes it.
+    // Pins that the answer is the same bit for bit whether contacts have no limit of their own or the limit of the
+    // parameter set, and that a lower limit changes it.
     let arm = Arm::cody().unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(13);
     for preset in presets() {
@@ -39,7 +39,7 @@ fn the_usual_limit_given_to_each_contact_changes_nothing() {
 fn one_joint_presses_up_to_the_contacts_limit() {
     // Pins the closed form for one joint of stiffness K whose skin presses at the distance r on a spring k, on the way
     // to a goal beyond: Δq = K / (K + k r²) Δφ, and Δφ is such that the force k r Δq grows by 0.1 N, or up to the limit
-    // of the contact, or not at all if it is over it.
+    // of the contact, or not at all if the force is over that limit.
     let mut arm = Arm::cody().unwrap();
     arm.joints.truncate(1);
     let (lever_m, force_n, preset) = (0.3, 1.45, Preset::cody_2013());

@@ -44,7 +44,7 @@ enum Peer {
     Undecided,
 }
 
-/// The same program through Clarabel's interior point.
+/// The same program through Clarabel's interior-point method.
 fn peer(program: &QuadraticProgram) -> Peer {
     let rows: Vec<Vec<f64>> = program
         .constraints
@@ -179,7 +179,7 @@ fn without_constraints_it_is_the_newton_step() {
 
 #[test]
 fn empty_boxes_are_infeasible() {
-    // Pins detection of x ≥ 1 with x ≤ 0, of the same hidden among others, and of 0 ≥ 1.
+    // Pins that contradictions are detected: x ≥ 1 with x ≤ 0, one hidden among other constraints, and 0 ≥ 1.
     let identity = DMatrix::identity(2, 2);
     let empty: [(&[&[f64]], &[f64]); 3] = [
         (&[&[1.0, 0.0], &[-1.0, 0.0]], &[1.0, 0.0]),
@@ -197,7 +197,7 @@ fn empty_boxes_are_infeasible() {
 
 #[test]
 fn degenerate_vertices_end() {
-    // Pins termination and optimality if many constraints, doubled and redundant, meet in the minimum.
+    // Pins termination and optimality if many constraints, doubled and redundant, meet at the minimum.
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for step in 0..60 {
         let angle = f64::from(step % 30) * std::f64::consts::PI / 30.0;

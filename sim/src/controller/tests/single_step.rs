@@ -91,7 +91,7 @@ fn violation(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) 
     worst
 }
 
-/// The arm somewhere, pressed in up to eight places, with a goal up to half a metre away.
+/// The arm in a random posture, pressed in up to eight places, with a goal up to half a metre away.
 pub(super) fn random_situation<'a>(arm: &'a Arm, random: &mut ChaCha8Rng) -> Situation<'a> {
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let angle: Vec<f64> = arm
@@ -177,7 +177,7 @@ fn opposed_forces_over_the_limit_leave_the_arm_where_it_is() {
 
 #[test]
 fn numbers_that_are_none_leave_the_arm_where_it_is() {
-    // Pins the failed case.
+    // Pins the failed case: if the input holds NaN, φ stays as it was.
     let arm = Arm::cody().unwrap();
     for preset in presets() {
         let mut situation = Situation::at(&arm, &middle());
@@ -257,7 +257,8 @@ fn joints_beyond_their_limits_do_not_stop_the_arm() {
 
 #[test]
 fn blind_is_the_same_controller_without_skin() {
-    // Pins the baseline, and that every name gives the controller of that name.
+    // Pins that the baseline answers as the same controller does without contacts, and that every name gives the
+    // controller of that name.
     let arm = Arm::cody().unwrap();
     let mut situation = Situation::at(&arm, &middle());
     situation.goal_position_world += DVec3::new(0.1, 0.0, 0.1);

@@ -67,7 +67,7 @@ fn default_mass_per_area() -> Quantity {
     Quantity::uniform(0.5, 1.0)
 }
 
-/// Low-density polyethylene and soft PVC, of which leaves and stems are moulded, have tan δ of 0.1–0.2 at room
+/// Low-density polyethylene and soft PVC, from which leaves and stems are moulded, have tan δ of 0.1–0.2 at room
 /// temperature; the air's drag on a swinging blade adds some hundredths.
 fn default_loss_factor() -> Quantity {
     Quantity::uniform(0.1, 0.2)

@@ -26,8 +26,8 @@ fn no_bottle_overflows() {
     }
 }
 
-/// Pins mass, centre of mass and inertia of a bottle by hand: 1 kg of wall, 0.2 m thick and 0.4 m high, and 3.1416 kg
-/// of water, which is 0.1 m deep.
+/// Pins mass, centre of mass and inertia of a bottle against values computed by hand: 1 kg of wall, 0.2 m thick and
+/// 0.4 m high, and 3.1416 kg of water, which is 0.1 m deep.
 #[test]
 fn mass_and_inertia_are_those_of_wall_and_water() {
     let bottle = WaterBottle {

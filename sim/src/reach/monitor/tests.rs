@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Rules with numbers that are sums of few powers of two, so that limits are met exactly: stuck under 2⁻¹⁰ m in 8
+/// Rules with numbers that are sums of a few powers of two, so that limits are met exactly: stuck under 2⁻¹⁰ m in 8
 /// frames.
 fn rules() -> ReachRules {
     ReachRules {
@@ -75,8 +75,8 @@ fn an_end_effector_without_progress_is_stuck() {
     );
 }
 
-/// Pins that an arm that shakes in place is stuck, and so is one that stops after moving, once it has been at rest for
-/// the whole window.
+/// Pins that an arm that shakes in place is stuck, and that an arm that stops after moving is stuck once it has been at
+/// rest for the whole window.
 #[test]
 fn shaking_is_no_headway() {
     let shaking = |frame: usize| if frame.is_multiple_of(2) { 0.5 } else { -0.5 };

@@ -1,5 +1,5 @@
-//! Tests of the sensor against closed forms and the statistics of its noise: here what both technologies share; each
-//! single effect has a file of its own.
+//! Tests of the sensor against closed forms and the statistics of its noise: the effects that both technologies share
+//! are here, and each other effect has its own file.
 
 mod capacitive;
 mod fabric;
@@ -54,8 +54,8 @@ proptest! {
     }
 }
 
-/// Pins that an untouched taxel reads 0 behind a gate of six sigmas (2e-9 a reading; 45 300 of them) and a force over
-/// the gate is read, floor and saturation included.
+/// Pins that an untouched taxel reads 0 with a gate of six sigmas (it fails with a probability of 2e-9 per reading),
+/// that a force over the gate is read, and where floor and saturation cut.
 #[test]
 fn gate_floor_and_saturation_cut_where_they_say() {
     let mut gated = sensor(&SensorOptions {
@@ -124,7 +124,7 @@ fn dead_taxels_read_nothing() {
     assert!(reaches.iter().all(|dead| dead[384 + 4]));
     assert_eq!(reaches[0], dead_in(0));
     assert_ne!(reaches[0], reaches[1]);
-    // Without the listed one of each reach.
+    // Without the one listed taxel of each reach.
     let drawn = reaches.iter().flatten().filter(|dead| **dead).count() as f64 - 20.0;
     let trials = 20.0 * 452.0;
     assert!(

@@ -46,7 +46,7 @@ fn spurious_readings_have_the_share_and_the_duration_asked_for() {
         (duration_s / time_s - 1.0).abs() < error,
         "{duration_s} s on average of {begun}"
     );
-    // In the long run. The start from zero changes the mean by one part in 400.
+    // The long-run share. The start from zero changes the mean by one part in 400.
     let found = lit / (frames * taxels) as f64;
     assert!((found / share - 1.0).abs() < 1.5 * error + 0.0025, "share {found}");
     let noisy = |spurious_share| {

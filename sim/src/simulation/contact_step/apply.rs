@@ -1,4 +1,4 @@
-//! Writing what the contacts changed into the engine, and keeping what the next step needs.
+//! Writes what the contacts changed into the engine, and keeps what the next step needs.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use super::{ContactStep, Kept, Parts, PatchContact, key};
 use crate::contact::law::{center_of_pressure, in_plane};
 
 impl ContactStep {
-    /// Writes velocities and positions into the engine, and what happened into [`ContactStep::contacts`].
+    /// Writes velocities and positions into the engine, and the contacts of the step into [`ContactStep::contacts`].
     pub(super) fn apply(&mut self, parts: &mut Parts) {
         let scratch = &mut self.scratch;
         for body in &scratch.order {

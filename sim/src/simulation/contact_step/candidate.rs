@@ -78,7 +78,7 @@ impl ContactStep {
         let colliders = handles.map(|handle| &parts.colliders[handle]);
         let links = colliders.map(|collider| link_of(collider, copies, parts));
         let [first, second] = links.map(|link| link.map(|link| link.body));
-        // Both fixed, or links of one body.
+        // Both are fixed, or both are links of one body.
         if first == second {
             return None;
         }
@@ -112,8 +112,8 @@ impl ContactStep {
         let columns = Columns::new(&pair, &plane, faces)?;
         let overlap_m = columns.overlap_m(DVec2::ZERO)?;
         let before = relative_speeds(&plane, links, copies, |body, index| copies[body].velocity[index]);
-        // Where surfaces stay in contact their speed hardly changes. A surface that is about to arrive may be
-        // accelerated.
+        // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
+        // in this step, so their speed at its end without contacts counts, too.
         let mut over_m = law.closing_m(before[0]);
         if overlap_m <= over_m {
             let free = relative_speeds(&plane, links, copies, |body, index| {
@@ -215,7 +215,8 @@ fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DV
     if deepest >= 0.0 || presses(&plane) {
         return plane;
     }
-    // The points of a round face are corners of a square in it, so none of them need be where a tilted face is deepest.
+    // The manifold's points on a round face are the corners of a square in it, so a tilted face may be deepest
+    // elsewhere.
     let deepest_points = [0, 1].into_iter().filter_map(|side| {
         let towards_other = if side == 0 { -found } else { found };
         let shape = pair.shapes[side].as_support_map()?;
@@ -225,9 +226,10 @@ fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DV
     planes.find(presses).unwrap_or(plane)
 }
 
-/// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half of the thinner
-/// one, and the shortest way out is now on the other side. The shapes are then held to the side from which they met.
+/// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half the thickness of
+/// the thinner one, and the shortest way out is now on the other side. The shapes are then held to the side from which
+/// they met.
 const FLIPPED_COSINE: f64 = -0.5;
 
-/// A normal is not kept where the overlap along it is larger, m: three times the thickness of a soft skin.
+/// A normal is not kept if the overlap along it is larger than this, m: three times the thickness of a soft skin.
 const MAX_KEPT_OVERLAP_M: f64 = 0.01;

@@ -1,4 +1,4 @@
-//! What the engine's step overwrites, copied before it, and what follows from the copies.
+//! Copies of the state that the engine's step overwrites, and what is computed from them.
 
 use glam::DVec3;
 use nalgebra::{DMatrixViewMut, Vector3};

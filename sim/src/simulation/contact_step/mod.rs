@@ -2,8 +2,8 @@
 //!
 //! The engine finds which bounding boxes overlap, but computes no contacts. Before its step the poses, Jacobians and
 //! velocities of every articulated body are copied. After it, the patches of the shapes that overlap are made from
-//! those poses, [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's, with
-//! positions to match.
+//! those poses, [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's
+//! velocities. The positions are changed to match.
 
 use glam::DVec3;
 use rapier3d::prelude::*;
@@ -23,7 +23,7 @@ mod stops;
 
 pub(super) use stops::JointStop;
 
-/// What two shapes did to each other in one step.
+/// The contact of two shapes in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchContact {
     /// The shapes.
@@ -46,7 +46,7 @@ pub(super) struct PatchContact {
     pub(super) slip_world: DVec3,
 }
 
-/// Two colliders, as raw handles, which can be sorted.
+/// Two colliders or two bodies, as raw handles, which can be sorted.
 type PairKey = [(u32, u32); 2];
 
 /// What a pair of shapes in contact keeps from step to step, in the frame of the second body.
@@ -58,7 +58,7 @@ struct Kept {
     normal: DVec3,
     /// Elastic displacement of the contact along its surface, m.
     deflection: DVec3,
-    /// The same about the normal, times the patch's radius, m.
+    /// Elastic rotation about the normal, times the patch's radius, m.
     deflection_about_normal: f64,
 }
 
@@ -85,7 +85,7 @@ pub(super) struct ContactStep {
 #[derive(Clone, Default)]
 struct Scratch {
     bodies: Vec<Copied>,
-    /// How many of them are of this step.
+    /// How many of the copied bodies are of this step.
     count: usize,
     pairs: Vec<[ColliderHandle; 2]>,
     candidates: Vec<Candidate>,
@@ -161,7 +161,7 @@ impl ContactStep {
         self.keep();
     }
 
-    /// Pairs of shapes that are near each other, in an order that does not depend on the engine's.
+    /// Finds the pairs of shapes that are near each other, in an order that does not depend on the engine's.
     fn find_pairs(&mut self, parts: &Parts) {
         let pairs = &mut self.scratch.pairs;
         pairs.clear();
@@ -173,7 +173,7 @@ impl ContactStep {
         pairs.sort_unstable_by_key(key);
     }
 
-    /// The patches of those pairs that may press on each other in this step.
+    /// Finds the patches of those pairs that may press on each other in this step.
     fn find_patches(&mut self, parts: &Parts) {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.candidates.clear();
@@ -199,7 +199,7 @@ impl ContactStep {
     }
 
     /// Gives every articulated body that something may touch, or that is near an end stop, a block of the solver. The
-    /// more it touches, the later its block. Returns whether there are any.
+    /// more patches and stops a body has, the later its block. Returns whether there are any blocks.
     fn choose_blocks(&mut self, parts: &Parts) -> bool {
         let scratch = &mut self.scratch;
         scratch.solver.start(parts.step_s);

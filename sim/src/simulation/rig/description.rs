@@ -1,4 +1,4 @@
-//! What a rig holds, read back from the engine, so that another engine can build the same.
+//! The contents of a rig, read back from the engine, so that another engine can build the same.
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;
@@ -75,13 +75,13 @@ pub struct ColliderDescription {
 impl Description {
     pub(super) fn read(engine: &mut Engine) -> Self {
         for (_, body) in engine.bodies.iter_mut() {
-            // The engine would sum up the masses in its first step only.
+            // Otherwise the engine would not sum up the masses until its first step.
             body.recompute_mass_properties_from_colliders(&engine.colliders);
         }
         let engine = &*engine;
         let mut trees: Vec<Vec<LinkDescription>> =
             engine.joints.multibodies().map(|tree| describe(tree, engine)).collect();
-        // The engine may list them in any order.
+        // The engine may list the trees in any order.
         trees.sort_by_key(|tree| tree.first().map(|root| root.body));
         Description { trees }
     }
@@ -133,7 +133,7 @@ fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
         .collect()
 }
 
-/// A collision shape; `None` for one that no recording knows, which nothing here builds.
+/// A collision shape; `None` for a kind of shape that recordings do not have. Nothing here builds such shapes.
 fn collider(collider: &Collider, surface: Surface) -> Option<ColliderDescription> {
     let shape = collider.shape();
     // The engine's cylinders lie along y, and its capsules between any two points.
@@ -179,7 +179,7 @@ mod tests {
     use crate::physics::PhysicsOptions;
     use crate::simulation::rig::Rig;
 
-    /// Pins that the friction of a shape is that of its surface; the engine's own coefficients are not used.
+    /// Pins that the friction of a shape is the friction of its surface; the engine's own coefficients are not used.
     #[test]
     fn friction_is_that_of_the_surface() {
         let arm = Arm {

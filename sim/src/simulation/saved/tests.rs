@@ -24,7 +24,7 @@ fn plan(seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::parse("saved.toml", SCENE.into()).unwrap(), None, seed).unwrap()
 }
 
-/// Goes on by some frames along recorded equilibrium angles.
+/// Continues along recorded equilibrium angles, and returns the report of each frame.
 fn go_on(simulation: &mut Simulation, angles: &[Vec<f64>]) -> Vec<FrameReport> {
     angles.iter().map(|angles| simulation.step(angles).clone()).collect()
 }
@@ -65,13 +65,13 @@ fn a_loaded_simulation_continues_bit_for_bit() {
                 "saved after frame {start}"
             );
         }
-        // What is saved again is the same, too: nothing that is saved was lost on the way.
+        // Saving again gives the same bytes, so nothing that is saved was lost on the way.
         assert!(loaded.save().unwrap() == saved[end], "saved after frame {start}");
     }
 }
 
-/// Pins that what is no state, a state with a changed or missing byte, and one of another clutter are refused, each
-/// with its own error, and leave the simulation as it was.
+/// Pins that bytes that are no state, a state with a changed or missing byte, and a state of another clutter are
+/// refused, each with its own error, and leave the simulation as it was.
 #[test]
 fn bad_states_are_refused() {
     let mut simulation = plan(3).simulation(0).unwrap();

@@ -1,4 +1,4 @@
-//! What a frame allocates.
+//! Tests of what a frame allocates.
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ struct Allocations {
     before_steps: u64,
     /// Contacts: patches, solution, velocities and positions written into the engine.
     contacts: u64,
-    /// Which objects rest and wake.
+    /// Finding which objects rest and wake.
     dormancy: u64,
     /// The report of the frame, with skin and sensor.
     report: u64,
@@ -68,8 +68,8 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
     found
 }
 
-/// Pins that nothing is allocated in a frame but by the engine, and by parry's search for how deep shapes overlap, for
-/// an arm that moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
+/// Pins that in a frame only the engine and parry's search for the depth of overlaps allocate memory, for an arm that
+/// moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
 #[test]
 fn only_the_engine_allocates_in_a_frame() {
     let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
@@ -97,9 +97,9 @@ fn only_the_engine_allocates_in_a_frame() {
         assert!(touching >= 4, "{touching} contacts in frame {frame}");
         let own = [found.before_steps, found.dormancy, found.report];
         assert_eq!(own, [0; 3], "frame {frame}: {found:?}");
-        // Within it, parry's search makes its lists anew for each pair, and the engine the list of bodies that were
-        // moved: 102 to 147 allocations in these frames. One for each patch, node or iteration of our own would be
-        // more.
+        // Within the contact step, parry's search makes its lists anew for each pair, and the engine the list of bodies
+        // that were moved: 102 to 147 allocations in these frames. One allocation of our own for each patch, node or
+        // iteration would exceed the bound.
         assert!(
             found.contacts <= 24 * touching,
             "frame {frame}: {found:?} for {touching} contacts"

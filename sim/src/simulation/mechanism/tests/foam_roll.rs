@@ -7,8 +7,8 @@ use crate::object::foam_roll::FoamRoll;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 
-/// Pins that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation
-/// time τ/(1 − share)) and comes back slowly and whole.
+/// Pins that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation time
+/// τ/(1 − share)) and comes back slowly and completely.
 #[test]
 fn a_push_creeps_and_recovers() {
     let roll = FoamRoll {
@@ -65,7 +65,7 @@ fn a_push_creeps_and_recovers() {
     assert!(lean(60.0, 0.0).abs() < 1e-4 * at_once.max(1.0));
 }
 
-/// A roll as scenes draw them, with a modulus.
+/// A roll like those in scenes, with this modulus and a short relaxation time.
 fn roll(modulus_pa: f64) -> FoamRoll {
     FoamRoll {
         diameter_m: 0.12,
@@ -77,7 +77,8 @@ fn roll(modulus_pa: f64) -> FoamRoll {
     }
 }
 
-/// How far the tip of a roll is from upright, m, so many seconds after a push of 50 mN for half a second at its top.
+/// How far the tip of a roll is from upright, m, `seconds` seconds after the start of a push of 50 mN at its top that
+/// lasts half a second.
 fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     let options = PhysicsOptions {
         step_s: 0.005,
@@ -101,11 +102,12 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     tip.truncate().length()
 }
 
-/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than that comes back from a
-/// push and one 10 % softer does not.
+/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than the critical one comes
+/// back from a push, and one 10 % softer does not.
 #[test]
 fn a_roll_topples_at_the_load_that_is_derived() {
-    // The first term of the load share goes with 1 / E, and the second, with 1 / E², is a ten-thousandth of it.
+    // The first term of the load share is proportional to 1 / E. The second, proportional to 1 / E², is a
+    // ten-thousandth of it.
     let critical_pa = 1.0e4 * roll(1.0e4).load_share();
     assert!((roll(critical_pa).load_share() - 1.0).abs() < 1e-3);
     let stiffer = lean_after_a_push_m(&roll(1.1 * critical_pa), 60.0);

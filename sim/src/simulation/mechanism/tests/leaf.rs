@@ -7,7 +7,7 @@ use crate::object::leaf::Leaf;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 
-/// Deflections along x at the tip, m, of a leaf under a constant force at its tip, and of a clamped one by theory.
+/// Displacement of a leaf's tip under a constant force at the tip, m.
 fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
     let options = PhysicsOptions {
         step_s: 0.01,
@@ -41,7 +41,7 @@ fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {
     }
 }
 
-/// Pins the leaf's stiffness under a small tip load: the beam's P L³ / 3 E I to 0.1 %, both ways.
+/// Pins the leaf's stiffness under a small tip load: the beam's P L³ / 3 E I to 0.1 %, in both directions.
 #[test]
 fn small_tip_load_bends_as_a_beam() {
     let leaf = example(4, None);

@@ -1,5 +1,5 @@
-//! Tests of a water bottle on the table: at rest, pushed, stopped by a trunk, and tipped over. Check `standing-bottle`
-//! of `validate` compares its resistance and its tipping moment with closed forms.
+//! Tests of a water bottle on the table: at rest, pushed, stopped by a trunk, and tipped over. The check
+//! `standing-bottle` of `validate` compares its resistance and its tipping moment with closed forms.
 
 use glam::DVec3;
 
@@ -53,7 +53,7 @@ fn a_bottle_stands_still_until_it_slips() {
     // k A with 3e8 N/m³ and π 0.13² m².
     let depth_m = 9.81 / (3e8 * 0.0530929);
     assert!((base.z + depth_m).abs() < 0.01 * depth_m, "{base}");
-    // While it settles it moves sideways by some 10 nm.
+    // While it settles it moves sideways by about 10 nm.
     assert!(base.truncate().length() < 1e-7, "{base}");
     assert!(mechanism.is_at_rest(&engine));
     let low = DVec3::Z * 0.1;
@@ -65,7 +65,7 @@ fn a_bottle_stands_still_until_it_slips() {
 }
 
 /// Pins that a push beside the middle turns a bottle towards the side on which it is pushed, that it stays where it
-/// came to lie, and that it then does not count as at rest.
+/// stops, and that it then does not count as at rest.
 #[test]
 fn a_push_beside_the_middle_turns_it() {
     let mut engine = Engine::new(OPTIONS);
