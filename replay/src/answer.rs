@@ -60,7 +60,7 @@ impl AsRef<[u8]> for SharedBytes {
 }
 
 impl Answer {
-    /// Sends it.
+    /// Sends the answer.
     pub fn send(self, request: Request) {
         let headers = [
             ("Content-Type", self.kind),

@@ -1,4 +1,4 @@
-//! Check 12: a whole reach: what the actuators give is stored or lost somewhere.
+//! Check 12: in a whole reach, the work of the actuators is stored or lost somewhere.
 
 use underbrush_sim::audit::energy::{EnergyBalance, EnergySums};
 use underbrush_sim::reach::ReachPlan;

@@ -32,7 +32,7 @@ struct MappingFile {
     time: TimeTable,
     /// The forces.
     force: ForceTable,
-    /// What becomes of them.
+    /// How the forces become trials.
     #[serde(default)]
     trial: TrialTable,
 }
@@ -57,11 +57,11 @@ pub(super) struct ForceTable {
     /// Topic of the messages; only for MCAP.
     pub(super) topic: Option<String>,
     /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. HDF5: a
-    /// dataset with a row for each frame and a column for each taxel; `*` in place of a group's name takes each such
-    /// group as a reach. MCAP: the field of the message that holds the list of forces, `data` for the arrays of
-    /// `std_msgs`.
+    /// dataset with a row for each frame and a column for each taxel; with `*` in place of a group's name, each
+    /// matching group is a reach. MCAP: the field of the message that holds the list of forces, `data` for the arrays
+    /// of `std_msgs`.
     pub(super) from: String,
-    /// Number of taxels; only for CSV. HDF5 and MCAP say it themselves.
+    /// Number of taxels; only for CSV. HDF5 and MCAP files hold it themselves.
     pub(super) taxels: Option<u32>,
     /// Unit of the forces: `N` (default), `mN`, `kN`, `gf`, `kgf` or `lbf`.
     unit: Option<String>,
@@ -71,7 +71,7 @@ pub(super) struct ForceTable {
     offset_n: Option<f64>,
 }
 
-/// What becomes of the forces.
+/// How the forces become trials.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TrialTable {
