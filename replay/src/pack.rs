@@ -18,7 +18,7 @@ use crate::{Judging, Known, ReplayError, Verdicts, contact_trials};
 struct Header<'a> {
     scene: &'a str,
     controller: &'a str,
-    /// As text: numbers of JavaScript have 53 bits.
+    /// As text, because JavaScript's numbers have 53 bits.
     seed: String,
     reach_index: u64,
     rate_hz: f64,

@@ -17,7 +17,7 @@ use underbrush_recording::{
 
 use crate::{Judging, JudgingModel};
 
-/// Distance of the taxels, m. Choice.
+/// Distance between neighbouring taxels, m. Choice.
 const PITCH_M: f64 = 0.01;
 /// Largest number of frames of a reach: two hours at 100 Hz. Without a limit, a gap of years between two trials would
 /// fill the memory with silent frames.

@@ -58,7 +58,7 @@ pub enum CheckError {
     /// The files of the arm are bad.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A reach has no recording.
+    /// A reach gave no recording.
     #[error(transparent)]
     Reach(#[from] ReachError),
     /// The case could not be set up or measured.

@@ -62,7 +62,7 @@ fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
     BodyPart { shape, pose_body }
 }
 
-/// A cylinder about the horizontal axis at this angle from x.
+/// A cylinder that lies horizontally, with its axis at this angle from x.
 fn lying(radius_m: f64, angle_rad: f64) -> BodyPart {
     let axis = DQuat::from_rotation_z(angle_rad) * DQuat::from_rotation_y(FRAC_PI_2);
     let shape = BodyShape::Cylinder {

@@ -132,7 +132,7 @@ fn roll(simulated: Simulated) -> FoamRoll {
     }
 }
 
-/// One slice of the simulated roll, to be driven sideways.
+/// One slice of the simulated roll, which can be driven sideways.
 fn slice(simulated: Simulated) -> Result<Driven, CheckError> {
     Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::TranslationX)
 }

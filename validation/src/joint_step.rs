@@ -29,7 +29,7 @@ pub const STIFF_JOINT: Falsification = Falsification {
 const STEP_S: f64 = 1e-4;
 const SECONDS: f64 = 1.0;
 const TARGET_RAD: f64 = 0.1;
-/// Cody's shoulder is nearly critically damped; a tenth of that shows the period.
+/// Cody's shoulder is nearly critically damped. With a tenth of that damping, the response shows a period.
 const DAMPING_RATIO: f64 = 0.1;
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {

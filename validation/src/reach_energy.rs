@@ -64,7 +64,7 @@ fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, CheckError> {
     // The same reach again, with its energies recorded.
     let mut simulation = plan.simulation(0)?;
     let mut balance = EnergyBalance::new(&simulation);
-    // The last frame ends the reach.
+    // No step follows the last frame, which ends the reach.
     for frame in recording.frames.iter().rev().skip(1).rev() {
         simulation.step_observed(&frame.equilibrium_angle_rad, &mut |step| balance.observe_step(step));
     }

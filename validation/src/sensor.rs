@@ -154,7 +154,7 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// Counts the readings that are not the number nearest to a count of the sensor.
+/// Counts the readings that are not the double nearest to a whole number of millinewtons.
 fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let options = SensorOptions {
         quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0),

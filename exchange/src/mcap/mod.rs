@@ -59,5 +59,5 @@ pub(crate) struct Channel {
     pub(crate) message_encoding: String,
 }
 
-/// Names with values.
+/// Facts of a metadata record, by name.
 pub(crate) type Map = BTreeMap<String, String>;

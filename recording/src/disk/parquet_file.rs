@@ -1,4 +1,4 @@
-//! Reading and writing Parquet files.
+//! Reads and writes Parquet files.
 
 use std::path::{Path, PathBuf};
 

@@ -127,7 +127,7 @@ pub(super) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
     let incomplete = dir.join(names::INCOMPLETE);
     for _ in 0..ATTEMPTS {
         match fs::remove_dir_all(&incomplete) {
-            // A process that was just about to write there made a lock file, and now sees that the set is finished.
+            // A process that was about to write there made a lock file, and now sees that the set is finished.
             Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => {}
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
             removed => {

@@ -1,4 +1,4 @@
-//! Reading a finished data set.
+//! Reads a finished data set.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Writing a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
+//! Writes a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
 
 use std::fs::{self, File};
 use std::ops::Range;
