@@ -42,7 +42,7 @@ const FEWER_HINGES: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 
-/// Step of the engine, s. It can be long, because states of rest do not depend on it.
+/// Step of the engine, s. It can be as long as 10 ms, because states of rest do not depend on it.
 const STEP_S: f64 = 0.01;
 /// A load that bends the leaf by a hundredth of its length.
 const SMALL_LOAD_N: f64 = 0.002;
