@@ -1,4 +1,4 @@
-//! The parsers of what users and other programs give, each as a function of bytes.
+//! The parsers of input from users and other programs, each as a function of bytes.
 //!
 //! The fuzz targets beside this file call them with bytes that libFuzzer makes up, and the tests of the command line
 //! replay the corpus. A parser may return a value or an error; a panic that reaches the caller is a finding. So is an
@@ -87,7 +87,7 @@ pub fn urdf(bytes: &[u8]) -> bool {
     finger_with("finger.urdf", bytes)
 }
 
-/// The skin of an arm, also alone.
+/// The skin of an arm, parsed alone and with the arm.
 pub fn skin(bytes: &[u8]) -> bool {
     in_file("skin.toml", bytes, |path| load_layout(path).is_ok());
     finger_with("finger.skin.toml", bytes)
@@ -124,12 +124,12 @@ pub fn trials_parquet(bytes: &[u8]) -> bool {
     in_file("trials.parquet", bytes, |path| read_trials(path).is_ok())
 }
 
-/// A recording. Its checksum is made right, so that the reader goes on.
+/// A recording. Its checksum is corrected first, so that the reader does not stop there.
 pub fn recording(bytes: &[u8]) -> bool {
     in_file("reach.parquet", &sealed(bytes), |path| read_recording(path).is_ok())
 }
 
-/// The bytes of a Parquet file with the hash that the key `underbrush.blake3` has to have.
+/// The bytes of a Parquet file with the correct hash under the key `underbrush.blake3`.
 fn sealed(bytes: &[u8]) -> Vec<u8> {
     const DIGITS: usize = 64;
     let mut bytes = bytes.to_vec();
@@ -171,8 +171,8 @@ const SET: [(&str, &[u8]); 15] = files![
     "truth/taxels/chunk-000/file-000.parquet",
 ];
 
-/// A data set in which the file whose number in [`SET`] is the first byte is replaced by the other bytes. The checksums
-/// are made right, so that the reader goes on.
+/// A data set with one file replaced. The first byte is the number of the file in [`SET`], and the other bytes are its
+/// new content. The checksums are corrected, so that the reader does not stop there.
 pub fn data_set(bytes: &[u8]) -> bool {
     let Some((number, own)) = bytes.split_first() else {
         return false;
@@ -197,7 +197,7 @@ pub fn data_set(bytes: &[u8]) -> bool {
         return false;
     };
     let whole = set.verify().is_ok() && set.peak_contact_forces_n().is_ok();
-    // The number of episodes is what a file says.
+    // Limited, because the number of episodes comes from a file.
     whole && (0..set.episodes().len().min(8)).all(|episode| set.read_reach(episode).is_ok())
 }
 

@@ -1,4 +1,4 @@
-//! Tells dependents where the sources of this crate are: `underbrush-experiments` hashes them.
+//! Tells dependents where the sources of this crate are, because `underbrush-experiments` hashes them.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,9 +1,9 @@
 //! Data sets in S3-like storage.
 //!
-//! A set lies below one address, such as `s3://bucket/my-set`, file by file as in its folder. No object is ever
-//! replaced: each is put on condition that there is none. The list of checksums is put first and so decides which set
-//! has the place, and `meta/info.json` is put last, so that an address without it holds no set yet. Several machines
-//! may push the same set at the same time, and each may be interrupted anywhere.
+//! A set is stored below one address, such as `s3://bucket/my-set`, with one object for each file of its folder. No
+//! object is ever replaced: each is put only if it does not exist yet. The list of checksums is put first and so
+//! decides which set has the place. `meta/info.json` is put last, so an address without it holds no complete set yet.
+//! Several machines may push the same set at the same time, and each may be interrupted at any point.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -17,9 +17,9 @@ use underbrush_recording::disk::{Dataset, DatasetCopy};
 
 use crate::ExchangeError;
 
-/// How often a put is tried while the connection is lost. The library tries other requests again by itself, but a put
-/// on condition only here, because only here it is known that an object that is there already may be from the lost
-/// attempt. Choice: with waits that double, about a minute.
+/// How often a put is tried if the connection fails. The library repeats other requests itself. Conditional puts are
+/// repeated here, because only this code knows that an object that already exists may come from the failed attempt.
+/// Choice: the waits double, so all attempts together take about a minute.
 const ATTEMPTS: u32 = 8;
 /// The first wait. Choice, see [`ATTEMPTS`].
 const FIRST_WAIT: Duration = Duration::from_millis(500);
@@ -29,7 +29,7 @@ const FIRST_WAIT: Duration = Duration::from_millis(500);
 pub struct Place {
     store: AmazonS3,
     prefix: Key,
-    /// As given, without a slash at the end.
+    /// The address as given, without a slash at the end.
     address: String,
     runtime: Runtime,
 }
@@ -41,17 +41,17 @@ pub struct Transfer {
     pub files: usize,
     /// Files that were not there before.
     pub transferred: usize,
-    /// Bytes of these.
+    /// Bytes of the transferred files.
     pub bytes: u64,
 }
 
 impl Place {
-    /// The place with an address such as `s3://bucket/my-set`. Credentials, region and endpoint are those of the
+    /// The place with an address such as `s3://bucket/my-set`. Credentials, region and endpoint come from the
     /// environment (`AWS_ACCESS_KEY_ID`, `AWS_REGION`, `AWS_ENDPOINT_URL`, …). Nothing is requested yet.
     ///
     /// # Errors
-    /// [`ExchangeError::Input`] for another kind of address, [`ExchangeError::Bucket`] for variables that are not
-    /// valid.
+    /// [`ExchangeError::Input`] for another kind of address, [`ExchangeError::Bucket`] for invalid environment
+    /// variables.
     pub fn new(address: &str) -> Result<Self, ExchangeError> {
         let address = address.trim_end_matches('/').to_owned();
         let bad = || {
@@ -96,8 +96,8 @@ impl Place {
         })
     }
 
-    /// Copies a set there, or what is missing of it. `sent` is called after each file. One file is in memory at a time,
-    /// some 100 MB.
+    /// Copies a data set to this place. Files that are already there are skipped. `sent` is called after each file.
+    /// Only one file is in memory at a time, some 100 MB.
     ///
     /// # Errors
     /// [`ExchangeError::Input`] if another set is there; [`ExchangeError::Disk`] if the set is damaged;
@@ -126,8 +126,8 @@ impl Place {
         Ok(transfer)
     }
 
-    /// Copies the set that is there into an empty or new folder, or what is missing in a copy that was interrupted. All
-    /// hashes are checked. `received` is called with the number of files and after each of them.
+    /// Copies the data set at this place into an empty or new folder, or completes a copy that was interrupted. All
+    /// hashes are checked. `received` is called after each file, with the number of files that are to be transferred.
     ///
     /// # Errors
     /// [`ExchangeError::Input`] if there is no finished set or one with damaged files; [`ExchangeError::Disk`] if the
@@ -176,8 +176,8 @@ impl Place {
         }
     }
 
-    /// Whether there is an object with the size of the file below `dir`. An object of another size is no work of this
-    /// program.
+    /// Whether there is an object with the size of the file below `dir`. An object of another size was not written by
+    /// this program and is an error.
     fn has(&self, name: &str, dir: &Path) -> Result<bool, ExchangeError> {
         let there = match self.runtime.block_on(self.store.head(&self.key(name))) {
             Err(Error::NotFound { .. }) => return Ok(false),
@@ -192,8 +192,8 @@ impl Place {
         Ok(true)
     }
 
-    /// Puts an object unless there is one, and returns whether it did. After a lost connection the object may be there
-    /// already by this very call, which then returns `false`.
+    /// Puts an object unless there is one, and returns whether it did. After a lost connection, the object may exist
+    /// because of this very call, which then returns `false`.
     fn put_new(&self, name: &str, bytes: &[u8]) -> Result<bool, ExchangeError> {
         let key = self.key(name);
         let payload = PutPayload::from(bytes.to_vec());

@@ -23,7 +23,7 @@ pub enum ExchangeError {
         /// The cause.
         source: Box<hdf5_pure::Error>,
     },
-    /// Storage could not be reached, or refused.
+    /// Storage could not be reached, or refused the request.
     #[cfg(feature = "cloud")]
     #[error("{address}: cannot {action}: {source}; check the address, the network and the AWS_… variables")]
     Bucket {

@@ -1,10 +1,10 @@
-//! What passes between this program and other tools: recordings as MCAP and HDF5 files, and contact trials out of the
-//! files of other robots.
+//! Exchanges data with other tools: recordings as MCAP and HDF5 files, and contact trials from the files of other
+//! robots.
 //!
-//! * [`write_mcap`] writes a reach for Foxglove and tools of ROS 2.
-//! * [`Hdf5Writer`] writes reaches in the shape of robomimic's data sets.
+//! * [`write_mcap`] writes a reach for Foxglove and ROS 2 tools.
+//! * [`Hdf5Writer`] writes reaches in the layout of robomimic's data sets.
 //! * [`live`] reads the lines of a live stream of frames.
-//! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file says.
+//! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file describes.
 //! * `bucket` (with the feature `cloud`) copies data sets to and from S3-like storage.
 
 #[cfg(feature = "cloud")]

@@ -1,4 +1,4 @@
-//! Reaches as an HDF5 file in the shape of robomimic's data sets
+//! Writes reaches as an HDF5 file in the layout of robomimic's data sets
 //! (<https://robomimic.github.io/docs/datasets/overview.html>).
 //!
 //! ```text
@@ -14,7 +14,8 @@
 //! mask/train, mask/valid, mask/SCENE   names of demonstrations: nine of ten, every tenth, and those of each scene
 //! ```
 //!
-//! T is the number of frames at 100 Hz and J that of joints. Everything is double precision, so no number changes.
+//! T is the number of frames at 100 Hz and J the number of joints. Everything is double precision, so no number
+//! changes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,7 +29,7 @@ use underbrush_recording::{Frame, Outcome, Recording};
 
 use crate::ExchangeError;
 
-/// Staged numbers at which they are written to the file. Choice: 64 MB.
+/// How many numbers are staged before they are written to the file. Choice: 64 MB.
 const NUMBERS_PER_COMMIT: usize = 8 << 20;
 /// Frames of a chunk. Choice: a window of some seconds, as learners read it, touches one or two chunks.
 const FRAMES_PER_CHUNK: usize = 256;
@@ -37,7 +38,7 @@ const DEFLATE_LEVEL: u32 = 4;
 /// One of this many demonstrations is in `mask/valid`.
 const VALID_PERIOD: usize = 10;
 
-/// The names of a demonstration and of the masks to which it belongs.
+/// The names of the demonstrations in each mask, by the name of the mask.
 type Masks = BTreeMap<String, Vec<String>>;
 
 /// An HDF5 file of reaches that is being written. Memory holds some 64 MB or one reach, whichever is more.
@@ -55,7 +56,7 @@ pub struct Hdf5Writer<'a> {
 /// complete.
 ///
 /// # Errors
-/// [`ExchangeError::Hdf5`] and [`ExchangeError::Disk`] if the file cannot be written; those of `reaches`.
+/// [`ExchangeError::Hdf5`] and [`ExchangeError::Disk`] if the file cannot be written; also the errors of `reaches`.
 pub fn write_hdf5<E: From<ExchangeError> + From<underbrush_recording::disk::DiskError>>(
     path: &Path,
     reaches: impl FnOnce(&mut Hdf5Writer) -> Result<(), E>,
@@ -74,7 +75,8 @@ fn table(recording: &Recording, row: impl Fn(&Frame, &mut Vec<f64>)) -> Vec<f64>
     numbers
 }
 
-/// Describes a table of so many frames. An empty one, such as that of a patch without taxels, has no chunks.
+/// Describes a table with this number of frames. An empty table, such as the table of a patch without taxels, has no
+/// chunks.
 fn describe(dataset: &mut DatasetBuilder, frames: usize, numbers: &[f64], flat: bool) {
     let width = numbers.len() / frames.max(1);
     let rows = FRAMES_PER_CHUNK.min(frames) as u64;
@@ -93,7 +95,7 @@ fn rewards(recording: &Recording) -> Vec<f64> {
     let mut rewards = vec![0.0; recording.frames.len()];
     for goal in recording.goals.iter().filter(|goal| goal.outcome == Outcome::Reached) {
         let after = recording.frames.partition_point(|frame| frame.time_s < goal.end_time_s);
-        // The end of the last goal may be that of the last frame.
+        // The last goal may end after the time of the last frame.
         if let Some(last) = rewards.len().checked_sub(1) {
             rewards[after.min(last)] = 1.0;
         }
@@ -148,7 +150,7 @@ fn observations(recording: &Recording) -> Vec<(String, Vec<f64>)> {
     observations
 }
 
-/// Stages everything about a reach. Returns the number of numbers.
+/// Stages everything about a reach. Returns how many numbers were staged.
 fn stage(group: &mut StagedGroup, recording: &Recording) -> usize {
     let frames = recording.frames.len();
     let mut count = 0;
@@ -233,7 +235,8 @@ impl<'a> Hdf5Writer<'a> {
 
     fn finish(self) -> Result<(), ExchangeError> {
         let error = || ExchangeError::hdf5(self.path);
-        // robomimic asks for the environment. There is none that it could make: type 2 is its code for Gym.
+        // robomimic requires a description of the environment, although it cannot make this one. Type 2 is its code for
+        // Gym.
         let environment = json!({ "env_name": "underbrush", "type": 2, "env_kwargs": {} }).to_string();
         let data = self.file.group("data").map_err(error())?;
         data.set_attr("total", AttrValue::I64(self.frames as i64))

@@ -10,24 +10,25 @@ pub struct Audit {
     /// Largest relative difference, over all frames and patches, between the vector sum of the true taxel forces and
     /// the solver's contact force.
     pub largest_force_residual: f64,
-    /// Largest difference between the moment of a patch's true taxel forces, each at its taxel's centre, and that of
-    /// the solver's contacts, over the sum of their magnitudes, m.
+    /// Largest difference between the moment of a patch's true taxel forces, each at its taxel's centre, and the moment
+    /// of the solver's contact forces, divided by the sum of the magnitudes of the contact forces, m.
     pub largest_moment_residual_m: f64,
     /// Largest relative difference, over the frames in which the arm rests against something, between the springs'
-    /// torques K (φ − q) and those of the contacts, −Σ Jᵀ f.
+    /// torques K (φ − q) and the torques of the contacts, −Σ Jᵀ f.
     pub largest_static_residual: f64,
-    /// The number of those frames; without any, the static residual is 0.
+    /// The number of frames in which the arm rests against something. If there are none, the static residual is 0.
     pub rest_frames: u32,
     /// Number of controller steps.
     pub controller_steps: u32,
-    /// Number of those in which no change of the equilibrium angles met all constraints, so that the angles stayed.
+    /// Number of controller steps in which no change of the equilibrium angles met all constraints, so the angles
+    /// stayed.
     pub infeasible_controller_steps: u32,
-    /// Number of those in which the controller's quadratic program could not be solved, so that the angles stayed.
+    /// Number of controller steps in which the quadratic program could not be solved, so the angles stayed.
     pub failed_controller_steps: u32,
-    /// Unexplained rest of the arm's energy balance at the end of the reach, relative to the work exchanged with its
-    /// actuators.
+    /// Unexplained remainder of the arm's energy balance at the end of the reach, relative to the work exchanged with
+    /// its actuators.
     pub energy_residual: f64,
-    /// Estimated numerical damping of the implicit integrator, relative to the same work.
+    /// Estimated energy loss by numerical damping of the implicit integrator, relative to the same work.
     pub integrator_energy_share: f64,
     /// Largest residual of the contact solver over all steps, relative to the largest generalized impulse.
     pub largest_contact_residual: f64,
@@ -35,14 +36,14 @@ pub struct Audit {
     pub deepest_penetration_m: f64,
     /// Largest change of the contact force on a link from one frame's mean to the next, N.
     pub largest_frame_force_jump_n: f64,
-    /// The same from one engine step to the next, N.
+    /// Largest change of the contact force on a link from one engine step to the next, N.
     pub largest_step_force_jump_n: f64,
 }
 
 /// One residual of an [`Audit`].
 #[derive(Clone, Copy, Debug)]
 pub struct AuditField {
-    /// Its name, which is also that of its column in data sets.
+    /// Its name, which is also the name of its column in data sets.
     pub name: &'static str,
     /// Reads it.
     pub get: fn(&Audit) -> f64,
@@ -53,7 +54,7 @@ pub struct AuditField {
 /// One count of an [`Audit`].
 #[derive(Clone, Copy, Debug)]
 pub struct AuditCount {
-    /// Its name, which is also that of its column in data sets.
+    /// Its name, which is also the name of its column in data sets.
     pub name: &'static str,
     /// Reads it.
     pub get: fn(&Audit) -> u32,

@@ -106,7 +106,7 @@ pub struct Body {
     pub owner: BodyOwner,
     /// Its collision shapes.
     pub parts: Vec<BodyPart>,
-    /// Pose before the reach begins: that of an object as built, or of a link in the arm's start posture.
+    /// Pose before the reach begins: the pose of an object as built, or of a link in the arm's start posture.
     pub rest_pose_world: Pose,
     /// Its motion: each pose holds until the next point.
     #[serde(skip)]

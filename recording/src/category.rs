@@ -6,10 +6,10 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// What an object is, as ground truth: a name, and the code that stands for it in columns of numbers.
+/// What an object is, as ground truth: a name, and the code that represents it in columns of numbers.
 ///
-/// Four categories are built in, those of the paper (sections IV-A and V-D). An object that is something else brings a
-/// category of its own as a constant in its file:
+/// Four categories are built in, those of the paper (sections IV-A and V-D). The source file of any other object
+/// defines a category of its own as a constant:
 ///
 /// ```
 /// use underbrush_recording::Category;
@@ -54,8 +54,8 @@ impl Category {
         }
     }
 
-    /// The same with a name that was read from a file. Such names are kept until the program ends; a data set has at most
-    /// 124 of them.
+    /// As [`Category::new`], with a name that was read from a file. Such names are kept until the program ends; a data
+    /// set has at most 124 of them.
     pub fn from_file(name: &str, code: i8) -> Option<Category> {
         static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
         if !is_free(name, code) {
@@ -86,7 +86,7 @@ impl Category {
         Category::BUILT_IN.contains(&self)
     }
 
-    /// The built-in category of a name as written by [`Category::name`].
+    /// The built-in category with this name, as written by [`Category::name`].
     pub fn from_name(name: &str) -> Option<Category> {
         Category::BUILT_IN.into_iter().find(|category| category.name() == name)
     }
@@ -99,7 +99,7 @@ const fn is_free(name: &str, code: i8) -> bool {
         && bytes.len() <= Category::MAX_NAME_BYTES
         && bytes[0].is_ascii_lowercase()
         && code >= Category::BUILT_IN.len() as i8
-        // It stands for "touches nothing" in data sets.
+        // The name "none" means "touches nothing" in data sets.
         && !same(bytes, b"none");
     let mut index = 0;
     while index < bytes.len() {
@@ -174,7 +174,7 @@ impl<'de> Deserialize<'de> for Category {
 mod tests {
     use super::*;
 
-    /// Pins names and codes of the built-in categories, which stand in data sets that exist.
+    /// Pins names and codes of the built-in categories, which existing data sets contain.
     #[test]
     fn built_in_categories_keep_their_codes() {
         let found = Category::BUILT_IN.map(|category| (category.name().to_owned(), category.code()));
@@ -188,7 +188,8 @@ mod tests {
         }
     }
 
-    /// Pins which further categories there can be, and that a reader that has never heard of one gets it whole.
+    /// Pins which names and codes further categories can have, and that a reader that does not know such a category
+    /// gets both.
     #[test]
     fn further_categories_have_valid_names_and_free_codes() {
         let longest = "a".repeat(Category::MAX_NAME_BYTES);

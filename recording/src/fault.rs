@@ -1,7 +1,8 @@
-//! What an error means to whoever asked for the work.
+//! What an error means to the program that called the library.
 //!
-//! Every library has errors of its own. To the command line and the Python package they mean one of four things, and both must
-//! agree on which: an exit status there is an exception here. Each crate says it beside its errors, with `From` for [`Fault`].
+//! Every crate has its own errors. For the command line and the Python package, each error has one of four meanings,
+//! and both must agree on it: the command line turns it into an exit status, and the Python package into an exception.
+//! Each crate converts its errors with `From` for [`Fault`].
 
 use crate::InputError;
 
@@ -34,8 +35,9 @@ impl From<crate::disk::DiskError> for Fault {
         use crate::disk::DiskError;
         match error {
             DiskError::Input(input) => input.into(),
-            // Here the run failed. All other errors mean a bad folder or file. What Parquet cannot write is almost always a
-            // disk that is full or fails, which its errors do not always tell apart.
+            // These errors mean that the run failed; all others mean a bad folder or file. A Parquet file that cannot
+            // be written is among them, because the cause is almost always a disk that is full or fails, although the
+            // error does not always say so.
             DiskError::Io { .. } | DiskError::Unwritable { .. } | DiskError::Encode { .. } => {
                 Fault::Storage(error.to_string())
             }

@@ -72,7 +72,7 @@ impl Default for Pose {
     }
 }
 
-/// `outer * inner` is the pose in the outer frame of what has the pose `inner` in the local one.
+/// `outer * inner` is the pose, in the outer frame, of a frame whose pose in the local frame is `inner`.
 impl Mul for Pose {
     type Output = Pose;
 

@@ -43,7 +43,7 @@ pub struct Patch {
     pub taxels: Vec<Taxel>,
 }
 
-/// The grid of a patch, which connected components need.
+/// The grid of a patch, which is needed to find connected components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grid {
     /// Rows (forearm: 16, along the arm).

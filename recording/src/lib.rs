@@ -1,4 +1,4 @@
-//! The data that a simulator, or a real robot, hands to a classifier.
+//! The data that a simulator or a real robot passes to a classifier.
 //!
 //! The types are plain data in SI units. A [`layout::SkinLayout`] says where the taxels are. A [`frame::Frame`] holds
 //! one 100 Hz sample of arm and skin with its ground truth, a [`reach::Recording`] a whole reach, and a

@@ -63,7 +63,8 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// Time from any origin, such as that of Unix time: 300 years either way. The resolution of a double is then 2 µs.
+/// Time from any origin, such as the origin of Unix time: 300 years either way. The resolution of a double is then 2
+/// µs.
 pub const TIME_S: Limits = Limits::new(-1e10, 1e10, "s");
 
 /// Force on a taxel. Noise and zero drift may give readings a little below 0, but nothing pulls on skin. 10 kN is the
@@ -93,7 +94,8 @@ pub const MAX_PATCHES: usize = 1000;
 mod tests {
     use super::*;
 
-    /// Pins that both ends and the value for "off" are allowed, and that all else is refused, with NaN and infinity.
+    /// Pins that both ends and the value for "off" are allowed, and that everything else is refused, including NaN and
+    /// infinity.
     #[test]
     fn ends_are_inside_and_all_else_is_outside() {
         let limits = Limits::new(1.0, 2.0, "N").or_off_at(0.0);

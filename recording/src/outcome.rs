@@ -1,4 +1,4 @@
-//! The outcomes of goals, and the contact that ended an aborted one.
+//! The outcomes of goals, and the contact that ended an aborted goal.
 
 use std::fmt;
 
@@ -32,7 +32,7 @@ impl Outcome {
         }
     }
 
-    /// The outcome of a name as written by [`Outcome::name`].
+    /// The outcome with this name, as written by [`Outcome::name`].
     pub fn from_name(name: &str) -> Option<Outcome> {
         Outcome::ALL.into_iter().find(|outcome| outcome.name() == name)
     }
@@ -67,7 +67,7 @@ impl GoalOutcomes {
         }
     }
 
-    /// That number, to change it.
+    /// The number of goals with this outcome, to change it.
     pub fn of_mut(&mut self, outcome: Outcome) -> &mut usize {
         match outcome {
             Outcome::Reached => &mut self.reached,

@@ -1,4 +1,4 @@
-//! Reading text files that the user named.
+//! Reads text files that the user named.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -32,7 +32,8 @@ mod tests {
 
     use super::read_text;
 
-    /// Pins what is bad input, and that a file that the operating system cannot read is not.
+    /// Pins that a folder and a missing file are bad input, and that a file that the operating system cannot read is
+    /// not.
     #[test]
     fn only_a_failing_disk_is_a_storage_error() {
         let refused = |path: &str| {

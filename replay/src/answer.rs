@@ -29,7 +29,7 @@ impl Answer {
         }
     }
 
-    /// A sentence.
+    /// An answer with a sentence as plain text.
     pub fn text(status: u16, text: impl Into<String>) -> Self {
         Answer::new(status, "text/plain; charset=utf-8", text.into())
     }
@@ -60,7 +60,7 @@ impl AsRef<[u8]> for SharedBytes {
 }
 
 impl Answer {
-    /// Sends it.
+    /// Sends the answer.
     pub fn send(self, request: Request) {
         let headers = [
             ("Content-Type", self.kind),

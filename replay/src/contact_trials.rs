@@ -5,9 +5,9 @@ use underbrush_recording::Recording;
 
 use crate::container::Sections;
 
-/// Adds the contact trials of every taxel, sorted by patch, then first frame: one number per trial in the sections
-/// `trial_*`, and one per sample, which is one per frame of the trial, in `sample_*`. Of trials that last until frame `from`
-/// or longer there are the samples from this frame on; earlier ones are left out.
+/// Adds the contact trials of every taxel, sorted by patch, then first frame. The sections `trial_*` have one number
+/// per trial, and the sections `sample_*` one per sample, which is one per frame of the trial. Trials that end before
+/// frame `from`, and samples before it, are left out.
 ///
 /// # Errors
 /// If a frame does not fit the skin.
@@ -24,7 +24,7 @@ pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut 
         for contact in taxel_trials(recording, &options)? {
             let samples = &contact.trial.samples;
             let Some(first) = samples.first() else { continue };
-            // Times of samples are copied from frames, in which they rise.
+            // Times of samples are copied from frames, whose times rise.
             let frame = recording.frames.partition_point(|frame| frame.time_s < first.time_s);
             let known = from.saturating_sub(frame);
             if known >= samples.len() {
@@ -34,7 +34,8 @@ pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut 
             firsts.push(frame as u32);
             objects.push(contact.object.map_or(-1, |object| object as i16));
             for sample in &samples[known..] {
-                // Without joints, as in a table of trials, nobody knows how the skin moved and what are neighbours.
+                // Without joints, as in a table of trials, it is unknown how the skin moved and which taxels are
+                // neighbours.
                 let has_arm = !recording.joint_names.is_empty();
                 let region = sample.region.filter(|_| has_arm);
                 motions.push(sample.motion_m.filter(|_| has_arm).unwrap_or(f64::NAN));

@@ -22,7 +22,7 @@ const VERSION: u32 = 2;
 const HEAD_BYTES: usize = 24;
 /// Sections begin at multiples of this, because the page cannot view a typed array at any other place.
 const ALIGNMENT: usize = 8;
-/// Largest number of bytes: the sizes are stored in 32 bits, and browsers cannot hold larger arrays for certain.
+/// Largest number of bytes: the sizes are stored in 32 bits, and not every browser can hold larger arrays.
 pub const MAX_BYTES: usize = 1 << 30;
 
 #[derive(Serialize)]

@@ -30,7 +30,7 @@ pub enum ReplayError {
         /// The cause.
         source: OnlineError,
     },
-    /// A patch is asked for that is not the touch model's.
+    /// The patch that was asked for is not the one that the touch model judges.
     #[error("patch {patch}: this touch model judges {own}; leave the patch out")]
     PatchOfTouchModel {
         /// The patch that was asked for.

@@ -15,7 +15,7 @@ use crate::verdicts::{VerdictHeader, Verdicts};
 pub struct Judging {
     /// What the page calls the model: the name of its file.
     pub name: String,
-    /// What judges.
+    /// The model itself, and how it judges.
     pub by: JudgingModel,
 }
 
@@ -29,10 +29,10 @@ pub enum JudgingModel {
 }
 
 impl JudgingModel {
-    /// A touch model. It judges its own patch, so another is refused.
+    /// A touch model. It judges its own patch, so any other patch is refused.
     ///
     /// # Errors
-    /// [`ReplayError::PatchOfTouchModel`].
+    /// [`ReplayError::PatchOfTouchModel`] for another patch.
     pub fn of_touch(model: TouchModel, patch: Option<&str>) -> Result<Self, ReplayError> {
         let own = model.options().patch.as_deref();
         match patch {
@@ -92,7 +92,7 @@ impl Judging {
     }
 }
 
-/// What gives the verdicts.
+/// The classifier that gives the verdicts.
 #[derive(Debug)]
 enum Online {
     OfTrials(Box<OnlineClassifier>),

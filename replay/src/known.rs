@@ -2,7 +2,7 @@
 
 use underbrush_recording::{Audit, SkinLayout};
 
-/// What the recordings do not say and the caller knows.
+/// Facts that the caller knows and the recordings do not hold.
 #[derive(Clone, Copy)]
 pub struct Known {
     /// The force limit of a taxel, N, by the controller's name.

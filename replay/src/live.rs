@@ -1,4 +1,5 @@
-//! A reach that runs: passes its frames from the thread that simulates it to the server's threads, and their commands back.
+//! A running reach: passes its frames from the thread that simulates it to the server's threads, and passes their
+//! commands back.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -8,7 +9,7 @@ use underbrush_recording::Recording;
 
 use crate::Verdicts;
 
-/// A request waits for the simulation at most this long, s. A frame takes milliseconds.
+/// A request waits for the simulation at most this long. A frame takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// What the page is told about a running reach.
@@ -22,7 +23,7 @@ pub struct News {
     pub ended: bool,
 }
 
-/// A reach as far as it is simulated.
+/// A reach as far as it has been simulated.
 pub struct SoFar {
     /// The recording.
     pub recording: Recording,
@@ -33,7 +34,7 @@ pub struct SoFar {
 #[derive(Default)]
 struct State {
     news: News,
-    /// Whether a page has asked for news. The reach waits for it, so that its beginning is seen.
+    /// Whether a page has asked for news. The reach waits for this, so that its beginning is seen.
     watched: bool,
     /// Frames that are still to be simulated while paused.
     steps: usize,
@@ -42,7 +43,7 @@ struct State {
     latest: Option<Arc<SoFar>>,
 }
 
-/// What the threads share.
+/// The state that the threads share.
 #[derive(Default)]
 pub struct Live {
     state: Mutex<State>,
@@ -59,8 +60,8 @@ impl Live {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Says that one more frame is simulated. `so_far` gives the reach with it, and is called only if somebody asks.
-    /// Waits for the first page, and while the reach is paused.
+    /// Reports that one more frame has been simulated. `so_far` returns the reach with this frame, and is called only
+    /// if a request asks for it. Blocks until the first page asks for news, and while the reach is paused.
     pub fn frame(&self, so_far: impl Fn() -> Option<SoFar>) {
         let mut state = self.state();
         state.news.frames += 1;
@@ -78,7 +79,7 @@ impl Live {
         state.steps = state.steps.saturating_sub(1);
     }
 
-    /// Says that the reach has ended, with the whole of it.
+    /// Reports that the reach has ended; `whole` is the complete reach.
     pub fn end(&self, whole: SoFar) {
         let mut state = self.state();
         state.news.ended = true;
@@ -88,7 +89,7 @@ impl Live {
         self.changed.notify_all();
     }
 
-    /// The reach so far, and what is told about it. `None` if the simulation does not answer.
+    /// The reach so far, and the news about it. `None` if the simulation does not answer.
     pub fn so_far(&self) -> Option<(Arc<SoFar>, News)> {
         let mut state = self.state();
         if !state.news.ended {
@@ -117,7 +118,7 @@ impl Live {
         self.changed.notify_all();
     }
 
-    /// The news when they differ from these, or after a second. Lets the reach begin.
+    /// Returns the news as soon as they differ from `known`, or after a second. Also lets the reach begin.
     pub fn news_after(&self, known: Option<News>) -> News {
         let mut state = self.state();
         state.watched = true;

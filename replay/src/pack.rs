@@ -1,7 +1,8 @@
 //! A reach as bytes for the page.
 //!
-//! Forces, angles and positions are stored in single precision, in the units of the data set; poses are the stored ones.
-//! Taxels are numbered through all patches. `replay/page/src/reach.ts` reads what is written here.
+//! Forces, angles and positions are stored in single precision, in the units of the data set. The poses of bodies are
+//! those that the recording stores. Taxels are numbered through all patches. `replay/page/src/reach.ts` reads what is
+//! written here.
 
 use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
@@ -17,7 +18,7 @@ use crate::{Judging, Known, ReplayError, Verdicts, contact_trials};
 struct Header<'a> {
     scene: &'a str,
     controller: &'a str,
-    /// As text: numbers of JavaScript have 53 bits.
+    /// As text, because JavaScript's numbers have 53 bits.
     seed: String,
     reach_index: u64,
     rate_hz: f64,
@@ -28,7 +29,7 @@ struct Header<'a> {
     outcome: Outcome,
     goal_outcomes: GoalOutcomes,
     safety_stop: Option<NamedStop>,
-    /// What does not change while a reach runs; left out of what follows its beginning.
+    /// What does not change while a reach runs. Left out unless `from` is 0.
     #[serde(flatten)]
     fixed: Option<Fixed<'a>>,
     goals: &'a [GoalRecord],
@@ -37,7 +38,7 @@ struct Header<'a> {
     audit_warnings: Vec<String>,
     /// The controller's largest allowed force on a taxel, if the controller is known.
     force_limit_n: Option<f64>,
-    /// A taxel is in contact where it senses more than this.
+    /// A taxel is in contact while it senses more than this, N.
     threshold_n: f64,
     verdicts: Option<&'a VerdictHeader>,
 }
@@ -59,7 +60,7 @@ struct PatchHeader<'a> {
     taxels: usize,
 }
 
-/// What a reach is called in errors.
+/// The name of a reach in errors.
 fn name(recording: &Recording) -> String {
     format!(
         "{}, seed {}, reach {}",
@@ -70,8 +71,8 @@ fn name(recording: &Recording) -> String {
 /// The bytes of a reach, with its contact trials, and with verdicts if there is a model.
 ///
 /// # Errors
-/// [`ReplayError::Trials`] and [`ReplayError::Verdicts`] if frames do not fit skin or model, [`ReplayError::TooLarge`] for
-/// more than 1 GiB, which is hours.
+/// [`ReplayError::Trials`] and [`ReplayError::Verdicts`] if frames do not fit skin or model, [`ReplayError::TooLarge`]
+/// for a reach of more than 1 GiB, which is hours.
 pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
     let verdicts = judging.map(|judging| judging.judge(recording)).transpose();
     let verdicts = verdicts.map_err(|source| ReplayError::Verdicts {
@@ -81,8 +82,9 @@ pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> 
     pack_from(recording, known, verdicts.as_ref(), 0)
 }
 
-/// As [`pack`], with verdicts that are known, and without what a page has that got the frames before number `from`: earlier
-/// rows of all arrays, contacts and trials that ended earlier, and what does not change.
+/// As [`pack`], with verdicts that are already known, and without what a page already has if it got the frames before
+/// number `from`: earlier rows of all arrays, contacts and trials that ended earlier, and everything that does not
+/// change.
 ///
 /// # Errors
 /// As [`pack`].
@@ -112,7 +114,7 @@ pub fn pack_from(
     if let Some(verdicts) = verdicts {
         verdicts.add(from, &mut sections);
     }
-    // One that lasted until the frame before may have gone on.
+    // A contact that lasted until the frame before `from` may have gone on.
     let goes_on = |contact: &&Contact| contact.last_frame as usize + 1 >= from;
     let header = Header {
         scene: &recording.scene,
@@ -178,7 +180,7 @@ fn pose_numbers(pose: &Pose) -> [f64; 7] {
     [x, y, z, i, j, k, w]
 }
 
-/// One row a frame.
+/// Adds one row per frame.
 fn add_frames(frames: &[Frame], sections: &mut Sections) {
     sections.add("time_s", frames.iter().map(|frame| frame.time_s));
     let each = |read: fn(&Frame) -> &[f64]| frames.iter().flat_map(move |frame| read(frame).iter().copied());
@@ -196,7 +198,7 @@ fn add_frames(frames: &[Frame], sections: &mut Sections) {
     sections.add_single("patch_force_world_n", forces.flat_map(|force| force.to_array()));
 }
 
-/// One row a taxel.
+/// Adds one row per taxel.
 fn add_taxels(recording: &Recording, sections: &mut Sections) {
     let taxels = || recording.layout.patches.iter().flat_map(|patch| &patch.taxels);
     let position = taxels().flat_map(|taxel| taxel.position_link.to_array());
@@ -208,7 +210,7 @@ fn add_taxels(recording: &Recording, sections: &mut Sections) {
     sections.add_single("taxel_area_m2", taxels().map(|taxel| taxel.area_m2));
 }
 
-/// One row a taxel that reads a force or is pressed; those of frame f are the rows `reading_start[f]` to
+/// Adds one row for each taxel that reads a force or is pressed. The rows of frame f are `reading_start[f]` to
 /// `reading_start[f + 1]`.
 fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Sections) {
     let mut end = 0;
@@ -231,8 +233,8 @@ fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Section
     sections.add("reading_object", object);
 }
 
-/// One row a stored pose from frame `from` on; those of body b are the rows `track_start[b]` to `track_start[b + 1]`, and each
-/// holds until the next.
+/// Adds one row for each stored pose from frame `from` on. The rows of body b are `track_start[b]` to
+/// `track_start[b + 1]`, and each pose holds until the next.
 fn add_tracks(bodies: &[Body], from: usize, sections: &mut Sections) {
     let news = |body: &'_ Body| body.track.partition_point(|point| (point.frame as usize) < from);
     let mut end = 0;

@@ -9,7 +9,7 @@ use crate::{ReplayError, Source};
 
 /// The built page: one HTML file with its script and style inside.
 pub const PAGE: &str = include_str!("../page/dist/index.html");
-/// Where the data of a single file go; the build makes sure that it is there once.
+/// The place of the data in a single file. The build makes sure that the page has it exactly once.
 const MARKER: &str = "<!--underbrush-data-->";
 
 /// The page with these reaches inside, by their numbers in the list. It opens from disk and needs no network.
@@ -21,7 +21,7 @@ pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Resu
     let mut listed = Vec::new();
     for (place, number) in numbers.iter().enumerate() {
         let bytes = source.pack(*number)?;
-        // Base64 makes four bytes of three.
+        // Base64 turns three bytes into four.
         if PAGE.len() + data.len() + bytes.len() / 3 * 4 > max_bytes {
             return Err(ReplayError::FileTooLarge {
                 fitting: place,
@@ -39,7 +39,7 @@ pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Resu
         STANDARD.encode_string(bytes, &mut data);
         data += "</script>\n";
     }
-    // Plain data can always be written. A name could contain `</script>`.
+    // Plain data can always be written. `<` is escaped, because a name could contain `</script>`.
     let list = serde_json::to_string(&listed)
         .unwrap_or_default()
         .replace('<', "\\u003c");

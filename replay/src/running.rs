@@ -1,4 +1,4 @@
-//! What the server answers about a reach that runs.
+//! The server's answers about a running reach.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -12,16 +12,16 @@ use crate::pack::pack_from;
 use crate::source::summary;
 use crate::{Known, ReplayError};
 
-/// The page is told news at most this often.
+/// A page gets news at most this often.
 const NEWS_EVERY: Duration = Duration::from_millis(100);
-/// A single step is this many frames at most: a minute.
+/// A single command steps at most this many frames: a minute.
 const MAX_STEPS: usize = 6000;
 
 /// A running reach, and what the caller knows.
 pub struct Running {
     /// The reach.
     pub live: Arc<Live>,
-    /// What the recording does not say.
+    /// What the caller knows and the recording does not hold.
     pub known: Known,
 }
 
@@ -79,7 +79,7 @@ impl Running {
         let mut sent = send(head);
         while sent.is_ok() {
             let news = self.live.news_after(told);
-            // A comment finds out whether the other side is still there.
+            // Sending a comment shows whether the other side is still there.
             let event = match told == Some(news) {
                 true => ": still here\n\n".to_owned(),
                 false => format!("data: {}\n\n", serde_json::to_string(&news).unwrap_or_default()),

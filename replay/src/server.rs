@@ -1,5 +1,5 @@
-//! The server of the page on 127.0.0.1, with nothing but the page and the reaches it was given. It is read-only, but for the
-//! commands to a reach that runs.
+//! The server of the page on 127.0.0.1. It serves nothing but the page and the reaches it was given. It is read-only,
+//! except for the commands to a running reach.
 
 use std::net::Ipv4Addr;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,7 +12,8 @@ use crate::page::PAGE;
 use crate::running::Running;
 use crate::{Known, Live, ReplayError, Source};
 
-/// More requests at a time are answered with 503. Choice: a browser opens six connections.
+/// While this many requests are in progress, further ones are answered with 503. Choice: a browser opens six
+/// connections.
 const MAX_REQUESTS: usize = 256;
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
@@ -33,8 +34,8 @@ enum Content {
 /// What all requests share.
 struct Shared {
     content: Content,
-    /// Values of `Host` that are answered. Others come from pages of other sites that had their name resolve to this
-    /// machine.
+    /// Values of `Host` that are answered. Requests with other values come from pages of other sites that let their
+    /// name resolve to this machine.
     hosts: [String; 2],
     requests: AtomicUsize,
 }
@@ -95,7 +96,8 @@ impl Server {
                 continue;
             }
             let shared = Arc::clone(&self.shared);
-            // A thread for each, because one that does not read its answer must not keep the others waiting.
+            // Each request has a thread, because a client that does not read its answer must not keep the others
+            // waiting.
             std::thread::spawn(move || {
                 shared.serve(request);
                 shared.requests.fetch_sub(1, Ordering::Relaxed);
@@ -108,13 +110,13 @@ impl Shared {
     fn serve(&self, request: Request) {
         let answer = self.refusal(&request).unwrap_or_else(|| self.answer(&request));
         match &self.content {
-            // News are told until the reach ends.
+            // News is sent until the reach ends.
             Content::Running(running) if answer.status == 200 && request.url() == NEWS => running.tell(request),
             _ => answer.send(request),
         }
     }
 
-    /// Why a request is not answered, if it is not.
+    /// The answer to a request that is refused; `None` if the request is allowed.
     fn refusal(&self, request: &Request) -> Option<Answer> {
         let values = |name: &'static str| -> Vec<&str> {
             let headers = request.headers().iter();
@@ -132,7 +134,7 @@ impl Shared {
         let commands = matches!(self.content, Content::Running(_));
         match request.method() {
             Method::Get | Method::Head => None,
-            // Another site could send a command, but not the name of this one as its origin.
+            // Another site could send a command, but not with this server as its origin.
             Method::Post if commands && request.url().starts_with(COMMAND) => {
                 let origins = values("Origin");
                 let own = origins.first().and_then(|origin| origin.strip_prefix("http://"));
@@ -160,10 +162,10 @@ impl Shared {
     }
 }
 
-/// A packed reach. One is packed at a time, so that memory is bounded however many are asked for.
+/// A packed reach. Only one is packed at a time, so memory stays bounded however many are asked for.
 fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Answer {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    // A number too large for a place in the list is no place in the list.
+    // A number that does not fit into `usize` is not in the list either.
     let number = number.parse().unwrap_or(usize::MAX);
     if let Some(place) = kept.iter().position(|(other, _)| *other == number) {
         let found = kept.remove(place);

@@ -48,7 +48,7 @@ enum Place {
         index: usize,
     },
     File(PathBuf),
-    /// A reach of a table of trials, to be judged as those from files.
+    /// A reach of a table of trials. It is judged by the same model as reaches from files.
     Table(Box<Recording>),
     Memory(Box<Held>),
 }
@@ -226,7 +226,7 @@ fn check(judging: Option<&Judging>, reach: &str, layout: &SkinLayout) -> Result<
         })
 }
 
-/// The last part of a path; of `.` too.
+/// The last part of a path, also for a path such as `.`.
 fn file_name(path: &Path) -> String {
     let whole = fs::canonicalize(path);
     let whole = whole.as_deref().unwrap_or(path);

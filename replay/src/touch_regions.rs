@@ -6,10 +6,10 @@ use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TaxelTouch, TouchClassi
 
 use crate::container::Sections;
 
-/// Contact regions: those of frame f are the rows `starts[f]` to `starts[f + 1]`.
+/// Contact regions. The regions of frame f are the rows `starts[f]` to `starts[f + 1]`.
 #[derive(Clone, Debug)]
 pub(crate) struct TouchRegions {
-    /// For each verdict on a taxel the region that it belongs to, as its place among those of the frame.
+    /// For each verdict on a taxel, the index of its region among the regions of the frame.
     of_taxel: Vec<u16>,
     starts: Vec<u32>,
     contacts: Vec<u32>,
@@ -54,8 +54,8 @@ impl TouchRegions {
         self.starts.push(self.contacts.len() as u32);
     }
 
-    /// Adds those of the frames from number `from` on, in which the verdicts `verdicts` were given, as the sections `touch_*`
-    /// and `verdict_region`. Rows are counted from the first of these.
+    /// Adds the regions of the frames from number `from` on as the sections `touch_*` and `verdict_region`. `verdicts`
+    /// are the rows of the verdicts on these frames. Rows are counted from the first of these regions.
     pub fn add(&self, from: usize, verdicts: Range<usize>, sections: &mut Sections) {
         let starts = self.starts.get(from..).unwrap_or_default();
         let first = starts.first().copied().unwrap_or_default() as usize;

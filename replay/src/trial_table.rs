@@ -1,8 +1,9 @@
 //! Reaches from a table of contact trials, such as `underbrush import` makes of a robot's log.
 //!
-//! The table says when which taxel felt which force, and perhaps what it touched. It has no arm and no place of the taxels, so that
-//! there is nothing to see in 3-D, and the taxels lie on the map row by row in the order of their numbers. It has no samples without
-//! contact either: between contacts, frames without forces follow one another in the period of the samples.
+//! The table says which force each taxel felt at which time, and perhaps what it touched. It describes neither the arm
+//! nor the positions of the taxels, so the taxels lie row by row in the order of their numbers, and nothing else is
+//! shown in 3-D. It has no samples without contact either. Between contacts, frames without forces follow one another
+//! at the period of the samples.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,9 +17,10 @@ use underbrush_recording::{
 
 use crate::{Judging, JudgingModel};
 
-/// Distance of the taxels, m. Choice.
+/// Distance between neighbouring taxels, m. Choice.
 const PITCH_M: f64 = 0.01;
-/// Frames of a reach, at most: two hours at 100 Hz. A gap of years between two trials would fill the memory with silence.
+/// Largest number of frames of a reach: two hours at 100 Hz. Without a limit, a gap of years between two trials would
+/// fill the memory with silent frames.
 const MOST_FRAMES: f64 = 720_000.0;
 /// The name of a patch that has none.
 const UNNAMED: &str = "skin";
@@ -26,7 +28,8 @@ const UNNAMED: &str = "skin";
 /// The reaches of a table, in the order of their indices.
 ///
 /// # Errors
-/// For a trial without a taxel, which is one of a contact region, and for a category whose name recordings cannot have.
+/// For a trial without a taxel, which is a trial of a contact region, for a category whose name recordings cannot have,
+/// and for a reach with too long a gap.
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
     let objects = objects(path, trials)?;
@@ -65,7 +68,7 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
     by_reach.into_iter().map(recording).collect()
 }
 
-/// An error unless the model needs nothing but forces.
+/// An error unless the model needs only forces.
 pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
     let found = match &judging.by {
         JudgingModel::OfTrials(model, _) => match model.classifier.features() {
@@ -88,7 +91,7 @@ fn patch_name(trial: &Trial) -> &str {
     trial.patch.as_deref().unwrap_or(UNNAMED)
 }
 
-/// Each patch with as many taxels as the largest number asks for, and those that fill its last row.
+/// Each patch with all taxels up to the largest number, and further taxels that fill its last row.
 fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
     let mut taxels: BTreeMap<&str, usize> = BTreeMap::new();
     for trial in trials {
@@ -121,7 +124,8 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
         Patch {
             name: name.into(),
             link: name.into(),
-            // Only for the map. What are neighbours here need not be on the robot, so that no contact region is shown.
+            // Only for the map. Taxels that are neighbours here need not be neighbours on the robot, so no contact
+            // region is shown.
             grid: Some(Grid {
                 rows,
                 columns,
@@ -194,14 +198,15 @@ impl Spans {
         ends.map_or(0.0, |(first_s, last_s)| last_s - first_s)
     }
 
-    /// Whether a trial has samples both until and after this time.
+    /// Whether a trial has samples both up to this time and after it.
     fn go_on_after(&self, time_s: f64) -> bool {
         let until = |times: &[f64]| times.partition_point(|other_s| *other_s <= time_s);
         until(&self.firsts_s) > until(&self.lasts_s)
     }
 }
 
-/// One frame for each time of a sample, and frames without forces wherever no contact goes on. Times begin at 0.
+/// One frame for each time at which there is a sample, and frames without forces where no contact goes on. Times begin
+/// at 0.
 fn frames(
     trials: &[&Trial],
     spans: &Spans,

@@ -8,14 +8,14 @@ use underbrush_classifier::touch::{REGION_FEATURES, TaxelTouch, TouchClassifier,
 use crate::container::Sections;
 use crate::touch_regions::TouchRegions;
 
-/// What the page has to know to read the verdicts.
+/// What the page needs to know to read the verdicts.
 #[derive(Clone, Debug, Serialize)]
 pub struct VerdictHeader {
-    /// The model.
+    /// Name of the model.
     model: String,
     /// Name of its kind of classifier.
     classifier: &'static str,
-    /// The columns of its features; of a touch model the features of a contact region.
+    /// The columns of its features; for a touch model, the features of a contact region.
     features: Vec<String>,
     /// The patch that it judges.
     patch: usize,
@@ -23,13 +23,13 @@ pub struct VerdictHeader {
     pub(crate) threshold_n: f64,
     /// The categories that it knows.
     categories: Vec<String>,
-    /// What each score of a taxel is about: the categories; for a touch model `nothing` before them.
+    /// What each score of a taxel is about: the categories; for a touch model, `nothing` comes before them.
     scores: Vec<String>,
     /// What the scores are.
     score_kind: ScoreKind,
     /// The names of the verdicts.
     verdicts: Vec<String>,
-    /// How a touch model decides; none for classifiers of trials.
+    /// How a touch model decides; `None` for classifiers of trials.
     touch: Option<TouchDecision>,
 }
 
@@ -94,10 +94,11 @@ impl VerdictHeader {
     }
 }
 
-/// Verdicts on every taxel in contact: those of frame f are the rows `starts[f]` to `starts[f + 1]`, sorted by taxel.
+/// Verdicts on every taxel in contact. The verdicts of frame f are the rows `starts[f]` to `starts[f + 1]`, sorted by
+/// taxel.
 #[derive(Clone, Debug)]
 pub struct Verdicts {
-    /// What the page has to know to read them.
+    /// What the page needs to know to read them.
     pub(crate) header: VerdictHeader,
     /// The number of the judged patch's first taxel.
     first_taxel: usize,
@@ -111,7 +112,7 @@ pub struct Verdicts {
 }
 
 impl Verdicts {
-    /// No frames so far, on a patch whose first taxel has this number.
+    /// Verdicts without frames so far, on a patch whose first taxel has this number.
     pub(crate) fn new(header: VerdictHeader, first_taxel: usize) -> Self {
         Verdicts {
             first_taxel,
@@ -137,7 +138,7 @@ impl Verdicts {
     /// Adds the verdicts of a touch model on the frame that it has judged last.
     pub(crate) fn push_of_touch(&mut self, judged: &TouchClassifier) {
         let categories = judged.model().categories();
-        // They stand region by region.
+        // The classifier lists the taxels region by region.
         let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().collect();
         frame.sort_unstable_by_key(|own| own.taxel);
         for own in &frame {
@@ -160,8 +161,8 @@ impl Verdicts {
         self.samples.push(samples as u32);
     }
 
-    /// Adds those on the frames from number `from` on as the sections `verdict_*`; rows are counted from the first of these,
-    /// and `verdict_score` has one number for each of the header's scores.
+    /// Adds the verdicts on the frames from number `from` on as the sections `verdict_*`. Rows are counted from the
+    /// first of these verdicts, and `verdict_score` has one number for each of the header's scores.
     pub(crate) fn add(&self, from: usize, sections: &mut Sections) {
         let starts = self.starts.get(from..).unwrap_or_default();
         let first = starts.first().copied().unwrap_or_default() as usize;

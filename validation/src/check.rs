@@ -1,4 +1,4 @@
-//! Running checks and judging what they find.
+//! Runs checks and judges what they find.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,7 +12,7 @@ use crate::{Comparison, Falsification, SHORTFALLS};
 /// One check.
 #[derive(Debug)]
 pub struct Check {
-    /// Its number; checks are listed by it.
+    /// Its number. Checks are listed in this order.
     pub number: u8,
     /// Its name on the command line.
     pub name: &'static str,
@@ -58,7 +58,7 @@ pub enum CheckError {
     /// The files of the arm are bad.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A reach has no recording.
+    /// A reach gave no recording.
     #[error(transparent)]
     Reach(#[from] ReachError),
     /// The case could not be set up or measured.
@@ -74,7 +74,7 @@ pub enum Verdict {
     Pass,
     /// Outside the tolerance, within the bound of a known shortfall.
     KnownShortfall,
-    /// Outside.
+    /// Outside the tolerance, and not within the bound of a known shortfall.
     Fail,
 }
 
@@ -137,7 +137,7 @@ pub(crate) fn run_case(case: &Case, simulated: Simulated) -> Found {
         .unwrap_or_else(|_| Err(CheckError::Case("broke off inside the physics engine".into())))
 }
 
-/// Runs checks on the threads of the current rayon pool and judges them; outcomes come in the order of `checks`.
+/// Runs checks on the threads of the current rayon pool and judges them. The outcomes are in the order of `checks`.
 /// `done` is called after each case.
 pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
     let jobs: Vec<&Case> = checks.iter().flat_map(|check| check.cases).collect();

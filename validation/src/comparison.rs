@@ -11,7 +11,7 @@ pub struct Comparison {
     pub unit: &'static str,
     /// The closed-form value.
     pub expected: f64,
-    /// The simulated one.
+    /// The simulated value.
     pub found: f64,
     /// How far apart they are: in `unit`, or relative to the expected value.
     pub residual: f64,

@@ -1,4 +1,4 @@
-//! Check 18: the law of contact in the dynamics: force against overlap, loss, and the same skin along the whole arm.
+//! Check 18: the law of contact in the dynamics, with force against overlap, loss, and the same skin along the forearm.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -62,7 +62,7 @@ fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
     BodyPart { shape, pose_body }
 }
 
-/// A cylinder about the horizontal axis at this angle from x.
+/// A cylinder that lies horizontally, with its axis at this angle from x.
 fn lying(radius_m: f64, angle_rad: f64) -> BodyPart {
     let axis = DQuat::from_rotation_z(angle_rad) * DQuat::from_rotation_y(FRAC_PI_2);
     let shape = BodyShape::Cylinder {
@@ -76,14 +76,15 @@ fn cuboid(size_m: DVec3) -> BodyPart {
     part(BodyShape::Box { size_m }, Pose::IDENTITY)
 }
 
-/// A body that rests on another: the shapes, how far the upper one's centre is over the lower one's where they just
+/// A body that rests on another: the two shapes, the height of the upper centre over the lower one at which they just
 /// touch, and the volume of their overlap at a depth.
 struct Resting {
     name: &'static str,
     upper: BodyPart,
     lower: BodyPart,
     height_m: f64,
-    /// 1 / R of the thinner of two cylinders, whose closed form is the first term in d / R, 1/m; 0 for exact forms.
+    /// 1 / R of the thinner of two cylinders, 1/m, because their closed form is only the first term in d / R; 0 for
+    /// exact forms.
     curvature_per_m: f64,
     overlap_m3: fn(f64) -> f64,
 }
@@ -149,7 +150,7 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             let upper = rig.add_free(&FreeBody {
                 part: body.upper.clone(),
                 mass_kg,
-                // A long loss time, so that it comes to rest soon.
+                // A long loss time, so that the body comes to rest soon.
                 surface: soft(stiffness, 0.05),
                 pose_world: Pose::from_position(DVec3::Z * body.height_m),
                 velocity_world: DVec3::ZERO,
@@ -205,7 +206,7 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
         let forearm = pressed.report().link_pose_world[pressed.forearm];
         let foot = pressed.simulation.clutter().objects[0].foot_world;
         let axis = forearm.transform_vector(DVec3::Z);
-        // The distance of two lines, and their angle.
+        // The distance between two lines, and the angle between them.
         let normal = axis.cross(DVec3::Z);
         let distance_m = (foot - forearm.position).dot(normal.normalize()).abs();
         let depth_m = FOREARM_RADIUS_M + RADIUS_M - distance_m;

@@ -112,7 +112,7 @@ fn restored(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// The bytes of all reaches of a campaign on a pool of its own, in their order.
+/// The bytes of all reaches of a campaign, in their order, simulated in a thread pool with this many threads.
 fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, CheckError> {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, seed)?;
     let jobs: Vec<Job> = (0..REACHES).map(|reach_index| Job { plan: 0, reach_index }).collect();
@@ -186,7 +186,8 @@ fn restore(lost: bool) -> Result<[Vec<u8>; 2], CheckError> {
     Ok(found)
 }
 
-/// The number of bytes that differ, including those by which one is longer. Empty input counts as one difference.
+/// The number of bytes that differ, including the bytes by which one side is longer. Empty input counts as one
+/// difference.
 fn differing(left: &[u8], right: &[u8]) -> usize {
     let unequal = left.iter().zip(right).filter(|(a, b)| a != b).count();
     unequal + left.len().abs_diff(right.len()) + usize::from(left.is_empty())

@@ -1,4 +1,4 @@
-//! One degree of freedom of an object alone in the engine, released or driven along a given path.
+//! One degree of freedom of an object that is alone in the engine. It is released, or driven along a given path.
 
 use underbrush_sim::object::Object;
 use underbrush_sim::object::structure::Axis;

@@ -33,7 +33,7 @@ pub struct Falsified {
     pub quantity: String,
     /// Whether it fails under at least one.
     pub broken: bool,
-    /// What it found under each.
+    /// Its results, one for each falsification.
     pub runs: Vec<FalsifiedRun>,
 }
 
@@ -42,15 +42,15 @@ pub struct Falsified {
 pub struct FalsifiedRun {
     /// Index in the check's falsifications.
     pub falsification: usize,
-    /// Whether this one must break it.
+    /// Whether this falsification must break the comparison.
     pub must_break: bool,
-    /// What it found.
+    /// The comparison under this falsification, with its verdict.
     #[serde(flatten)]
     pub judged: Judged,
 }
 
-/// Runs every case of the checks under each of its falsifications on the threads of the current rayon pool; outcomes
-/// come in the order of `checks`. `done` is called after each case and falsification.
+/// Runs every case of the checks under each of its falsifications on the threads of the current rayon pool. The
+/// outcomes are in the order of `checks`. `done` is called after each case and falsification.
 pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<FalsifiedOutcome> {
     let falsified = |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, *wrong));
     let jobs: Vec<(&Case, Falsification)> = checks
@@ -78,7 +78,8 @@ pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) 
         .collect()
 }
 
-/// Judges what the cases of a check found, each under its falsifications in their order.
+/// Judges what the cases of a check found. `found` has the results of each case under its falsifications, in their
+/// order.
 pub fn judge_falsified(
     check: &Check,
     found: Vec<Vec<Result<Vec<Comparison>, CheckError>>>,
@@ -163,7 +164,7 @@ mod tests {
         breaks: Breaks::Every,
     };
 
-    /// A length and a mass of which each is noticed by one comparison only.
+    /// A length and a mass. A wrong value of each is noticed by one comparison only.
     fn compare(simulated: Simulated) -> Found {
         let same = |name: &str, found| Comparison::relative(name, "", 1.0, found, 1e-3, "none");
         Ok(vec![
@@ -181,7 +182,8 @@ mod tests {
         }
     }
 
-    /// Pins that a comparison which no falsification breaks is a fault, although another of its case is broken.
+    /// Pins that a comparison that no falsification breaks is a fault, even if another comparison of its case is
+    /// broken.
     #[test]
     fn each_comparison_must_be_broken() {
         const ALONE: Check = check(&[Case {

@@ -120,7 +120,7 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// The simulated roll, with the parameters of the roll's file.
+/// The simulated roll: [`ROLL`], with one parameter wrong if it is falsified.
 fn roll(simulated: Simulated) -> FoamRoll {
     FoamRoll {
         modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05),
@@ -132,7 +132,7 @@ fn roll(simulated: Simulated) -> FoamRoll {
     }
 }
 
-/// One slice of the simulated roll, to be driven sideways.
+/// One slice of the simulated roll, which can be driven sideways.
 fn slice(simulated: Simulated) -> Result<Driven, CheckError> {
     Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::TranslationX)
 }
@@ -179,7 +179,7 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let frequency = 1.0 / ROLL.relaxation_time_s;
     let period_s = std::f64::consts::TAU / frequency;
-    // The first cycles let the dashpot settle: after each, e^(−2π) of its transient is left.
+    // The first cycles let the dashpot settle: after each cycle, e^(−2π) of its transient is left.
     let cycles = slice(simulated)?.drive(|time_s| DEPTH_M * (frequency * time_s).sin(), 3.0 * period_s);
     let last = &cycles[cycles.len() - (period_s / Driven::STEP_S).round() as usize - 1..];
     Ok(vec![Comparison::relative(

@@ -97,7 +97,7 @@ fn sprung(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(vec![largest_rise("the arm on its springs", &energies_j(arm, STEP_S)?)])
 }
 
-/// Over the initial energy.
+/// The largest rise of the energy in one step, over the initial energy.
 fn largest_rise_share(energies_j: &[f64]) -> f64 {
     let rises = energies_j.windows(2).map(|pair| pair[1] - pair[0]);
     rises.fold(f64::NEG_INFINITY, f64::max) / energies_j[0]
@@ -114,7 +114,7 @@ fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
     )
 }
 
-/// Energy, J, at the start and after each step, of an arm that is let go in its start posture with some velocity.
+/// Energy, J, at the start and after each step, of an arm that is released in its start posture with some velocity.
 fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
     for joint in &mut arm.joints {
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];

@@ -92,8 +92,8 @@ fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
-/// The forearm sliding along a trunk: the largest shear on a taxel over μ times its normal force, and how far the arm's
-/// friction is from opposing the slip.
+/// The forearm sliding along a trunk: the largest shear on a taxel over μ times its normal force, the share of the
+/// friction that opposes the slip, and the normal force that balances the joints.
 fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const FRAMES: u32 = 50;
     // From this frame on the arm hardly speeds up any more.
@@ -167,7 +167,8 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     ])
 }
 
-/// A free box that slides over a level floor in twelve directions: its deceleration, and the angle from the slip.
+/// A free box that slides over a level floor in twelve directions: its slowest and fastest deceleration, and the
+/// largest angle between friction and slip.
 fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const SPEED_M_PER_S: f64 = 1.0;
     const STEPS: u32 = 20;
@@ -247,7 +248,8 @@ fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
     let (mut holds, mut slips) = (0.1, 0.8);
     for _ in 0..12 {
         let slope = 0.5 * (holds + slips);
-        // A box that still slides after a second slips. At 5 mm/s the slope is 0.03° too steep.
+        // A box that still slides after one second counts as slipping. At the bound of 5 mm/s, the slope is 0.03° too
+        // steep.
         let speeds = sliding_speeds(slope, friction, may_rotate);
         if speeds.last().is_some_and(|speed| *speed > 5e-3) {
             slips = slope;
@@ -258,7 +260,7 @@ fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
     0.5 * (holds + slips)
 }
 
-/// Speed of a box down a slope after each step of one second, m/s.
+/// Speed of a box down a slope after each step within one second, m/s.
 fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
     let surface = Surface::hard(friction);
     let mut rig = Rig::new(OPTIONS);

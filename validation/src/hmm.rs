@@ -179,7 +179,7 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// Enough for the likelihood to converge to rounding error.
+/// Number of iterations: enough for the likelihood to converge to rounding error.
 const ITERATIONS: usize = 40;
 
 /// The tolerances are four standard errors of an estimate from n independent samples whose state is known: σ / √n for a
@@ -201,7 +201,7 @@ fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     };
     let (model, _) = train(&start()?, &drawn(&wrong)?, &options).map_err(fault)?;
     let found = model.parameters();
-    // A chain of two states is in the first for p₂₁ / (p₁₂ + p₂₁) of the time.
+    // A chain of two states is in the first state for p₂₁ / (p₁₂ + p₂₁) of the time.
     let leaving = [truth.transition[0][1], truth.transition[1][0]];
     let samples = (SEQUENCES * SAMPLES) as f64;
     let reason = "four standard errors of as many samples as fall to the state, of 20 000";

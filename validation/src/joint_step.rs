@@ -29,7 +29,7 @@ pub const STIFF_JOINT: Falsification = Falsification {
 const STEP_S: f64 = 1e-4;
 const SECONDS: f64 = 1.0;
 const TARGET_RAD: f64 = 0.1;
-/// Cody's shoulder is nearly critically damped; a tenth of that shows the period.
+/// Cody's shoulder is nearly critically damped. With a tenth of that damping, the response shows a period.
 const DAMPING_RATIO: f64 = 0.1;
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -87,7 +87,7 @@ impl Response {
     }
 }
 
-/// Simulates the response of the shoulder with the link on it, alone, to a step of its equilibrium angle.
+/// Simulates the response of the shoulder, with only the link on it, to a step of its equilibrium angle.
 pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError> {
     // The posture does not matter for a single joint.
     let mut arm = Arm::cody()?;
@@ -105,7 +105,7 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError
     let exact = Oscillator::new(inertia, stiffness, joint.damping_nm_s_per_rad);
     joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINT, 1.0, 1.05);
 
-    // Starts at 0, so that angle / target is the step response.
+    // The joint starts at 0, so that angle / target is the step response.
     arm.joints[0].start_rad = 0.0;
     let physics = PhysicsOptions {
         step_s,

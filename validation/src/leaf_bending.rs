@@ -42,9 +42,9 @@ const FEWER_HINGES: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 
-/// A step of 10 ms, because states of rest do not depend on it.
+/// Step of the engine, s. It can be as long as 10 ms, because states of rest do not depend on it.
 const STEP_S: f64 = 0.01;
-/// Bends the leaf by a hundredth of its length.
+/// A load that bends the leaf by a hundredth of its length.
 const SMALL_LOAD_N: f64 = 0.002;
 
 /// A loss factor of 1 brings a leaf to rest quickly. The state of rest does not depend on it.

@@ -1,4 +1,4 @@
-//! One clamped leaf alone in the engine, without gravity, to be pushed, bent and plucked.
+//! One clamped leaf that is alone in the engine, without gravity, and can be pushed, bent and plucked.
 
 use glam::DVec3;
 use underbrush_oracles::beam;
@@ -20,7 +20,7 @@ pub const STIFF_BLADE: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 
-/// Such a blade, clamped at its root.
+/// A blade of this size, clamped at its root.
 pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Leaf {
     let width_m = 0.03;
     Leaf {
@@ -77,7 +77,7 @@ impl ClampedLeaf {
         self.rig.step();
     }
 
-    /// The tip at rest under a constant load, which increases over the first second.
+    /// The tip at rest under a load that increases over the first second and is then constant.
     ///
     /// # Errors
     /// When it does not come to rest.
@@ -88,7 +88,8 @@ impl ClampedLeaf {
             let share = (f64::from(index) * step_s).min(1.0);
             self.step(force_world * share, moment_world * share);
             let tip = self.tip();
-            // Ten steps in which the tip moves less than a rounding error of the closed forms.
+            // The leaf is at rest after ten steps in which the tip moves less than a rounding error of the closed
+            // forms.
             still = if share == 1.0 && tip.distance(last) < 1e-13 {
                 still + 1
             } else {

@@ -43,9 +43,9 @@ pub const LOSSY_BLADE: Falsification = Falsification {
     breaks: Breaks::Every,
 };
 
-/// ω Δt / 2 of the leaf below: the integrator's own damping ratio stays under 0.2 %.
+/// Step of the engine, s. The integrator's own damping ratio, ω Δt / 2 for this leaf, stays under 0.2 %.
 const STEP_S: f64 = 1e-4;
-/// About seven periods.
+/// Duration of the vibration, s: about seven periods.
 const SECONDS: f64 = 1.3;
 /// Loss factor of the damped leaf.
 pub const LOSS_FACTOR: f64 = 0.1;

@@ -1,4 +1,5 @@
-//! What objects look like on the forearm's skin, and how a foam roll pushes back: figures for pictures, no checks.
+//! What objects look like on the forearm's skin, and how a foam roll pushes back. These are data for pictures, not
+//! checks.
 
 use glam::DVec3;
 use underbrush_recording::Grid;
@@ -14,7 +15,7 @@ use crate::pressed_arm::{Beside, OPTIONS, PressedArm};
 /// The forearm's skin pressed on one object.
 #[derive(Clone, Debug)]
 pub struct Portrait {
-    /// What presses.
+    /// Name of the object that presses.
     pub name: &'static str,
     /// Rows and columns of the skin.
     pub grid: Grid,
@@ -22,7 +23,7 @@ pub struct Portrait {
     pub force_n: Vec<f64>,
     /// The object's section in the plane of the forearm's axis and the push.
     pub section: Section,
-    /// How deep it is in the skin, m.
+    /// How deep the object is in the skin, m.
     pub depth_m: f64,
 }
 
@@ -31,7 +32,7 @@ pub struct Portrait {
 pub enum Section {
     /// A disc.
     Disc {
-        /// m.
+        /// Radius, m.
         radius_m: f64,
     },
     /// A rectangle.
@@ -92,7 +93,7 @@ pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
     ])
 }
 
-/// `gap_m` is from the forearm's surface to the object's middle.
+/// The portrait of one object. `gap_m` is from the forearm's surface to the object's middle.
 fn portrait(
     name: &'static str,
     object: Box<dyn Object>,
@@ -139,8 +140,8 @@ fn portrait(
     })
 }
 
-/// A foam roll pushed and let go by the forearm, as (way of the forearm since first contact, m; force, N), frame by
-/// frame: five seconds in, five seconds out.
+/// A foam roll that the forearm pushes for five seconds and releases for five seconds, as (way of the forearm since
+/// first contact, m; force, N) in each frame with contact.
 ///
 /// # Errors
 /// When the arm's files are bad or nothing is touched.

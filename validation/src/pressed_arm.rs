@@ -13,7 +13,7 @@ use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
 use crate::CheckError;
 
-/// The steps of scenes that say nothing else.
+/// The physics options of scenes that do not set any.
 pub const OPTIONS: PhysicsOptions = PhysicsOptions {
     step_s: 0.005,
     gravity_m_per_s2: 9.81,
@@ -30,9 +30,10 @@ pub const LEAF: Leaf = Leaf {
     segments: 5,
 };
 
-/// Where on the forearm's axis the object is touched unless a check says otherwise, m, link frame: under its skin.
+/// Where on the forearm's axis the object is touched unless a check says otherwise, m, link frame. The place is under
+/// the forearm's skin.
 const PLACE_LINK: DVec3 = DVec3::new(0.0, 0.0, 0.10);
-/// Slower contacts may stick, m/s.
+/// Contacts that slip more slowly than this may stick, m/s.
 pub const SLIDING_M_PER_S: f64 = 5e-3;
 /// Radius of the forearm's collision shape, m.
 pub const FOREARM_RADIUS_M: f64 = 0.04604;
@@ -208,9 +209,9 @@ impl PressedArm {
         DVec3::new(velocity.x, velocity.y, velocity.z)
     }
 
-    /// The normal force of the forearm's first contact, N, and the one that would balance the joints' springs and
-    /// dampers, K (φ − q) − D q̇ + Jᵀ (n − μ t) N = 0 in least squares, with the friction against the slip t. `None`
-    /// without a contact that slips.
+    /// The sum of the normal forces of all contacts, N, and the normal force at the forearm's last contact, N, that
+    /// would balance the joints' springs and dampers: K (φ − q) − D q̇ + Jᵀ (n − μ t) N = 0 in least squares, with the
+    /// friction against the slip t. `None` unless this contact slips.
     pub fn normal_force_n(&self, equilibrium_rad: &[f64], friction: f64) -> Option<(f64, f64)> {
         let report = self.report();
         let contact = report.contacts.iter().rfind(|contact| contact.link == self.forearm)?;

@@ -1,4 +1,4 @@
-//! Check 12: a whole reach: what the actuators give is stored or lost somewhere.
+//! Check 12: in a whole reach, the work of the actuators is stored or lost somewhere.
 
 use underbrush_sim::audit::energy::{EnergyBalance, EnergySums};
 use underbrush_sim::reach::ReachPlan;
@@ -64,7 +64,7 @@ fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, CheckError> {
     // The same reach again, with its energies recorded.
     let mut simulation = plan.simulation(0)?;
     let mut balance = EnergyBalance::new(&simulation);
-    // The last frame ends the reach.
+    // No step follows the last frame, which ends the reach.
     for frame in recording.frames.iter().rev().skip(1).rev() {
         simulation.step_observed(&frame.equilibrium_angle_rad, &mut |step| balance.observe_step(step));
     }

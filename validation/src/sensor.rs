@@ -154,7 +154,7 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// The largest distance of a reading from the number nearest to its count.
+/// Counts the readings that are not the double nearest to a whole number of millinewtons.
 fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let options = SensorOptions {
         quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0),
@@ -177,7 +177,7 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// The frame in which a tap arrives.
+/// The number of frames after which a tap arrives.
 fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let options = SensorOptions {
         delay_frames: simulated.with(SHORT_DELAY, 3, 2),
@@ -197,7 +197,7 @@ fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// A taxel of the forearm with four neighbours: in the middle of 384.
+/// A taxel of the forearm with four neighbours, in the middle of the 384 taxels.
 const INNER_TAXEL: usize = TAXELS / 2 + 3;
 
 /// Crosstalk of a force on one taxel: the kernel's sum for the taxel where it is farthest from 1, and the shares of a

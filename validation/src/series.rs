@@ -56,7 +56,7 @@ const STIFF_JOINTS: Falsification = Falsification {
 
 const LEAF_HEIGHT_M: f64 = 0.4;
 const LEAF_RIGIDITY_N_M2: f64 = 0.02;
-/// It relaxes within a fifth of a second, so a state of rest shows the relaxed stiffness.
+/// A roll that relaxes within a fifth of a second, so that a state of rest shows the relaxed stiffness.
 const ROLL: FoamRoll = FoamRoll {
     diameter_m: 0.12,
     height_m: 0.5,
@@ -99,7 +99,7 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>
 }
 
 /// A roll that is touched at the middle of its sixth slice of ten. A slice is compressed like a bar as long and as wide
-/// as the roll's diameter. The core leans so that its top moves like that of a cantilever, and lower points move in
+/// as the roll's diameter. The core leans so that its top moves like the top of a cantilever, and lower points move in
 /// proportion to their height.
 fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let roll = FoamRoll {
@@ -127,7 +127,7 @@ fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
-/// point across the forearm. The first millimetre is air.
+/// point across the forearm. In the first millimetre of a move nothing is touched.
 fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(PressedArm, [Pushed; 2]), CheckError> {
     let options = PhysicsOptions {
         gravity_m_per_s2: 0.0,
@@ -135,7 +135,8 @@ fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(Pres
     };
     let arm = Arm::cody()?;
     let mut wrong = with_friction(&arm, 0.0);
-    // A skin so stiff that the place of the contact does not shift with its depth; `contact-law` checks the skin's own.
+    // A skin so stiff that the place of the contact does not shift with its depth; `contact-law` checks the skin's own
+    // stiffness.
     wrong.skin.stiffness_n_per_m3 = 1e9;
     for joint in &mut wrong.joints {
         joint.stiffness_nm_per_rad *= simulated.with(STIFF_JOINTS, 1.0, 1.05);
@@ -178,8 +179,8 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
 /// Increase of force over displacement of the equilibrium point between two states, compared with arm and object in
 /// series. Position and direction of the contact are the means of the two states.
 ///
-/// The skin gives way, too. The overlap of the shapes is measured and subtracted from the push. Of the expected value,
-/// only the position of the contact is read from the simulation.
+/// The skin also gives way, so the overlap of the shapes is measured and subtracted from the push. Of the expected
+/// value, only the position of the contact is read from the simulation.
 fn series(
     name: &str,
     (pressed, [less, more]): &(PressedArm, [Pushed; 2]),

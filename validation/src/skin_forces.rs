@@ -1,4 +1,4 @@
-//! Check 5: the forces on taxels add up to the solver's, and bodies push each other with equal forces.
+//! Check 5: the forces on taxels add up to the solver's forces, and bodies push each other with equal forces.
 
 use glam::DVec3;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
@@ -48,7 +48,7 @@ const GRAVITY_LEFT_ON: Falsification = Falsification {
 /// Half the larger pitch of Cody's forearm: 15.9° on 46.04 mm.
 const HALF_PITCH_M: f64 = 0.0064;
 
-/// The worst of some frames.
+/// The worst values over some frames.
 #[derive(Default)]
 struct Worst {
     force: f64,

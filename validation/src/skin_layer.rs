@@ -143,7 +143,7 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
     comparisons
 }
 
-/// The depth, m, at which a force that rises with it is `force_n`.
+/// The depth, m, at which `law`, a force that rises with depth, gives `force_n`.
 fn depth_under(force_n: f64, law: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 0.01);
     for _ in 0..60 {
@@ -183,7 +183,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
     let half = (0.03 / pitch_m).ceil() as i32;
     let places = (-half..=half).flat_map(|i| (-half..=half).map(move |j| [f64::from(i), f64::from(j)]));
     let places: Vec<[f64; 2]> = places.map(|place| place.map(|index| index * pitch_m)).collect();
-    // Along x, and around the axis by an arc.
+    // Position and normal of the skin at `x` along its axis and at `arc` around it.
     let surface = move |x: f64, arc: f64| {
         let (sin, cos) = (arc / radius_m).sin_cos();
         let drop = 2.0 * radius_m * (arc / radius_m / 2.0).sin().powi(2);
@@ -269,8 +269,8 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
-/// Winkler's pressure integrated over each square taxel, N, under a trunk so deep and so tilted that the taxels carry
-/// `force_n` and no moment about the contact: between the taxels nothing is carried.
+/// Winkler's pressure integrated over each square taxel, N, under a trunk with such a depth and tilt that the taxels
+/// carry `force_n` and no moment about the contact. The gaps between the taxels carry nothing.
 fn taxel_forces_n(stiffness: f64, radii_m: [f64; 2], places: &[[f64; 2]], side_m: f64, force_n: f64) -> Vec<f64> {
     const FINE: i32 = 15;
     let spacing = side_m / f64::from(FINE);

@@ -53,7 +53,7 @@ const MASS_KG: f64 = 1.0;
 const FRICTION: f64 = 0.2;
 const DIAMETER_M: f64 = 0.26;
 const HEIGHT_M: f64 = 0.49;
-/// Two hard surfaces together (docs/physics.md, Contact).
+/// Stiffness of two hard surfaces together (docs/physics.md, Contact).
 const STIFFNESS_N_PER_M3: f64 = 3e8;
 
 /// A bottle without water, so that its centre of mass is half-way up.
@@ -65,7 +65,7 @@ const BOTTLE: WaterBottle = WaterBottle {
     friction: FRICTION,
 };
 
-/// The mean of bottle and table.
+/// The mean of the coefficients of bottle and table.
 fn friction_on_table() -> f64 {
     0.5 * (FRICTION + TABLE_FRICTION)
 }
@@ -74,7 +74,7 @@ fn friction_on_table() -> f64 {
 struct Pushed {
     rig: Rig,
     bottle: BodyId,
-    /// Where the push acts over the table, m.
+    /// Height of the push over the table, m.
     height_m: f64,
 }
 
@@ -140,7 +140,7 @@ fn sliding(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         0.03,
         "3 %: the force rises by 5 % a second, and the first millimetre takes (6 · 1 mm / (0.05 μ g))^(1/3) = 0.34 s",
     )];
-    // A push of 1.3 μ m g. What does not accelerate the bottle is the table's resistance.
+    // A push of 1.3 μ m g. The part of it that does not accelerate the bottle is the table's resistance.
     let mut pushed = Pushed::new(&bottle, 0.15)?;
     let push = 1.3 * expected;
     for place_m in [0.05, 0.3] {
@@ -176,7 +176,7 @@ fn tipping(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let slipping = friction_on_table() * weight;
     let expected = moment / 0.48;
     let (force, _) = Pushed::new(&bottle, 0.48)?.gives_way(0.95 * expected, 0.002 * expected);
-    // Between these heights it changes from sliding to tipping over.
+    // Between these heights the bottle changes from sliding to tipping over.
     let (mut slides_m, mut tips_m) = (0.2, 0.48);
     for _ in 0..8 {
         let height_m = 0.5 * (slides_m + tips_m);

@@ -11,7 +11,7 @@ use super::mapping::TAXEL;
 use super::{Mapping, opened};
 use crate::ExchangeError;
 
-/// Where the columns are.
+/// The indices of the columns.
 struct Columns {
     time: Option<usize>,
     forces: Vec<usize>,

@@ -6,7 +6,7 @@ use underbrush_recording::{InputError, Sample, Trial, limits};
 
 use super::Mapping;
 
-/// The facts about a frame that decide to which trial its forces belong.
+/// The facts about a frame that decide which trial its forces belong to.
 pub(super) struct Place<'a> {
     /// Line of a CSV file, row of a table or number of a message, from 1.
     pub(super) line: usize,
@@ -18,11 +18,11 @@ pub(super) struct Place<'a> {
     pub(super) time_s: f64,
 }
 
-/// Cuts one frame after the other.
+/// Takes frames one after another and cuts them into trials.
 pub(super) struct Cutter<'a> {
     path: PathBuf,
     mapping: &'a Mapping,
-    /// What has just ended a contact or goes on, by taxel.
+    /// The trial of the current contact of each taxel; `None` without contact.
     open: Vec<Option<Trial>>,
     done: Vec<Trial>,
     reach: Option<u64>,
@@ -33,7 +33,7 @@ pub(super) struct Cutter<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    /// For the frames of a file.
+    /// A cutter for the frames of a file.
     pub(super) fn new(path: &Path, mapping: &'a Mapping) -> Self {
         Cutter {
             path: path.to_path_buf(),

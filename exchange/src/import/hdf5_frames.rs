@@ -19,8 +19,8 @@ fn broken(path: &Path, cause: impl ToString) -> InputError {
     InputError::new(path, "HDF5", cause.to_string(), "a readable HDF5 file", remedy)
 }
 
-/// The groups that a pattern with `*` stands for, each with the group's path; the file's root if there is no `*`.
-/// Groups that end in a number are in its order, as `demo_2` before `demo_10`.
+/// The paths of the groups that a pattern with `*` matches; the root of the file if there is no `*`. Groups whose names
+/// end in a number are sorted by it, so `demo_2` comes before `demo_10`.
 fn reaches(path: &Path, mapping: &Mapping, file: &File) -> Result<Vec<String>, InputError> {
     let from = &mapping.force.from;
     let Some((parent, _)) = from.split_once('*') else {

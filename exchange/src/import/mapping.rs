@@ -13,14 +13,14 @@ use crate::ExchangeError;
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
 /// Number of taxels: as many as a data set may have.
 const TAXELS: Limits = Limits::new(1.0, underbrush_recording::limits::MAX_TAXELS as f64, "taxels");
-/// Newtons of one unit of a reading: from a nanonewton to a tonne.
+/// Newtons per unit of a reading: from a nanonewton to a tonne.
 const SCALE_N: Limits = Limits::new(1e-9, 1e4, "N");
 /// Force at a reading of zero.
 const OFFSET_N: Limits = Limits::new(-1e4, 1e4, "N");
 /// Threshold of contact: within the range of forces.
 const THRESHOLD_N: Limits = Limits::new(0.0, 1e4, "N");
 
-/// What takes the place of the number of a taxel in the name of a column.
+/// The placeholder for the number of a taxel in the name of a column.
 pub(super) const TAXEL: &str = "{taxel}";
 
 /// How to read trials from a file of another program.
@@ -32,7 +32,7 @@ struct MappingFile {
     time: TimeTable,
     /// The forces.
     force: ForceTable,
-    /// What becomes of them.
+    /// How the forces become trials.
     #[serde(default)]
     trial: TrialTable,
 }
@@ -57,11 +57,11 @@ pub(super) struct ForceTable {
     /// Topic of the messages; only for MCAP.
     pub(super) topic: Option<String>,
     /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. HDF5: a
-    /// dataset with a row for each frame and a column for each taxel; `*` in place of a group's name takes each such
-    /// group as a reach. MCAP: the field of the message that holds the list of forces, `data` for the arrays of
-    /// `std_msgs`.
+    /// dataset with a row for each frame and a column for each taxel; with `*` in place of a group's name, each
+    /// matching group is a reach. MCAP: the field of the message that holds the list of forces, `data` for the arrays
+    /// of `std_msgs`.
     pub(super) from: String,
-    /// Number of taxels; only for CSV. HDF5 and MCAP say it themselves.
+    /// Number of taxels; only for CSV. HDF5 and MCAP files hold it themselves.
     pub(super) taxels: Option<u32>,
     /// Unit of the forces: `N` (default), `mN`, `kN`, `gf`, `kgf` or `lbf`.
     unit: Option<String>,
@@ -71,7 +71,7 @@ pub(super) struct ForceTable {
     offset_n: Option<f64>,
 }
 
-/// What becomes of the forces.
+/// How the forces become trials.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TrialTable {
@@ -99,7 +99,7 @@ pub struct Mapping {
     pub(super) trial: TrialTable,
     /// Units of time in a second.
     per_second: f64,
-    /// Newtons of one unit of force, and newtons at a reading of zero.
+    /// Newtons per unit of force, and newtons at a reading of zero.
     newton: (f64, f64),
     /// A taxel is in contact while its force is above this, N.
     pub(super) threshold_n: f64,
@@ -115,7 +115,7 @@ pub fn mapping_schema() -> Schema {
 /// How many of a unit of time make a second. Times are divided by this number, because 1000 is exact in binary and
 /// 0.001 is not.
 const PER_SECOND: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
-/// Newtons by unit: standard gravity is 9.80665 m/s² (CGPM 1901), a pound 0.45359237 kg (1959).
+/// Newtons per unit. Standard gravity is 9.80665 m/s² (CGPM 1901), and a pound is 0.45359237 kg (1959).
 const NEWTONS: [(&str, f64); 6] = [
     ("N", 1.0),
     ("mN", 1e-3),
@@ -130,7 +130,8 @@ fn line_of(text: &str, byte: usize) -> usize {
     1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
 }
 
-/// The line, from 1, that sets a key `table.key`; that of the table if it is not set, and 1 if there is no such table.
+/// The line, from 1, that sets a key `table.key`; the line of the table if the key is not set, and 1 if there is no
+/// such table.
 fn line_setting(text: &str, field: &str) -> usize {
     let (table, key) = field.split_once('.').unwrap_or((field, ""));
     let lines = || (1..).zip(text.lines().map(str::trim));
@@ -153,7 +154,7 @@ impl Mapping {
     /// Reads a mapping file.
     ///
     /// # Errors
-    /// [`ExchangeError::Input`] with line and field for what is not allowed, or if it cannot be read.
+    /// [`ExchangeError::Input`] with line and field if its content is not allowed, or if it cannot be read.
     pub fn load(path: &Path) -> Result<Self, ExchangeError> {
         let text = read_text(path, "a mapping file (TOML, UTF-8)", "check the path")?;
         Ok(Mapping::parse(path, text)?)

@@ -1,4 +1,4 @@
-//! Frames from an MCAP file: each message of a topic is one.
+//! Frames from an MCAP file: each message of a topic is a frame.
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
@@ -13,7 +13,7 @@ use super::{Mapping, opened};
 use crate::ExchangeError;
 use crate::mcap::{Channel, Fault, Item, Reader};
 
-/// Nanoseconds of a second.
+/// Nanoseconds per second.
 const PER_SECOND: f64 = 1e9;
 
 /// Why reading ended.
@@ -59,7 +59,7 @@ impl Stop {
     }
 }
 
-/// What has been read so far, apart from messages.
+/// What has been read so far, except the messages.
 struct Reading<'a> {
     path: &'a Path,
     mapping: &'a Mapping,
@@ -72,7 +72,8 @@ struct Reading<'a> {
     topics: BTreeMap<String, String>,
     messages: usize,
     readings: Vec<f64>,
-    /// Time of the first message, ns: Unix time in seconds would have a resolution of 0.2 µs only.
+    /// Time of the first message, ns. Times count from it, because Unix time in seconds would have a resolution of only
+    /// 0.2 µs.
     start: Option<u64>,
 }
 

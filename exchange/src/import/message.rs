@@ -55,7 +55,8 @@ impl Decoder {
 
 /// A message in CDR that is being decoded.
 struct Cdr<'a> {
-    /// Without the four bytes that tell the encoding, from which alignment counts.
+    /// The message without its first four bytes, which name the encoding. Alignment counts from the start of this
+    /// slice.
     bytes: &'a [u8],
     place: usize,
 }
@@ -93,7 +94,7 @@ fn multi_array(bytes: &[u8], single: bool, readings: &mut Vec<f64>) -> Option<()
         message.u32()?;
         message.u32()?;
     }
-    // Where the data begin in the array: not used by any publisher known.
+    // The offset of the data in the array, which no known publisher uses.
     message.u32()?;
     for _ in 0..message.u32()? {
         readings.push(if single {
@@ -123,7 +124,8 @@ struct Field {
     number: u32,
 }
 
-/// The number of a type of `PackedElementField` at the start of some bytes.
+/// Decodes the number at the start of some bytes, given its type in `PackedElementField`. `None` for an unknown type or
+/// too few bytes.
 fn packed(number: u32, bytes: &[u8]) -> Option<f64> {
     fn start<const N: usize>(bytes: &[u8]) -> Option<[u8; N]> {
         bytes.get(..N)?.try_into().ok()

@@ -1,4 +1,5 @@
-//! Contact trials out of a file of another robot: CSV, HDF5 or MCAP, by a small mapping file (docs/exchange.md).
+//! Reads contact trials from a CSV, HDF5 or MCAP file of another robot, as a small mapping file describes
+//! (docs/exchange.md).
 //!
 //! The trials hold what the file holds: the force of each taxel over time. They have no motion, no region and no truth.
 
@@ -50,11 +51,11 @@ fn opened(path: &Path) -> Result<File, ExchangeError> {
     })
 }
 
-/// Cuts trials from a file. Its extension tells the format: `.csv`, `.h5` or `.hdf5`, `.mcap`.
+/// Cuts trials from a file. Its extension gives the format: `.csv`, `.h5` or `.hdf5`, `.mcap`.
 ///
 /// # Errors
-/// [`ExchangeError::Input`] with the line of the mapping, or of the file (a row of HDF5, a message of MCAP), for what
-/// is missing there or not allowed, and if no trial is found; [`ExchangeError::Disk`] if the file cannot be read.
+/// [`ExchangeError::Input`] if something in the mapping or the file is missing or not allowed, with its line (for HDF5
+/// the row, for MCAP the message), and if no trial is found; [`ExchangeError::Disk`] if the file cannot be read.
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError> {
     let mut cutter = Cutter::new(path, mapping);
     let extension = path

@@ -94,7 +94,7 @@ impl<'de> Deserialize<'de> for Unique {
 /// Largest number of characters of a line that an error quotes.
 const MAX_QUOTED: usize = 60;
 
-/// The start of a text.
+/// At most [`MAX_QUOTED`] characters of a text, with an ellipsis if it is longer.
 fn quoted(text: &str) -> String {
     let mut quoted: String = text.chars().take(MAX_QUOTED).collect();
     if text.chars().nth(MAX_QUOTED).is_some() {

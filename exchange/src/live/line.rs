@@ -15,11 +15,11 @@ pub enum Message {
     Reset,
 }
 
-/// Force that a taxel senses. Nothing pulls on skin. A sensor whose zero drifts below 0 must send 0 or leave the taxel
-/// out.
+/// Force that a taxel senses. Nothing pulls on skin, so a sensor whose zero drifts below 0 must send 0 or leave the
+/// taxel out.
 const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
-/// Coordinates of a patch. Choice: large enough for global coordinates. Motion is a difference of them and still
-/// accurate to some nanometres.
+/// Coordinates of a patch. Choice: large enough for global coordinates. Motion is a difference of coordinates, and is
+/// still accurate to some nanometres.
 const POSITION_M: Limits = Limits::new(-1e8, 1e8, "m");
 /// How far the length of a quaternion may be from 1. Choice: enough for one written with three digits.
 const QUATERNION_TOLERANCE: f64 = 2e-3;
@@ -132,7 +132,7 @@ impl LineParser {
         Ok(readings.into_iter().map(|(reading, _)| reading).collect())
     }
 
-    /// The patch of a reading, by name or index. It need not be named if the skin has only one.
+    /// The patch of a reading, by name or index. It need not be given if the skin has only one patch.
     fn patch(&self, reading: &Object<'_>) -> Result<usize, LineError> {
         let patches = &self.layout.patches;
         let known: Vec<String> = patches
@@ -213,7 +213,7 @@ fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
             orientation: quaternion,
         });
     }
-    // False if the length is infinite.
+    // `error` is infinite if the length overflows.
     if !error.is_finite() || error > QUATERNION_TOLERANCE {
         return Err(orientation.error(allowed));
     }

@@ -23,7 +23,8 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// The next line that is not blank, with its number from 1, without its end; `None` at the end of the stream.
+    /// The next line that is not blank, with its number from 1 and without its line ending; `None` at the end of the
+    /// stream.
     pub fn next_line(&mut self) -> io::Result<Option<(usize, Result<&str, LineError>)>> {
         let result = loop {
             self.buffer.clear();

@@ -1,6 +1,7 @@
-//! MCAP, the container of messages of ROS 2 and Foxglove (<https://mcap.dev/spec>): as much of it as is written and
-//! read here. Chunks may be compressed with zstd; attachments are skipped. The crate `mcap` is not used, because its
-//! macros turn on features of crates under the physics engine, which would be built twice.
+//! MCAP, the container of messages of ROS 2 and Foxglove (<https://mcap.dev/spec>). Only the parts that are written and
+//! read here are implemented. Chunks may be compressed with zstd; attachments are skipped. The crate `mcap` is not
+//! used, because its macros turn on features of crates that the physics engine also uses, and those would be built
+//! twice.
 
 mod read;
 #[cfg(test)]
@@ -58,5 +59,5 @@ pub(crate) struct Channel {
     pub(crate) message_encoding: String,
 }
 
-/// Names with values.
+/// Facts of a metadata record, by name.
 pub(crate) type Map = BTreeMap<String, String>;

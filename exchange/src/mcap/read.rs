@@ -1,4 +1,4 @@
-//! Reading an MCAP file record by record, one chunk in memory.
+//! Reads an MCAP file record by record, with one chunk in memory.
 
 use std::io::{self, Read};
 
@@ -13,9 +13,9 @@ const LONGEST: u64 = 1 << 28;
 pub(crate) enum Fault {
     /// Reading failed.
     Io(io::Error),
-    /// The file is no complete MCAP file.
+    /// The file is not a complete MCAP file.
     Broken(String),
-    /// Its chunks are compressed in another way.
+    /// Its chunks are compressed with an algorithm that is not supported.
     Compression(String),
 }
 
@@ -25,7 +25,7 @@ impl Fault {
     }
 }
 
-/// What is read, one after the other.
+/// An item of a file. Items are read one after another.
 pub(crate) enum Item<'a> {
     /// A schema, perhaps for the second time.
     Schema(Schema),
@@ -35,7 +35,7 @@ pub(crate) enum Item<'a> {
     Message(u16, u64, &'a [u8]),
 }
 
-/// The content of a record that is being taken apart.
+/// The part of a record's content that has not been parsed yet.
 struct Content<'a>(&'a [u8]);
 
 impl<'a> Content<'a> {
@@ -70,7 +70,7 @@ impl<'a> Content<'a> {
     }
 }
 
-/// A record that matters here; `None` for others.
+/// Parses a record; `None` if it is of a kind that is not needed.
 fn item(code: u8, content: &[u8]) -> Result<Option<Item<'_>>, Fault> {
     let mut content = Content(content);
     Ok(match code {
@@ -97,7 +97,7 @@ fn item(code: u8, content: &[u8]) -> Result<Option<Item<'_>>, Fault> {
     })
 }
 
-/// The records of a chunk.
+/// The records of a chunk, decompressed.
 fn decompressed(content: &[u8]) -> Result<Vec<u8>, Fault> {
     let mut content = Content(content);
     content.take(16)?;
@@ -126,7 +126,7 @@ pub(crate) struct Reader<R> {
 }
 
 impl<R: Read> Reader<R> {
-    /// For a file from its beginning.
+    /// A reader for a file, from its beginning.
     pub(crate) fn new(file: R) -> Self {
         Reader { file }
     }
@@ -153,7 +153,7 @@ impl<R: Read> Reader<R> {
                 return Err(Fault::broken(format!("a record of {length} bytes")).into());
             }
             let mut content = Vec::new();
-            // Not reserved at once: the length may be damaged.
+            // Memory is not reserved at once, because the length may be damaged.
             let read = (&mut self.file)
                 .take(length)
                 .read_to_end(&mut content)
@@ -173,7 +173,7 @@ impl<R: Read> Reader<R> {
                         }
                     }
                 }
-                // What follows only repeats what was there, and the end shows that the file is complete.
+                // The footer is the last record. The magic bytes after it show that the file is complete.
                 code::FOOTER => {
                     self.fill(&mut magic)?;
                     return match magic == MAGIC {

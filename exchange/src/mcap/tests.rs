@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::{Channel, Fault, Item, MAGIC, Map, Reader, Writer, code};
 
-/// A file of two channels with so many messages that it has several chunks.
+/// A file of three channels. Two of them have so many messages that the file has several chunks.
 fn example() -> Vec<u8> {
     let mut writer = Writer::new("a test");
     writer.metadata("facts", &Map::from([("seed".into(), "7".into())]));
@@ -30,7 +30,8 @@ fn record(bytes: &[u8], place: usize) -> (u8, &[u8], usize) {
     (bytes[place], &bytes[place + 9..end], end)
 }
 
-/// Pins that schemas, channels and messages come back in their order, and that channels share a schema of one name.
+/// Pins that schemas, channels and messages come back in their order, and that channels with the same schema name share
+/// one schema.
 #[test]
 fn messages_come_back() {
     let bytes = example();
@@ -68,8 +69,8 @@ fn messages_come_back() {
     }
 }
 
-/// Pins, by following it as a viewer does, that the summary leads to every chunk, every index of messages and the
-/// facts, and counts what is there.
+/// Pins that the summary leads to every chunk, every message index and the metadata, and that its counts are right. The
+/// test follows the offsets as a viewer does.
 #[test]
 fn the_summary_leads_to_everything() {
     let bytes = example();
@@ -93,7 +94,7 @@ fn the_summary_leads_to_everything() {
                 assert_eq!((chunk_code, chunk_end), (code::CHUNK, chunk + length));
                 assert_eq!(content[..16], chunk_content[..16], "times of the chunk");
                 let size = u64_at(chunk_content, 16) as usize;
-                // The text "zstd" and the length of the records stand before them.
+                // The text "zstd" and the length of the records come before the records.
                 let records = zstd::bulk::decompress(&chunk_content[28 + 8 + 8..], size).unwrap();
                 let count = u32::from_le_bytes(content[32..36].try_into().unwrap()) as usize / 10;
                 for entry in 0..count {
@@ -132,7 +133,7 @@ fn the_summary_leads_to_everything() {
     assert_eq!(found, groups);
 }
 
-/// Pins that a file that is cut anywhere, or whose chunk is changed, is refused and not read in part without a word.
+/// Pins that a file that is cut off anywhere, or has a changed chunk, is refused and not silently read in part.
 #[test]
 fn a_damaged_file_is_refused() {
     let bytes = example();

@@ -1,12 +1,12 @@
-//! Writing an MCAP file with chunks, their index and a summary.
+//! Writes an MCAP file with chunks, their index and a summary.
 
 use std::collections::BTreeMap;
 use std::io;
 
 use super::{Channel, MAGIC, Map, Schema, code};
 
-/// Uncompressed bytes at which a chunk ends. Choice: as other writers do, so that a viewer reads little to jump in
-/// time.
+/// Uncompressed bytes at which a chunk ends. Choice: as in other writers, so that a viewer reads little when it jumps
+/// in time.
 const BYTES_PER_CHUNK: usize = 1 << 20;
 /// Level of zstd.
 const ZSTD_LEVEL: i32 = 3;
@@ -31,7 +31,7 @@ impl Record {
         self
     }
 
-    /// Bytes with their number in front. Nothing that is written here has 4 GB.
+    /// Bytes, preceded by their number. Nothing that is written here is as large as 4 GB.
     fn bytes(mut self, bytes: &[u8]) -> Self {
         self = self.u32(bytes.len() as u32);
         self.0.extend(bytes);
@@ -57,7 +57,7 @@ impl Record {
         self.bytes(&pairs.0)
     }
 
-    /// The record with its code and length, appended to `out`.
+    /// Appends the record to `out`, with its code and length.
     fn put(self, code: u8, out: &mut Vec<u8>) {
         out.push(code);
         out.extend((self.0.len() as u64).to_le_bytes());
@@ -106,7 +106,7 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Begins a file that was written by the program called `library`.
+    /// Begins a file; `library` names the program that writes it.
     pub(crate) fn new(library: &str) -> Self {
         let mut out = MAGIC.to_vec();
         Record::default().text("").text(library).put(code::HEADER, &mut out);
@@ -135,7 +135,7 @@ impl Writer {
             .push(Record::default().u64(start).u64(length).text(name));
     }
 
-    /// Adds a channel, and its schema unless there is one of this name. Returns its number.
+    /// Adds a channel, and its schema unless there is one of this name. Returns the number of the channel.
     pub(crate) fn channel(
         &mut self,
         topic: &str,
@@ -228,12 +228,12 @@ impl Writer {
         Ok(())
     }
 
-    /// Ends the file with its summary, without which readers would have to read all of it, or refuse it. Returns its
-    /// bytes.
+    /// Ends the file with its summary and returns its bytes. Without a summary, readers would have to read the whole
+    /// file, or would refuse it.
     pub(crate) fn finish(mut self) -> io::Result<Vec<u8>> {
         self.end_chunk()?;
         let mut out = self.out;
-        // The checksum of all before is optional; chunks have their own.
+        // A checksum of everything before this record is optional; chunks have their own.
         Record::default().u32(0).put(code::DATA_END, &mut out);
         let summary_start = out.len();
         let (first, last) = self.span.unwrap_or_default();

@@ -78,7 +78,7 @@ fn every_number_comes_back() {
     }
 }
 
-/// Pins attributes and masks: each demonstration is in one of train and valid, and in the mask of its scene.
+/// Pins attributes and masks: each demonstration is in either train or valid, and in the mask of its scene.
 #[test]
 fn attributes_and_masks_are_as_robomimic_reads_them() {
     let (_folder, path) = file("reaches.hdf5");

@@ -1,7 +1,7 @@
 //! The message `sensor_msgs/msg/JointState` of ROS 2 in CDR, the encoding of its middleware (little-endian, OMG CDR
 //! 1.0).
 
-/// The definition of the message with those that it refers to, as MCAP wants it for the encoding `ros2msg`.
+/// The definition of the message and of the messages that it refers to, as MCAP requires for the encoding `ros2msg`.
 pub(super) const JOINT_STATE: &str = "\
 std_msgs/Header header
 string[] name
@@ -18,7 +18,7 @@ int32 sec
 uint32 nanosec
 ";
 
-/// Bytes before the message, which tell its encoding. Alignment counts from behind them.
+/// The bytes before the message, which name its encoding. Alignment counts from the byte after them.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
 /// A message that is being encoded.

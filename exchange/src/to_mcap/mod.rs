@@ -10,8 +10,8 @@
 //! | `/skin/PATCH` | `foxglove.Grid`, JSON | sensed force of each taxel of a patch with a grid, N |
 //! | `/skin/PATCH/pressed` | `foxglove.PointCloud`, JSON | place on the link and sensed force of the taxels that sense one |
 //!
-//! Times count from the start of the reach. All numbers but poses of bodies, which a recording holds in steps
-//! ([`underbrush_recording::POSITION_STEP_M`]), are those of the recording in double precision.
+//! Times count from the start of the reach. All numbers are those of the recording in double precision, except poses of
+//! bodies, which a recording holds in steps ([`underbrush_recording::POSITION_STEP_M`]).
 
 mod cdr;
 mod foxglove;
@@ -30,12 +30,12 @@ use crate::ExchangeError;
 use crate::mcap::{Map, Writer};
 use foxglove::{FrameTransform, FrameTransforms, Grid, Message, PointCloud, SceneUpdate, Time};
 
-/// The frame in which everything else stands.
+/// The root frame, which is the parent of all others.
 const WORLD: &str = "world";
-/// The name of the forces in grids and point clouds.
+/// The name of the field with the forces in grids and point clouds.
 const FORCE: &str = "sensed_force_n";
-/// Bodies of objects are in `/tf` when they move, and all of them each time this number of frames has passed, so that a
-/// viewer that starts in the middle has them soon.
+/// Bodies of objects are sent in `/tf` when they move. All of them are also sent each time this number of frames has
+/// passed, so that a viewer that starts in the middle soon has them all.
 const FRAMES_BETWEEN_ALL: usize = 100;
 
 /// Writes a reach as an MCAP file with chunks (zstd) and an index. The same recording gives the same bytes.
@@ -177,7 +177,7 @@ impl<'a> Reach<'a> {
         let grids = patches
             .filter(|(_, patch)| all && patch.grid.is_some())
             .map(|(place, patch)| {
-                // Choice: beside the arm and above each other.
+                // Choice: beside the arm, one above the other.
                 let position = DVec3::new(0.0, 1.0, 0.5 * place as f64);
                 FrameTransform::new(time, &grid_frame(patch), Pose::from_position(position))
             });

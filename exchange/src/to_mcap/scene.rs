@@ -8,8 +8,8 @@ use super::foxglove::{
     TriangleListPrimitive,
 };
 
-/// The names of the frames of all bodies: that of the link, or kind and index of the object and the number of the body
-/// in it.
+/// The names of the frames of all bodies: the name of the link or, for an object, its kind, its index and the number of
+/// the body in it.
 pub(super) fn frame_names(recording: &Recording) -> Vec<String> {
     let mut bodies_of = vec![0; recording.objects.len()];
     let name = |body: &Body| match &body.owner {
@@ -38,15 +38,15 @@ fn color(category: Option<Category>) -> Color {
     Color { r, g, b, a: 1.0 }
 }
 
-/// The triangles of the convex hull of a few points: those with all points on one side. Points in the plane of a face
-/// give triangles that overlap, which looks the same.
+/// The triangles of the convex hull of a few points: all triangles of three points that have the other points on one
+/// side. If more than three points lie in the plane of a face, its triangles overlap, which looks the same.
 fn hull_triangles(points: &[DVec3]) -> Vec<DVec3> {
     let mut corners = Vec::new();
     for (first, &a) in points.iter().enumerate() {
         for (second, &b) in points.iter().enumerate().skip(first + 1) {
             for &c in &points[second + 1..] {
                 let normal = (b - a).cross(c - a);
-                // A choice: a thousandth of the height that the smallest shapes have.
+                // A choice: 1 µm, a thousandth of the height of the smallest shapes.
                 let slack = 1e-6 * normal.length();
                 let heights = || points.iter().map(|point| normal.dot(*point - a));
                 if slack > 0.0 && heights().all(|height| height <= slack) {

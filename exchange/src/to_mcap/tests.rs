@@ -38,7 +38,7 @@ fn doubles(message: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// Reads a JointState by the rules of CDR: names and the three lists.
+/// Reads a JointState by the rules of CDR: its time in ns, the names and the three lists.
 fn joint_state(bytes: &[u8]) -> (u64, Vec<String>, Vec<Vec<f64>>) {
     assert_eq!(bytes[..4], [0, 1, 0, 0]);
     let bytes = &bytes[4..];
@@ -114,8 +114,8 @@ fn joints_and_forces_come_back_exactly() {
     assert!((10..80).contains(&pressed), "{pressed} frames with force");
 }
 
-/// Pins that the poses of all bodies can be followed from the transforms, that all are sent again from time to time,
-/// and that shapes and goals are in the scene.
+/// Pins that the poses of all bodies can be followed from the transforms, that all poses are sent again at regular
+/// intervals, and that shapes and goals are in the scene.
 #[test]
 fn poses_shapes_and_goals_come_back() {
     let recording = reach("foliage", 0, FRAMES_BETWEEN_ALL + 30);
@@ -123,7 +123,7 @@ fn poses_shapes_and_goals_come_back() {
     let mut poses: BTreeMap<String, Pose> = BTreeMap::new();
     for (index, message) in json(&bytes, "/tf").iter().enumerate() {
         let transforms = message["transforms"].as_array().unwrap();
-        // Three bodies and the sheet of the sleeve.
+        // Three bodies and the grid of the sleeve.
         assert!(!index.is_multiple_of(FRAMES_BETWEEN_ALL) || transforms.len() == 4);
         for transform in transforms {
             assert_eq!(transform["parent_frame_id"], "world");

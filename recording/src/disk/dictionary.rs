@@ -1,6 +1,6 @@
 //! The data dictionary: every table of a data set with its columns, their units and codes.
 //!
-//! The same list makes the metadata of the Parquet files, the card of a data set and `docs/data.md`.
+//! The metadata of the Parquet files, the card of a data set and `docs/data.md` are made from this list.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -232,7 +232,7 @@ pub(super) const TABLES: [&Table; 9] = [
     &TAXELS,
 ];
 
-/// Key of the metadata that hold the names of a column's codes.
+/// Key of the metadata entry that holds the names of a column's codes.
 const CODES: &str = "codes";
 
 /// The codes of the built-in categories and of `further` ones with their names; −1 is none.

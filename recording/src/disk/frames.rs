@@ -13,12 +13,12 @@ use super::features::{ColumnBuilder, PatchFeature, features};
 use super::table::{Columns, Rows};
 use crate::{Frame, Pose, Recording, TaxelReading};
 
-/// The position of a reach in a data set; the default is that of a single reach.
+/// The position of a reach in a data set; the default is the position of a single reach.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Numbering {
     /// The episode.
     pub(super) episode: usize,
-    /// Index of its first frame among all.
+    /// Index of its first frame among all frames of the set.
     pub(super) first_index: usize,
     /// The task.
     pub(super) task: i64,
@@ -175,7 +175,7 @@ pub(super) struct TaxelTruth {
 }
 
 impl TaxelTruth {
-    /// Of a reading, if it has any ground truth.
+    /// The ground truth of a reading, if it has any.
     pub(super) fn of(reading: &TaxelReading) -> Option<Self> {
         let [first_shear, second_shear] = reading.true_shear_force_n;
         let forces = [reading.true_normal_force_n, first_shear, second_shear];
@@ -188,7 +188,7 @@ impl TaxelTruth {
         })
     }
 
-    /// Adds it to a frame that was read without ground truth.
+    /// Adds this ground truth to a frame that was read without any.
     pub(super) fn add_to(self, frame: &mut Frame) {
         let found = frame
             .taxels

@@ -1,4 +1,4 @@
-//! Looking for files, and opening those that the user named.
+//! Looks for files, and opens files that the user named.
 
 use std::fs::{self, File, Metadata};
 use std::io::ErrorKind;
@@ -7,8 +7,8 @@ use std::path::Path;
 use super::DiskError;
 use crate::InputError;
 
-/// Whether there is a file or folder at a path. Unlike [`Path::exists`], a disk that fails is an error: a part of a set must not
-/// be taken for missing, and made or removed again, because it could not be read once.
+/// Whether there is a file or folder at a path. Unlike with [`Path::exists`], a failing disk is an error. Otherwise a
+/// part of a set that could not be read once would be taken for missing, and would be made again or removed.
 ///
 /// # Errors
 /// [`DiskError::Io`] if the operating system cannot tell.
@@ -16,12 +16,12 @@ pub fn is_there(path: &Path) -> Result<bool, DiskError> {
     Ok(metadata(path)?.is_some())
 }
 
-/// Whether there is a folder at a path. Errors as of [`is_there`].
+/// Whether there is a folder at a path. Errors as for [`is_there`].
 pub fn is_folder(path: &Path) -> Result<bool, DiskError> {
     Ok(metadata(path)?.is_some_and(|found| found.is_dir()))
 }
 
-/// What the operating system knows about a path; `None` if there is nothing. Errors as of [`is_there`].
+/// What the operating system knows about a path; `None` if there is nothing. Errors as for [`is_there`].
 pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>, DiskError> {
     match fs::metadata(path) {
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),

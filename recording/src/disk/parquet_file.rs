@@ -1,4 +1,4 @@
-//! Reading and writing Parquet files.
+//! Reads and writes Parquet files.
 
 use std::path::{Path, PathBuf};
 
@@ -57,7 +57,7 @@ pub(super) struct ParquetFile {
 }
 
 impl ParquetFile {
-    /// Creates it with key-value metadata. With [`seal::unsealed`] among them it will contain its own hash.
+    /// Creates a file with key-value metadata. If [`seal::unsealed`] is among them, the file will contain its own hash.
     pub(super) fn create(
         path: &Path,
         schema: SchemaRef,
@@ -72,8 +72,8 @@ impl ParquetFile {
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
             .set_dictionary_enabled(false)
-            // The minimum and maximum of a list column do not help a reader, and take time and space. Those of the
-            // episode column let a reader skip all row groups but one.
+            // The minimum and maximum of a list column do not help a reader, and take time and space. The minimum and
+            // maximum of the episode column let a reader skip all row groups except one.
             .set_statistics_enabled(EnabledStatistics::None)
             .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
             // The caller ends row groups, so that each episode is within one, however long it is.
@@ -125,7 +125,7 @@ pub(super) fn read_footer(file: &ParquetInput) -> Result<ArrowReaderMetadata, Di
     file.decode(|| ArrowReaderMetadata::load(file, ArrowReaderOptions::default()))
 }
 
-/// What a reader of a file is built from.
+/// The builder of a reader of a file.
 pub(super) type Builder = ParquetRecordBatchReaderBuilder<ParquetInput>;
 
 /// Opens a Parquet file for reading.

@@ -1,7 +1,7 @@
-//! A Parquet file that is being read, which remembers what the operating system said when reading failed.
+//! A Parquet file that is being read. It remembers the error of the operating system if reading fails.
 //!
-//! The decoder turns such errors into text on some ways, or takes the length of the file for 0. A disk that fails would look
-//! like a damaged file: bad input, which nobody tries to read again.
+//! On some paths the decoder turns such errors into text, or takes the length of the file to be 0. A failing disk would
+//! then look like a damaged file, which is bad input that nobody tries to read again.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -17,7 +17,7 @@ use super::DiskError;
 use super::input_file::open_input;
 use crate::InputError;
 
-/// The file. Clones are the same file.
+/// The file. Clones share it.
 #[derive(Clone)]
 pub(super) struct ParquetInput {
     path: PathBuf,
@@ -27,7 +27,7 @@ pub(super) struct ParquetInput {
     failed: Arc<OnceLock<io::Error>>,
 }
 
-/// Reads the file on from some place.
+/// Reads the file from some position on.
 pub(super) struct Reader {
     file: File,
     failed: Arc<OnceLock<io::Error>>,
@@ -81,7 +81,7 @@ impl ParquetInput {
 
 /// Stores the first error.
 fn remembered(failed: &OnceLock<io::Error>, error: io::Error) -> io::Error {
-    // A call that was interrupted is made again.
+    // An interrupted call is repeated by the caller.
     if error.kind() != io::ErrorKind::Interrupted {
         failed.get_or_init(|| copy(&error));
     }
@@ -108,7 +108,7 @@ impl ChunkReader for ParquetInput {
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
-        // A damaged footer may ask for more than there is memory.
+        // A damaged footer may ask for more bytes than there is memory.
         if start.saturating_add(length as u64) > self.bytes {
             let found = format!("{length} bytes at {start} of a file of {} bytes", self.bytes);
             return Err(ParquetError::EOF(found));
@@ -135,8 +135,8 @@ pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
 mod tests {
     use super::*;
 
-    /// Pins that a step that fails after the operating system reported an error gives that error, in whatever words the decoder
-    /// says it, and that without one the file is called damaged.
+    /// Pins that a step that fails after an error of the operating system returns that error, whatever the decoder
+    /// says, and that a step that fails without such an error reports a damaged file.
     #[test]
     fn a_failing_disk_is_no_damaged_file() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
-//! Reading a column of double precision straight from the pages of a Parquet file.
+//! Reads a column of double precision straight from the pages of a Parquet file.
 //!
-//! A list column stores for every number two levels, which say whether it is there and whether a row begins with it. Decoding them
-//! takes several times as long as decompressing the numbers. In the columns that this program writes, every number is there and
-//! every row is equally wide, so the levels can be skipped.
+//! For every number, a list column stores two levels, which say whether the number is there and whether a row begins
+//! with it. Decoding them takes several times as long as decompressing the numbers. In the columns that this program
+//! writes, every number is there and every row is equally wide, so the levels can be skipped.
 
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use super::DiskError;
 use super::parquet_input::ParquetInput;
 
-/// Writes the numbers of a column in a row group into `to`, in their order. Returns whether it could: `false` if they are not as
-/// many as `to` has places, or not stored as plain numbers without nulls, so that Arrow's reader has to read them. What `to` then
-/// holds is unspecified.
+/// Writes the numbers of a column in a row group into `to`, in their order. Returns `false` if there are more or fewer
+/// numbers than `to` has places, or if they are not stored as plain numbers without nulls. Arrow's reader then has to
+/// read them, and the content of `to` is unspecified.
 ///
 /// # Errors
 /// [`DiskError::Input`] for damaged files.
@@ -57,7 +57,7 @@ pub(super) fn read<N>(
     })
 }
 
-/// The numbers of a page, if it has nothing else.
+/// The numbers of a page; `None` unless it holds plain numbers without nulls.
 fn numbers_of<'a>(page: &'a Page, chunk: &ColumnChunkMetaData) -> Option<&'a [[u8; 8]]> {
     let Page::DataPage {
         buf,
@@ -78,7 +78,7 @@ fn numbers_of<'a>(page: &'a Page, chunk: &ColumnChunkMetaData) -> Option<&'a [[u
             bytes = rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)?;
         }
     }
-    // A page counts the places of missing numbers, too. They have no bytes.
+    // The page's count includes missing numbers, which have no bytes.
     let (numbers, rest) = bytes.as_chunks::<8>();
     (rest.is_empty() && numbers.len() == usize::try_from(*num_values).ok()?).then_some(numbers)
 }

@@ -81,8 +81,8 @@ pub fn recording_table(recording: &Recording) -> Result<RecordBatch, DiskError> 
 /// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
 ///
 /// The file gets its name only when it is complete, and contains its own hash. Its columns are those of a data set
-/// (LeRobotDataset v3.0), with episode 0 and task 0. `timestamp` is frame index / rate in single precision, `time_s`
-/// the exact time.
+/// (LeRobotDataset v3.0), with episode 0 and task 0. `timestamp` is frame index / rate in single precision, and
+/// `time_s` is the exact time.
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
@@ -111,7 +111,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     file.close()
 }
 
-/// Whether a file is a recording and not some other table, or damaged.
+/// Whether a file is a recording, and not some other table or a damaged file.
 ///
 /// # Errors
 /// [`DiskError::Io`] if the disk fails.
@@ -127,7 +127,7 @@ pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
     }
 }
 
-/// Opens a recording: everything except its frames, and the batches that hold them.
+/// Opens a recording: everything except its frames, and the batches that hold the frames.
 fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
     let (file, builder) = open(path, ArrowReaderOptions::default())?;
     let format = key_value(path, &builder, FORMAT_KEY)?;

@@ -1,4 +1,4 @@
-//! Tables of named, typed columns: building them for writing, and access after reading.
+//! Tables of named, typed columns: builds them for writing, and gives access to them after reading.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -92,7 +92,7 @@ pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<(), DiskEr
     sync_folder(&folder_of(path))
 }
 
-/// Removes temporary files for `path` that killed processes have left behind. Those of living processes are locked and
+/// Removes temporary files for `path` that killed processes have left behind. Files of living processes are locked and
 /// stay. Files that cannot be removed are ignored, since they do no harm.
 pub fn remove_leftovers(path: &Path) {
     let prefix = prefix_of(path);

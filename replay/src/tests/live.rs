@@ -1,4 +1,4 @@
-//! A reach that runs, through plain sockets.
+//! A running reach, tested through plain sockets.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -81,12 +81,12 @@ impl News {
     }
 }
 
-/// Pins that a reach waits for the page, is listed as running and packed as far as it is, pauses, steps one and several frames,
-/// goes on, and ends with the whole recording.
+/// Pins that a reach waits for the page, is listed as running, is packed as far as it has been simulated, pauses, steps
+/// one and several frames, goes on, and ends with the whole recording.
 #[test]
 fn a_running_reach_is_told_paused_and_stepped() {
     let (port, simulation, count) = start();
-    // Paused before it is watched, so that it stands at its first frame.
+    // The reach is paused before it is watched, so it stays at its first frame.
     assert_eq!(command(port, "pause").status, 200);
     let list: Value = serde_json::from_slice(&get(port, "GET", "/api/reaches").content).unwrap();
     assert_eq!((&list[0]["running"], list.as_array().unwrap().len()), (&true.into(), 1));
@@ -116,7 +116,7 @@ fn a_running_reach_is_told_paused_and_stepped() {
     assert_eq!(list[0]["running"], false);
 }
 
-/// Pins that commands come only from the server's own page, as POST, and that unknown ones are refused.
+/// Pins that commands are accepted only from the server's own page, as POST, and that unknown commands are refused.
 #[test]
 fn commands_of_others_are_refused() {
     let (port, _, count) = start();
@@ -138,7 +138,7 @@ fn commands_of_others_are_refused() {
     assert_eq!(count.load(Ordering::SeqCst), 1, "a refused command does nothing");
 }
 
-/// Pins that recordings in memory are listed and packed as those in files are.
+/// Pins that recordings in memory are listed and packed like recordings in files.
 #[test]
 fn recordings_in_memory_are_packed_too() {
     let held = |index| Held {

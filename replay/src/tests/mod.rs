@@ -20,7 +20,7 @@ use underbrush_recording::{
 
 use crate::{Known, Source};
 
-/// What the command line knows, made up.
+/// Made-up values of what the command line knows.
 pub const KNOWN: Known = Known {
     force_limit_n: |controller| (controller == "cody-2013").then_some(3.0),
     audit_warnings: |audit, _| match audit.deepest_penetration_m > 0.01 {
@@ -29,8 +29,8 @@ pub const KNOWN: Known = Known {
     },
 };
 
-/// A reach of `frames` frames with one link that moves along x, a trunk, and a patch of 2 × 2 taxels. Taxel 1 is pressed
-/// from the fifth frame on, and taxel 2 reads a force in the seventh although nothing presses it.
+/// A reach of `frames` frames with one link that moves along x, a trunk, and a patch of 2 × 2 taxels. Taxel 1 is
+/// pressed from frame 5 on, counted from 0, and taxel 2 reads a force in frame 7 although nothing presses it.
 pub fn reach(reach_index: u64, frames: usize) -> Recording {
     let taxel = |x: f64| Taxel {
         position_link: DVec3::new(x, 0.02, 0.0),

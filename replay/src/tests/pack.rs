@@ -1,4 +1,4 @@
-//! What is packed is what was recorded.
+//! Tests that the packed bytes hold what was recorded.
 
 use serde_json::Value;
 
@@ -51,8 +51,8 @@ impl Packed {
     }
 }
 
-/// Pins that readings, poses, times and contact trials arrive with their frames, and that the header holds what the page
-/// shows as text, the seed to the last digit.
+/// Pins that readings, poses, times and contact trials arrive with their frames, and that the header holds what the
+/// page shows as text, including the seed to its last digit.
 #[test]
 fn a_packed_reach_holds_what_was_recorded() {
     let recording = reach(3, 20);
@@ -74,13 +74,13 @@ fn a_packed_reach_holds_what_was_recorded() {
     assert_eq!(packed.section("reading_true_n")[2..4], [2.0, 0.0]);
     assert_eq!(packed.section("reading_object")[2..4], [0.0, -1.0]);
     assert_eq!(packed.section("reading_shear_n")[4..6], [0.25, -0.5]);
-    // The pose of frame 0 is that at rest and is not stored again.
+    // The pose of frame 0 is the pose at rest and is not stored again.
     assert_eq!(
         packed.section("track_frame"),
         (1..20).map(f64::from).collect::<Vec<_>>()
     );
     assert_eq!(packed.section("track_pose_world")[7..10], [2.0 / 1024.0, 0.0, 0.25]);
-    // The trial of taxel 1 lasts 15 frames and has an object; that of taxel 2 one frame, without.
+    // The trial of taxel 1 lasts 15 frames and has an object. The trial of taxel 2 lasts one frame and has none.
     assert_eq!(packed.section("trial_taxel"), [1.0, 2.0]);
     assert_eq!(packed.section("trial_first_frame"), [5.0, 7.0]);
     assert_eq!(packed.section("trial_object"), [0.0, -1.0]);
@@ -89,8 +89,8 @@ fn a_packed_reach_holds_what_was_recorded() {
     assert!((motion[14] - 14.0 / 1024.0).abs() < 1e-7, "{motion:?}");
 }
 
-/// Pins that what follows the first eight frames has the rows of the other twelve, counted from the first of these, the new
-/// samples of a trial that goes on, and nothing that does not change.
+/// Pins that the bytes for the frames after the first eight have the rows of the other twelve, counted from the first
+/// of these, the new samples of a trial that goes on, and nothing that does not change.
 #[test]
 fn what_follows_holds_only_what_is_new() {
     let recording = reach(3, 20);
@@ -120,7 +120,7 @@ fn what_follows_holds_only_what_is_new() {
         packed.section("track_frame"),
         (8..20).map(f64::from).collect::<Vec<_>>()
     );
-    // The trial of taxel 2 has ended before; that of taxel 1 began at frame 5.
+    // The trial of taxel 2 has ended before. The trial of taxel 1 began at frame 5.
     assert_eq!(packed.section("trial_taxel"), [1.0]);
     assert_eq!(packed.section("trial_first_frame"), [5.0]);
     assert_eq!(packed.section("trial_sample_start"), [0.0, 12.0]);
@@ -136,7 +136,7 @@ fn what_follows_holds_only_what_is_new() {
     );
 }
 
-/// Pins that the list has one line a recording with its outcome and peak, and that a number outside it is refused.
+/// Pins that the list has one line per recording, with its peak force, and that a number outside the list is refused.
 #[test]
 fn a_source_lists_its_reaches() {
     let folder = tempfile::tempdir().unwrap();

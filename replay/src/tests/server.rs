@@ -10,7 +10,7 @@ use super::source;
 use crate::Server;
 use crate::page::PAGE;
 
-/// A server of two reaches; it runs until the test ends. Gives its port.
+/// Starts a server of two reaches, which runs until the test ends. Returns its port.
 fn start(folder: &Path) -> u16 {
     let server = Server::start(source(folder), 0).unwrap();
     let address = server.address();
@@ -53,7 +53,7 @@ pub fn get(port: u16, method: &str, path: &str) -> Answer {
     )
 }
 
-/// Pins that the page, the list and the reaches are given out with headers that keep other sites away.
+/// Pins that the page, the list and the reaches are served, with headers that keep other sites away.
 #[test]
 fn the_server_gives_out_page_list_and_reaches() {
     let folder = tempfile::tempdir().unwrap();
@@ -82,8 +82,8 @@ fn the_server_gives_out_page_list_and_reaches() {
     );
 }
 
-/// Pins that paths outside the set, other methods and the names of other hosts are refused, and that the server then still
-/// answers.
+/// Pins that paths outside the set, other methods and the names of other hosts are refused, and that the server still
+/// answers afterwards.
 #[test]
 fn everything_else_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -127,7 +127,8 @@ fn everything_else_is_refused() {
     );
 }
 
-/// Pins that a range, however large, is answered with the whole: the server says that it has no ranges.
+/// Pins that a request for a range, however large, is answered with the whole content, and that the server says that it
+/// does not support ranges.
 #[test]
 fn ranges_are_ignored() {
     let folder = tempfile::tempdir().unwrap();
@@ -146,7 +147,8 @@ fn ranges_are_ignored() {
     }
 }
 
-/// Pins that a hundred requests at once are all answered, while others that never end their request wait beside them.
+/// Pins that a hundred requests at once are all answered, while other clients are connected that never finish their
+/// request.
 #[test]
 fn a_hundred_requests_at_once_are_answered() {
     let folder = tempfile::tempdir().unwrap();

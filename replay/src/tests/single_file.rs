@@ -13,7 +13,7 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     &text[from..from + text[from..].find(end).unwrap()]
 }
 
-/// Pins that the file holds the bytes that the server would give out, for the reaches that were chosen, numbered anew.
+/// Pins that the file holds the bytes that the server would send, for the chosen reaches, which are renumbered.
 #[test]
 fn a_single_file_holds_the_packed_reaches() {
     let folder = tempfile::tempdir().unwrap();

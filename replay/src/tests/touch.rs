@@ -10,7 +10,7 @@ use super::{KNOWN, reach};
 use crate::pack::{pack, pack_from};
 use crate::{Judging, JudgingModel, ReplayError};
 
-/// A reach in which something of a category presses with this share of the usual force.
+/// A reach in which an object of this category presses with this share of the usual force.
 fn pressed_by(category: Category, share: f64, index: u64) -> Recording {
     let mut recording = reach(index, 60);
     recording.objects[0].category = category;
@@ -109,8 +109,8 @@ fn verdicts_of_touch_models_are_packed() {
     assert_eq!(names[codes[codes.len() - 1] as usize], "trunk");
 }
 
-/// Pins that what follows the first eight frames has their verdicts and regions, with rows that are counted from the first of
-/// these.
+/// Pins that the bytes for the frames after the first eight have the verdicts and regions of these frames, with rows
+/// that are counted from the first of them.
 #[test]
 fn what_follows_has_the_regions_of_a_touch_model() {
     let recording = pressed_by(Category::LEAF, 0.12, 41);
@@ -142,7 +142,8 @@ fn what_follows_has_the_regions_of_a_touch_model() {
     );
 }
 
-/// Pins that a patch is refused that is not the touch model's, which knows the one that it was trained for.
+/// Pins that a patch other than the one that the touch model was trained for is refused, and so is a patch without a
+/// grid.
 #[test]
 fn another_patch_is_refused() {
     let error = JudgingModel::of_touch(model(), Some("hand")).unwrap_err();

@@ -39,8 +39,8 @@ fn felt(reach: &Recording) -> Vec<(f64, Vec<(u16, f64)>)> {
     frames.map(|frame| (periods(frame.time_s), forces(frame))).collect()
 }
 
-/// Pins what is shown of a table: the forces at their times from the start of each reach, silent frames where no contact goes on,
-/// also where the same taxel has its next contact at once, and the category as the object.
+/// Pins what is shown of a table: the forces at their times from the start of each reach; silent frames between
+/// contacts, even if the next contact of the same taxel follows at once; and the category as the object.
 #[test]
 fn a_table_of_trials_becomes_frames() {
     let trials = [
@@ -59,7 +59,7 @@ fn a_table_of_trials_becomes_frames() {
     let expected = [
         (0.0, vec![(2, 1.0)]),
         (1.0, vec![(0, 2.0), (2, 2.0)]),
-        // Taxel 2 ends, but taxel 0 goes on, so that the next frame shows it.
+        // The contact of taxel 2 ends, but the contact of taxel 0 goes on, so the next frame is not silent.
         (2.0, vec![(0, 3.0), (2, 3.0)]),
         (3.0, vec![(0, 4.0)]),
         (3.5, vec![]),
@@ -116,8 +116,8 @@ fn a_table_is_a_source() {
     }
 }
 
-/// Pins that trials which cannot be shown are refused with the field: those of contact regions, those of categories that recordings
-/// cannot hold, and reaches with so long a gap that silence would fill the memory.
+/// Pins that trials that cannot be shown are refused with the field: trials of contact regions, trials of categories
+/// that recordings cannot hold, and trials of a reach with so long a gap that silent frames would fill the memory.
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let refused = |trial: Trial| -> InputError { reaches(Path::new("log.csv"), &[trial]).unwrap_err() };

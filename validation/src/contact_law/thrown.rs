@@ -10,13 +10,13 @@ use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
 use super::{PUNCH_M, STIFFNESS_N_PER_M3, bodies, cuboid, soft};
 use crate::{Breaks, Case, CheckError, Comparison, Falsification, Simulated};
 
-/// A flat punch.
+/// A flat punch that rebounds from a table.
 pub const REBOUND: Case = Case {
     compare: rebound,
     falsifications: &[LOSSY_SURFACE, STIFF_PUNCH],
 };
 
-/// A ball and a rod.
+/// A ball and a rod that touch a fixed body for a short time.
 pub const FAST_TOUCH: Case = Case {
     compare: fast_touch,
     falsifications: &[LOSSY_BODY, STIFF_BODY],
@@ -45,7 +45,7 @@ const STIFF_BODY: Falsification = Falsification {
 
 const REBOUND_STEP_S: f64 = 1e-4;
 
-/// A flat punch, which is a linear oscillator while it touches.
+/// Compares the rebound of a flat punch, which is a linear oscillator while it touches the table.
 fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const MASS_KG: f64 = 0.5;
     const SPEED_M_PER_S: f64 = 0.2;
@@ -99,7 +99,8 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// A ball is thrown onto a table and a rod onto a post. Compares the onset and the impulse of the whole touch.
+/// A ball is thrown onto a table and a rod onto a post. Compares the deepest overlap, its time, and the impulse of the
+/// whole touch.
 fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const MASS_KG: f64 = 0.3;
     const SPEED_M_PER_S: f64 = 0.3;

@@ -10,7 +10,8 @@ use crate::example::{file, reach};
 use crate::mcap::Writer;
 use crate::{ExchangeError, write_hdf5, write_mcap};
 
-/// The trials of one patch that the frames of a recording hold, by taxel: the same rule, written down again.
+/// The trials of one patch in the frames of a recording, by taxel. This is a second implementation of the cutter's
+/// rule.
 fn expected(
     recording: &underbrush_recording::Recording,
     patch: u16,
@@ -44,8 +45,8 @@ fn by_taxel(trials: &[Trial]) -> BTreeMap<u32, Vec<Vec<(f64, f64)>>> {
     found
 }
 
-/// Pins that reaches written as HDF5 come back as trials with the same forces, a reach for each demonstration in the
-/// order of their numbers, with the categories of an attribute.
+/// Pins that reaches written as HDF5 come back as trials with the same forces, one reach for each demonstration in the
+/// order of their numbers, and with the categories of an attribute.
 #[test]
 fn trials_come_back_from_hdf5() {
     let (_folder, path) = file("reaches.h5");
@@ -91,7 +92,7 @@ fn trials_come_back_from_a_grid_in_mcap() {
     assert_eq!(by_taxel(&found.trials), expected(&recording, 0, 0.03));
 }
 
-/// Writes messages, one a millisecond, from a time that is Unix time in 2026.
+/// Writes one message per millisecond, starting at a Unix time in 2026.
 fn mcap_of(path: &Path, schema: &str, encoding: &str, messages: &[Vec<u8>]) {
     let mut writer = Writer::new("a robot");
     let channel = writer.channel("/skin", encoding, schema, "ros2msg", b"");
@@ -165,8 +166,8 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
     assert!(error.found.contains("sensor_msgs/msg/Image"), "{error}");
 }
 
-/// Pins that what is missing in an HDF5 or MCAP file is named with the line of the mapping, and that damaged files are
-/// refused and do not end the program.
+/// Pins that the error about something missing in an HDF5 or MCAP file gives the line of the mapping, and that damaged
+/// files do not end the program.
 #[test]
 fn what_is_missing_or_damaged_in_binary_files_is_named() {
     let (_folder, path) = file("reaches.h5");

@@ -88,8 +88,8 @@ fn rows_become_trials() {
     );
 }
 
-/// Pins that raw readings get scale and offset, that times may follow from a rate, and that one taxel needs no
-/// placeholder.
+/// Pins that scale and offset are applied to raw readings, that times may follow from a rate, and that one taxel needs
+/// no placeholder.
 #[test]
 fn raw_readings_are_scaled() {
     let (_folder, path) = file("log.csv");
@@ -111,7 +111,7 @@ fn raw_readings_are_scaled() {
     );
 }
 
-/// Pins that a mapping that is wrong is refused with its line and field, and with what is allowed.
+/// Pins that a wrong mapping is refused with its line and field, and with what is allowed.
 #[test]
 fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
@@ -186,7 +186,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
 }
 
 /// Pins that wrong cells, times that do not rise and forces out of range are refused with the line of the file, and
-/// that a file without a contact is, too.
+/// that a file without a contact is refused, too.
 #[test]
 fn wrong_data_are_refused_by_line() {
     let (_folder, path) = file("log.csv");

@@ -1,5 +1,5 @@
-//! Messages with Foxglove's schemas of the same names, as JSON (<https://docs.foxglove.dev/docs/sdk/schemas>). Only the
-//! fields that are used differ from zero or empty.
+//! Messages with Foxglove's schemas of the same names, as JSON (<https://docs.foxglove.dev/docs/sdk/schemas>). Fields
+//! that are not used are zero or empty.
 
 mod shapes;
 
@@ -21,7 +21,7 @@ pub(super) trait Message: Serialize + JsonSchema {
     const NAME: &'static str;
 }
 
-/// The schema of a message as JSON, without references: Foxglove does not follow them.
+/// The schema of a message as JSON, without references, because Foxglove does not follow them.
 pub(super) fn schema<M: Message>() -> Schema {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<M>();
@@ -200,7 +200,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// One number a cell, row by row.
+    /// A grid with one number per cell, row by row.
     pub(super) fn new(timestamp: Time, frame: &str, columns: usize, cell_m: f64, name: &str, cells: &[f64]) -> Self {
         let columns = columns as u32;
         Grid {

@@ -54,7 +54,7 @@ pub(in crate::to_mcap) struct SceneEntity {
     pub(in crate::to_mcap) timestamp: Time,
     pub(in crate::to_mcap) frame_id: String,
     pub(in crate::to_mcap) id: String,
-    /// Zero: until it is replaced.
+    /// Zero: the entity stays until it is replaced.
     pub(in crate::to_mcap) lifetime: Time,
     pub(in crate::to_mcap) frame_locked: bool,
     pub(in crate::to_mcap) metadata: Vec<KeyValuePair>,

@@ -8,7 +8,7 @@ use crate::SkinLayout;
 pub(in crate::disk) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
     for (index, patch) in layout.patches.iter().enumerate() {
         let field = |name: &str| format!("layout.patches[{index}].{name}");
-        // LeRobot takes "/" in a feature name for a path.
+        // LeRobot reads a "/" in a feature name as part of a path.
         let named = !patch.name.is_empty() && !patch.name.contains('/');
         require(
             named,

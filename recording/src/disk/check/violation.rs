@@ -8,7 +8,7 @@ use crate::disk::DiskError;
 /// A rule broken by a recording or a trial.
 #[derive(Debug, PartialEq)]
 pub(in crate::disk) struct Violation {
-    /// Where it is.
+    /// The field that breaks the rule.
     pub(in crate::disk) field: String,
     /// What was found.
     pub(in crate::disk) found: String,

@@ -1,9 +1,9 @@
 //! Progress of assembling a data set (`incomplete/assembled.json`).
 //!
-//! It is written whenever the current files of all tables are complete. The staged reaches in them are then no longer
-//! needed, so that finishing a set takes little more disk space than the set itself. The episodes of each file are in a
-//! list of their own (`incomplete/episodes-000001.json`, …), which is written once, so that time grows with the number of
-//! reaches and not with its square.
+//! The file is written whenever the current files of all tables are complete. The staged reaches in these files are
+//! then no longer needed, so finishing a set takes little more disk space than the set itself. The episodes of each
+//! file are in a separate list (`incomplete/episodes-000001.json`, …), which is written once. The time therefore grows
+//! with the number of reaches and not with its square.
 
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -31,9 +31,9 @@ pub(super) struct Assembled {
     lists: Vec<FileSum>,
     /// Number of episodes in these lists.
     listed: usize,
-    /// Their frames.
+    /// Number of frames of the episodes.
     pub(super) total_frames: usize,
-    /// Statistics of these frames.
+    /// Statistics of the frames.
     pub(super) statistics: Statistics,
     /// Checksums of the files.
     pub(super) checksums: Checksums,
@@ -42,7 +42,7 @@ pub(super) struct Assembled {
 /// Bytes of the last line: a hash in hexadecimal digits and the end of the line.
 const HASH_LINE: usize = 65;
 
-/// Passes bytes on and hashes them.
+/// Passes bytes on to another writer and hashes them.
 struct Hashed<W> {
     to: W,
     hasher: blake3::Hasher,
@@ -74,7 +74,7 @@ fn write_hashed(state: &impl Serialize, to: impl Write) -> io::Result<()> {
     to.flush()
 }
 
-/// The JSON that [`write_hashed`] has written; `None` if its hash is another.
+/// The JSON that [`write_hashed`] has written; `None` if its hash does not match.
 fn hashed(bytes: &[u8]) -> Option<&[u8]> {
     let (json, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_LINE)?)?;
     let expected = format!("{}\n", blake3::hash(json).to_hex());
@@ -89,7 +89,7 @@ fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, DiskError> {
     }
 }
 
-/// Where the episodes of a file are, by the file's number from 0.
+/// Path of the list of episodes of a file, by the file's number from 0.
 fn list_path(dir: &Path, number: usize) -> PathBuf {
     dir.join(format!("{}/episodes-{:06}.json", names::INCOMPLETE, number + 1))
 }
@@ -108,8 +108,8 @@ impl Assembled {
         }
     }
 
-    /// The progress of an interrupted attempt. `None` if there is none or any of its files is missing or damaged; its
-    /// reaches then count as missing.
+    /// The progress of an interrupted attempt. `None` if there is no progress, or if any of its files is missing or
+    /// damaged; its reaches then count as missing.
     ///
     /// # Errors
     /// [`DiskError::Io`] if a file cannot be read. Its reaches are no longer staged, so they must not count as missing.
@@ -159,7 +159,7 @@ impl Assembled {
 mod tests {
     use super::*;
 
-    /// Pins that a state comes back, and that no changed or missing byte goes unnoticed.
+    /// Pins that a stored state is read back unchanged, and that every changed or missing byte is noticed.
     #[test]
     fn damage_to_the_stored_state_is_noticed() {
         let mut bytes = Vec::new();

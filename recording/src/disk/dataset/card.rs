@@ -1,7 +1,7 @@
 //! The card of a data set: `README.md` at its root.
 //!
-//! Its front matter tells Hugging Face's `datasets` which files belong together. Without it, `load_dataset` takes all
-//! Parquet files of the folder for one table and fails.
+//! Its front matter tells Hugging Face's `datasets` which files belong together. Without it, `load_dataset` reads all
+//! Parquet files of the folder as one table and fails.
 
 use std::fmt::Write;
 

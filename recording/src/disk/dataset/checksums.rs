@@ -31,7 +31,7 @@ pub(super) struct FileSum {
     blake3: String,
 }
 
-/// What the file holds.
+/// The content of `meta/checksums.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChecksumFile {
@@ -52,7 +52,7 @@ impl ChecksumFile {
 }
 
 impl FileSum {
-    /// For bytes in memory.
+    /// The size and hash of bytes in memory.
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
         FileSum {
             bytes: bytes.len() as u64,
@@ -60,7 +60,7 @@ impl FileSum {
         }
     }
 
-    /// For a file.
+    /// The size and hash of a file.
     pub(super) fn of_file(path: &Path) -> Result<Self, DiskError> {
         let mut hasher = blake3::Hasher::new();
         let file = File::open(path).map_err(DiskError::io(path, "read"))?;
@@ -190,7 +190,7 @@ impl Checksums {
         Ok(())
     }
 
-    /// Whether a file is there with its hash.
+    /// Whether a file exists and has the listed hash.
     pub(super) fn is_whole(&self, dir: &Path, name: &str) -> Result<bool, DiskError> {
         let path = dir.join(name);
         Ok(is_there(&path)? && self.files.get(name) == Some(&FileSum::of_file(&path)?))

@@ -1,4 +1,4 @@
-//! A data set that is copied file by file, to and from places that are no folders.
+//! Copies a data set file by file, to and from places that are not folders.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,22 +10,24 @@ use crate::InputError;
 use crate::disk::DiskError;
 use crate::disk::whole_file::{create_folder, write_file};
 
-/// The remedy for files that have changed on their way.
+/// The remedy for files that have changed during the copy.
 const REMEDY: &str = "copy the data set again";
 
 impl Dataset {
-    /// Paths of all files of the set relative to its folder, in the order in which a copy is to be made: the list of
-    /// checksums first, which tells one set from another, and last the file without which a set is unfinished.
+    /// Paths of all files of the set relative to its folder, in the order in which they must be copied. The list of
+    /// checksums comes first, because it tells one set from another. The file without which a set is unfinished comes
+    /// last.
     pub fn files(&self) -> Vec<String> {
         let mut files = vec![names::CHECKSUMS.to_owned()];
         files.extend(in_order(&self.checksums));
         files
     }
 
-    /// The bytes of one of these files, with its hash checked.
+    /// The bytes of one of these files, after its hash has been checked.
     ///
     /// # Errors
-    /// [`DiskError::Input`] for a file that is not of the set or has changed.
+    /// [`DiskError::Input`] for a file that does not belong to the set or has changed; [`DiskError::Io`] for one that
+    /// cannot be read.
     pub fn file_bytes(&self, name: &str) -> Result<Vec<u8>, DiskError> {
         let path = self.dir().join(name);
         let bytes = fs::read(&path).map_err(DiskError::io(&path, "read"))?;
@@ -47,15 +49,15 @@ fn in_order(checksums: &Checksums) -> Vec<String> {
     files
 }
 
-/// Whether a path can only be that of a file in the folder of a data set.
+/// Whether a path can only lead to a file in the folder of a data set.
 fn is_of_a_set(name: &str) -> bool {
     let plain = |part: &str| !part.is_empty() && !part.starts_with('.') && !part.contains(['\\', ':']);
     let folder = name.split_once('/').map(|(folder, _)| folder);
     name.split('/').all(plain) && (name == names::CARD || folder.is_some_and(|folder| names::FOLDERS.contains(&folder)))
 }
 
-/// A copy of a data set that is being made. It can be continued after an interruption, and the folder is no data set before it
-/// is complete.
+/// A copy of a data set that is being made. It can be continued after an interruption. The folder is not a data set
+/// before the copy is complete.
 #[derive(Debug)]
 pub struct DatasetCopy {
     dir: PathBuf,
@@ -70,7 +72,7 @@ impl DatasetCopy {
     ///
     /// # Errors
     /// [`DiskError::Input`] for a damaged list; [`DiskError::FolderNotEmpty`], [`DiskError::Finished`] and
-    /// [`DiskError::Unfinished`] if the folder holds anything but a copy, whole or in part, of the same set.
+    /// [`DiskError::Unfinished`] if the folder holds anything other than a whole or partial copy of the same set.
     pub fn begin(dir: impl AsRef<Path>, list: &[u8]) -> Result<Self, DiskError> {
         let dir = dir.as_ref().to_path_buf();
         let path = dir.join(names::CHECKSUMS);
@@ -92,7 +94,7 @@ impl DatasetCopy {
         Ok(DatasetCopy { dir, checksums })
     }
 
-    /// The files that are still to be copied, in the order in which they must be.
+    /// The files that are still to be copied, in the order in which they must be copied.
     ///
     /// # Errors
     /// [`DiskError::Io`] if a file that is there cannot be read.
@@ -109,7 +111,7 @@ impl DatasetCopy {
         failed.map_or(Ok(missing), Err)
     }
 
-    /// Adds a file. `origin` says in errors where the bytes are from.
+    /// Adds a file. Errors name `origin` as the place that the bytes come from.
     ///
     /// # Errors
     /// [`DiskError::Input`] if these are not the bytes of the listed file.

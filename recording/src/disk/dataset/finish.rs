@@ -1,8 +1,8 @@
 //! Assembles staged reaches into a data set, in one pass in the order of the plan, with one reach in memory.
 //!
-//! When files are complete, their reaches are removed from `incomplete/`. So the folder holds the set and the staged
-//! reaches of one more file at most, not the set twice. After a crash, assembling continues after the last complete
-//! file (`assembled.rs`).
+//! When files are complete, their reaches are removed from `incomplete/`. The folder therefore holds the set and the
+//! staged reaches of at most one more file, and not the set twice. After a crash, assembling continues after the last
+//! complete file (`assembled.rs`).
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -14,7 +14,8 @@ use crate::disk::DiskError;
 use crate::disk::input_file::{is_there, metadata};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, sync_folder, write_new_bytes};
 
-/// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts in that very moment.
+/// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts at that very
+/// moment.
 const ATTEMPTS: usize = 10;
 
 /// The state of a folder for a new data set.
@@ -25,10 +26,10 @@ pub(super) enum Folder {
     Foreign,
 }
 
-/// Looks what a folder holds.
+/// Finds out what a folder holds.
 pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
     let of_ours = || -> Result<Option<Folder>, DiskError> {
-        // The plan is removed when the rest is there, so it has to be looked for first.
+        // The plan is removed after everything else has been written, so it has to be looked for first.
         let [plan, info] = [names::PLAN, names::INFO].map(|name| is_there(&dir.join(name)));
         Ok(match (plan?, info?) {
             (true, _) => Some(Folder::Begun),
@@ -56,7 +57,7 @@ pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
     if empty {
         return Ok(Folder::Empty);
     }
-    // What was listed may be of another process that has begun the set in the meantime.
+    // The listed files may belong to another process that has begun the set in the meantime.
     Ok(of_ours()?.unwrap_or(Folder::Foreign))
 }
 
@@ -70,7 +71,7 @@ pub(super) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
         .map_err(DiskError::io(folder, "read"))
 }
 
-/// Stores the plan unless there is one, which then must be the same.
+/// Stores the plan. If there is one already, it must be the same.
 pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
     if !is_there(&path)? {
@@ -89,8 +90,7 @@ pub(super) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), Dis
     )
 }
 
-/// The lock file of a folder, which is removed after the plan: while there is a plan, all processes
-/// open the same file.
+/// The lock file of a folder. It is removed after the plan, so all processes open the same file while there is a plan.
 pub(super) fn open_lock(dir: &Path) -> Result<File, DiskError> {
     let path = dir.join(names::LOCK);
     let mut options = File::options();
@@ -122,12 +122,12 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
     }
 }
 
-/// Removes the folder `incomplete/` of a set without a plan, which then is finished.
+/// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished.
 pub(super) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
     let incomplete = dir.join(names::INCOMPLETE);
     for _ in 0..ATTEMPTS {
         match fs::remove_dir_all(&incomplete) {
-            // A process that was just about to write there made a lock file, and now sees that the set is finished.
+            // A process that was about to write there made a lock file, and now sees that the set is finished.
             Err(error) if error.kind() == ErrorKind::DirectoryNotEmpty => {}
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
             removed => {

@@ -47,7 +47,7 @@ pub struct Info {
     pub splits: BTreeMap<String, String>,
     /// Pattern of the data files' paths.
     pub data_path: String,
-    /// Pattern of the video files' paths; `None`.
+    /// Pattern of the video files' paths; always `None`.
     pub video_path: Option<String>,
     /// The columns by name.
     pub features: BTreeMap<String, FeatureInfo>,
@@ -116,7 +116,7 @@ fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, 
 pub(super) struct ProvenanceFile {
     /// Always [`FORMAT`].
     pub(super) format: String,
-    /// Categories of objects beside the built-in ones.
+    /// Categories of objects besides the built-in ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) categories: Vec<Category>,
     /// The origin of the data.

@@ -19,10 +19,10 @@ pub struct Shards {
     plan: DatasetPlan,
 }
 
-/// The number of missing parts that an error names.
+/// The largest number of missing parts that an error names.
 const MOST_NAMED: usize = 8;
 
-/// The plan of a part without what differs between parts.
+/// The plan of a part, without the fields that differ between parts.
 fn common(part: &Dataset) -> Result<Value, DiskError> {
     let mut plan = part.plan();
     plan.provenance.shard = None;
@@ -62,7 +62,7 @@ fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<(), DiskErro
     Ok(())
 }
 
-/// An error that names the parts that are not there.
+/// An error that names the missing parts, if there are any.
 fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskError> {
     let absent = (0..count).filter(|index| !places.contains_key(index));
     let named: Vec<String> = absent
@@ -90,7 +90,7 @@ fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskEr
     .into())
 }
 
-/// Scene and index of all reaches of a campaign, in order, as far as its scenes tell.
+/// Scene and index of all reaches of a campaign, in order, according to its scenes.
 fn planned(plan: &DatasetPlan) -> impl Iterator<Item = (&str, u64)> {
     let scenes = plan.provenance.scenes.iter();
     scenes.flat_map(|scene| (0..scene.reaches).map(|reach| (scene.name.as_str(), reach)))
@@ -129,8 +129,9 @@ impl Shards {
     /// Opens the folders of all parts of a campaign, in any order. Tables are verified when [`Shards::merge`] reads them.
     ///
     /// # Errors
-    /// [`DiskError::Input`] names a folder that is no part of a campaign, or of another campaign than the first folder, or
-    /// that holds the same part as another, and the parts that are missing; otherwise as [`Dataset::open`].
+    /// [`DiskError::Input`] if a folder is not part of a campaign, is part of another campaign than the first folder,
+    /// or holds the same part as another folder, and if parts are missing. The error names the folder or the missing
+    /// parts. Otherwise as [`Dataset::open`].
     pub fn open(dirs: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<Self, DiskError> {
         let opened = dirs.into_iter().map(Dataset::open).collect::<Result<Vec<_>, _>>()?;
         let Some(first) = opened.first() else {

@@ -21,7 +21,7 @@ pub struct DatasetPlan {
     pub joint_names: Vec<String>,
     /// The skin, the same in every reach.
     pub layout: SkinLayout,
-    /// Categories that objects of these reaches may have beside [`Category::BUILT_IN`].
+    /// Categories that objects of these reaches may have besides [`Category::BUILT_IN`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub categories: Vec<Category>,
     /// The reaches in the order of their episodes.

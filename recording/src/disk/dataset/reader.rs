@@ -1,4 +1,4 @@
-//! Reading a finished data set.
+//! Reads a finished data set.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -200,17 +200,18 @@ impl Dataset {
             .try_for_each(|name| self.checksums.check(&self.dir, name))
     }
 
-    /// BLAKE3 hash over the paths, sizes and hashes of all files in `data/` and `truth/`, hexadecimal: the same for sets with the
-    /// same frames, also if they were made by different versions of the program.
+    /// BLAKE3 hash over the paths, sizes and hashes of all files in `data/` and `truth/`, hexadecimal. It is the same
+    /// for sets with the same frames, even if they were made by different versions of the program.
     pub fn data_blake3(&self) -> String {
         self.checksums.hash_of(is_large)
     }
 
-    /// The path of a file of the set, to be read: its hash is checked the first time. All reading goes through here.
+    /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
+    /// function.
     pub(super) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
         let known = |checked: &BTreeSet<String>| checked.contains(name);
         if !known(&self.checked.lock().unwrap_or_else(PoisonError::into_inner)) {
-            // Not under the lock: two threads may check a file twice, but none waits for another.
+            // Done without the lock: two threads may check the same file, but none waits for another.
             self.checksums.check(&self.dir, name)?;
             let mut checked = self.checked.lock().unwrap_or_else(PoisonError::into_inner);
             checked.insert(name.to_owned());
@@ -235,7 +236,7 @@ impl Dataset {
         Ok(peaks_n)
     }
 
-    /// Reads a reach by its index from 0. It equals the one that was staged.
+    /// Reads a reach by its index from 0. The recording equals the one that was staged.
     ///
     /// # Errors
     /// [`DiskError::NoSuchReach`] for an index outside the set; [`DiskError::Input`] for damaged files.

@@ -1,5 +1,5 @@
 //! Finds the rows of one episode in a table of many. The footer holds the smallest and largest episode of each row
-//! group, so that most row groups are skipped.
+//! group, so most row groups can be skipped.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -18,12 +18,12 @@ use crate::disk::parquet_input::{ParquetInput, broken};
 use crate::disk::plain_pages;
 use crate::disk::table::Columns;
 
-/// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing one twice, and
-/// they take some 50 MB.
+/// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing any footer
+/// twice, and the footers take some 50 MB.
 const MOST_FOOTERS: usize = 512;
 
-/// The footers of files that have been read. Parsing them again for every reach would take longer the more reaches a file
-/// holds.
+/// The footers of files that have been read. They are kept, because parsing a footer takes longer the more reaches its
+/// file holds.
 #[derive(Debug, Default)]
 pub(super) struct Footers {
     known: Mutex<HashMap<PathBuf, ArrowReaderMetadata>>,
@@ -70,7 +70,7 @@ impl EpisodeRows {
     }
 }
 
-/// The smallest and the largest episode of a row group, as far as its statistics say them.
+/// The smallest and the largest episode of a row group, as far as its statistics give them.
 fn episodes_of(footer: &ParquetMetaData, group: usize) -> [Option<i64>; 2] {
     let columns = footer.row_group(group).columns();
     let column = columns
@@ -91,7 +91,7 @@ pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -
     (0..footer.num_row_groups()).filter(may_hold).collect()
 }
 
-/// Whether all rows of a row group are of one episode.
+/// Whether all rows of a row group belong to one episode.
 fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
     matches!(episodes_of(footer, group), [Some(min), Some(max)] if min == max)
 }
@@ -139,8 +139,8 @@ impl Footers {
         read_rows(path, file, footer, episode, columns)
     }
 
-    /// The numbers of a column of an episode in `to`, as [`plain_pages::read`] reads them. `false` unless the episode is alone in
-    /// its row group.
+    /// Reads the numbers of a column of an episode into `to`. Returns `false` unless the episode is alone in its row
+    /// group and [`plain_pages::read`] can read the column.
     pub(super) fn numbers<N>(
         &self,
         path: &Path,

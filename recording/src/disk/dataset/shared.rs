@@ -1,9 +1,9 @@
-//! Several processes that write one data set into one folder.
+//! Lets several processes write one data set into one folder.
 //!
-//! Each stages its part of the reaches in `incomplete/`, under the positions that they have in the plan of the whole set, and
-//! holds the lock together with the others meanwhile. A process that is done tries to hold it alone. It gets it only if no
-//! other is at work, and so the last one assembles the set. If two are done at the same moment, one of them gets it, and sees
-//! what the other has staged before it let go.
+//! Each process stages its part of the reaches in `incomplete/`, under their positions in the plan of the whole set,
+//! and holds a shared lock meanwhile. When it is done, it tries to get the lock exclusively. It gets the lock only if
+//! no other process is at work, so the last process assembles the set. If two processes are done at the same moment,
+//! one of them gets the lock, and sees everything that the other staged before releasing its lock.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -42,7 +42,8 @@ impl DatasetWriter {
             }
         };
         lock.try_lock_shared().map_err(not_locked(&dir))?;
-        // Another process may have finished the set before the lock was got, which then is one that nobody else sees.
+        // Another process may have finished the set before the lock was acquired. The lock is then on a file that no
+        // other process sees.
         if let Folder::Finished = look(&dir)? {
             return Err(finished()?);
         }
@@ -50,8 +51,8 @@ impl DatasetWriter {
         Self::locked(dir, plan, lock)
     }
 
-    /// Ends this process's share: assembles the set if nobody else is at work in the folder and all reaches are staged.
-    /// Otherwise the answer is `None`, and the set is left to those who are at work or still to come.
+    /// Ends the work of this process. Assembles the set if no other process is at work in the folder and all reaches
+    /// are staged. Otherwise returns `None`, and leaves the set to the processes that are still at work or start later.
     ///
     /// # Errors
     /// As [`DatasetWriter::finish`].
@@ -67,7 +68,8 @@ impl DatasetWriter {
             return Dataset::open(dir).map(Some);
         }
         self.whole = is_there(&dir.join(names::INFO))?;
-        // The checksum of a staged reach is written after it. `finish` compares them, which takes longer.
+        // The checksum of a staged reach is written after the reach, so it is enough that the checksum exists. `finish`
+        // compares the checksums, which takes longer.
         for position in self.to_assemble()? {
             if !is_there(&self.staging.path(position).with_extension("json"))? {
                 return Ok(None);

@@ -1,4 +1,4 @@
-//! Reading some columns of one table of a reach, for programs that need no whole recording.
+//! Reads some columns of one table of a reach, for programs that do not need a whole recording.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
@@ -34,7 +34,8 @@ impl Dataset {
         self.read_rows(index, &FRAMES, Some(columns))
     }
 
-    /// How many numbers a row of a column of `data/` has, if they are of double precision.
+    /// How many numbers each row of a column of `data/` has; `None` for an unknown column, and for numbers that are not
+    /// double precision.
     pub fn width_of_doubles(&self, column: &str) -> Option<usize> {
         let plan = self.plan();
         let features = features(&plan.joint_names, &plan.layout);
@@ -42,8 +43,8 @@ impl Dataset {
         (found.number == DataType::Float64).then_some(found.width)
     }
 
-    /// Writes a column of double precision of a reach into `to`, each number converted, row after row. That is several times as
-    /// fast as [`Dataset::read_columns`].
+    /// Reads a column of double precision of a reach into `to`, row after row, and converts each number. This is
+    /// several times as fast as [`Dataset::read_columns`].
     ///
     /// # Errors
     /// As [`Dataset::read_columns`]; also [`DiskError::Input`] if the column does not have as many numbers as `to` has places.
@@ -60,7 +61,7 @@ impl Dataset {
                 return Ok(());
             }
         }
-        // A file that another program wrote again may store them in another way.
+        // A file that another program has rewritten may store the numbers in another way.
         let places = to.len();
         let mut found = 0;
         for batch in self.read_columns(index, &[column])? {
@@ -68,7 +69,7 @@ impl Dataset {
                 let allowed = "numbers of double precision without nulls";
                 InputError::new(self.dir(), column, "other values", allowed, "read it with read_columns")
             })?;
-            // Numbers that have no place are counted.
+            // Numbers beyond the end of `to` are only counted.
             let own = to.iter_mut().skip(found);
             own.zip(numbers).for_each(|(place, number)| *place = convert(*number));
             found += numbers.len();
@@ -89,7 +90,7 @@ impl Dataset {
 
     /// The names of the tables that [`Dataset::read_table`] reads.
     pub fn table_names() -> Vec<&'static str> {
-        // The table of taxels is that of the whole set.
+        // The table of taxels belongs to the whole set, not to a reach.
         let of_reaches = TABLES.iter().filter(|table| table.path != TAXELS.path);
         of_reaches.map(|table| table.path).collect()
     }

@@ -1,10 +1,11 @@
 //! The file of a staged reach (`incomplete/reach-000000.bin`).
 //!
-//! A recording in a file of its own has a column for every taxel and Parquet's two levels for every number, so that other
-//! programs can read it. A staged reach is read only by this program, and then removed. It therefore holds the recording as it
-//! is in memory, where a frame lists only the taxels with a force: the fields without frames as JSON, then the frames and the
-//! motion of the bodies, in postcard's format, compressed by zstd with its checksum. Writing and reading it takes a small part
-//! of the time that a recording file would take.
+//! A recording in its own file has a column for every taxel and Parquet's two levels for every number, so that other
+//! programs can read it. A staged reach is read only by this program, and then removed. It therefore holds the
+//! recording as it is in memory, where a frame lists only the taxels with a force. All fields except the frames are
+//! stored as JSON, followed by the frames and the motion of the bodies in postcard's format. Everything is compressed
+//! by zstd, with zstd's checksum. Writing and reading a staged reach take a small part of the time that a recording
+//! file would take.
 
 use std::fs;
 use std::io::{self, Write};
@@ -17,7 +18,7 @@ use crate::disk::recording_file::without_frames;
 use crate::disk::whole_file::write_bytes;
 use crate::{Frame, InputError, Recording, TrackPoint};
 
-/// zstd's fastest level but for the negative ones, as in the Parquet files.
+/// zstd's fastest level except for the negative ones, as in the Parquet files.
 const LEVEL: i32 = 1;
 
 /// Writes a recording, and returns the file's size and hash.
@@ -34,7 +35,7 @@ pub(super) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskE
 /// Reads a recording, equal to the one given to [`write`].
 ///
 /// # Errors
-/// [`DiskError::Io`] for a file that cannot be read; [`DiskError::Input`] for one that is changed in any bit.
+/// [`DiskError::Io`] for a file that cannot be read; [`DiskError::Input`] for one that is damaged.
 pub(super) fn read(path: &Path) -> Result<Recording, DiskError> {
     let damaged = |cause: io::Error| {
         let remedy = "remove the file, and generate the set with --resume";
@@ -79,7 +80,8 @@ mod tests {
     use super::*;
     use crate::disk::tests::dataset::recordings;
 
-    /// Pins that a reach comes back as it was, and that no changed or missing byte goes unnoticed.
+    /// Pins that a reach comes back as it was, that a missing byte is noticed, and that a changed byte is noticed or
+    /// has no effect.
     #[test]
     fn a_staged_reach_comes_back_unless_it_is_damaged() {
         let recording = &recordings()[0];

@@ -34,7 +34,8 @@ struct Element {
     max: f64,
     mean: f64,
     squares: f64,
-    /// Samples by bin, without zeros, of which most taxels have many; their number is the rest of the count.
+    /// Samples by bin. Zeros are left out, because most taxels have many of them; their number is the rest of the
+    /// count.
     bins: BTreeMap<i32, u64>,
 }
 
@@ -70,7 +71,8 @@ impl ColumnStatistics {
     }
 
     fn add(&mut self, numbers: &[f64]) {
-        // Numbers change little from row to row, so many samples in a row are in one bin: the bin, and how many there are so far.
+        // Numbers change little from row to row, so consecutive samples are often in the same bin. A run is this bin
+        // and the number of its samples so far.
         let mut runs = vec![(0, 0); self.elements.len()];
         for row in numbers.chunks_exact(self.elements.len()) {
             self.count += 1;

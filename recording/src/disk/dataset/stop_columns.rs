@@ -15,7 +15,7 @@ const LINK: &str = "stop_link";
 pub(super) const PATCH: &str = "stop_patch";
 const FORCE: &str = "stop_force_n";
 
-/// One such contact.
+/// A contact whose force exceeded the stop force.
 #[derive(Clone, Copy)]
 pub(super) struct Stop<'a> {
     pub(super) object: u16,
@@ -24,7 +24,7 @@ pub(super) struct Stop<'a> {
     pub(super) force_n: f64,
 }
 
-/// Adds the columns. `kinds` of the objects make a column of their own, unless the table has the objects elsewhere.
+/// Adds the columns. If `kinds` are given, the kinds of the objects become a further column.
 pub(super) fn write<'a>(
     table: TableBuilder,
     stops: impl Iterator<Item = Option<Stop<'a>>> + Clone,

@@ -23,9 +23,9 @@ use crate::disk::parquet_file::ParquetFile;
 use crate::disk::whole_file::create_folder;
 use crate::{Category, Recording};
 
-/// A row group of a table in `truth/` ends with the episode in which it reaches this number of rows. Choice: the widest
-/// table decodes as many rows within a few milliseconds, and a row group per episode would take more space than the few
-/// goals in it.
+/// A row group of a table in `truth/` ends with the episode in which it reaches this number of rows. Choice: this many
+/// rows of the widest table are decoded within a few milliseconds, and a row group per episode would take more space
+/// than the few goals in it.
 pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 
 /// Makes the rows of an episode for a table. The path is for errors.

@@ -1,4 +1,4 @@
-//! Writing a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
+//! Writes a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
 
 use std::fs::{self, File};
 use std::ops::Range;
@@ -39,7 +39,7 @@ impl DatasetWriter {
     /// plan.
     ///
     /// A finished set is never written again. With `resume`, [`DiskError::Finished`] means that it has this plan, so
-    /// that there is nothing to do; for another plan the error is [`DiskError::PlanDiffers`].
+    /// there is nothing to do; for another plan the error is [`DiskError::PlanDiffers`].
     ///
     /// # Errors
     /// [`DiskError::Unwritable`] for a plan without reaches, joints or rate, or with a broken layout;
@@ -209,8 +209,8 @@ impl DatasetWriter {
         self.close()
     }
 
-    /// Assembles the reaches that `reach` returns for the positions of the plan, in order. A reach is staged only until its
-    /// data files are complete. Errors as of [`DatasetWriter::finish`].
+    /// Assembles the reaches that `reach` returns for the positions of the plan, in order. A reach is staged only until
+    /// its data files are complete. The errors are those of [`DatasetWriter::finish`].
     pub(in crate::disk) fn finish_from(
         self,
         mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
@@ -237,7 +237,7 @@ impl DatasetWriter {
             }
         }
         sync_folder(&incomplete)?;
-        // While the plan exists, this step can be resumed, and other processes wait for the lock.
+        // While the plan exists, this step can be resumed, and the lock keeps other processes out.
         let [plan, _] = kept;
         fs::remove_file(&plan).map_err(DiskError::io(&plan, "remove"))?;
         remove_incomplete(dir)?;
@@ -245,7 +245,8 @@ impl DatasetWriter {
     }
 }
 
-/// Whether a staged file has the checksum that is stored beside it. A damaged checksum is no error: the reach is made again.
+/// Whether a staged file has the checksum that is stored beside it. A damaged checksum is not an error, because the
+/// reach is then made again.
 fn is_of(sum: &Path, file: &Path) -> Result<bool, DiskError> {
     match read_json::<FileSum>(sum) {
         Ok(stored) => Ok(stored == FileSum::of_file(file)?),

@@ -25,7 +25,7 @@ fn plan_with(categories: &[Category]) -> DatasetPlan {
 }
 
 /// Pins that a set with a further category is read back as it was, by a reader that knows the category from the set
-/// alone, and that its code has its name wherever codes are explained.
+/// alone, and that the lists of codes name its code.
 #[test]
 fn a_further_category_is_written_and_read() {
     let folder = tempfile::tempdir().unwrap();

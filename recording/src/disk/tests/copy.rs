@@ -23,8 +23,8 @@ fn refused<T: std::fmt::Debug>(result: Result<T, DiskError>) -> InputError {
     }
 }
 
-/// Pins that a copy that is interrupted after any file is no data set, goes on with the files that are missing or damaged, and
-/// ends in the same bytes.
+/// Pins that a copy that is interrupted after any file is not a data set, continues with the files that are missing or
+/// damaged, and ends in the same bytes.
 #[test]
 fn a_copy_goes_on_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();
@@ -39,7 +39,7 @@ fn a_copy_goes_on_where_it_stopped() {
         let to = folder.path().join(format!("copy-{count}"));
         assert_eq!(copy_some(&set, &to, count), files.len() - 1);
         refused(Dataset::open(&to));
-        // The last of the copied files is torn.
+        // The last of the copied files is truncated.
         if let Some(torn) = count.checked_sub(1).map(|last| to.join(&files[last + 1])) {
             let bytes = fs::read(&torn).unwrap();
             fs::write(&torn, &bytes[..bytes.len() / 2]).unwrap();
@@ -90,7 +90,7 @@ fn what_is_not_of_the_set_is_refused() {
     assert_eq!(contents(&to).len(), 1);
 }
 
-/// Pins that a folder with another set, an unfinished one or other files is not written.
+/// Pins that a copy does not write to a folder with another set, an unfinished set or other files.
 #[test]
 fn a_copy_needs_a_folder_of_its_own() {
     let folder = tempfile::tempdir().unwrap();

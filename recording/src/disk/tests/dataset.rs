@@ -332,8 +332,8 @@ fn every_missing_torn_or_changed_file_is_named() {
     }
 }
 
-/// Pins that no file is read before its hash has been checked: if a bit of a large table flips after the set was
-/// opened, the first reach that needs the table names it, without a call of `verify`.
+/// Pins that no file is read before its hash has been checked. If a bit of a large table flips after the set was
+/// opened, reading the first reach that needs the table is an error that names it, without a call of `verify`.
 #[test]
 fn a_changed_table_is_named_when_it_is_first_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -354,8 +354,8 @@ fn a_changed_table_is_named_when_it_is_first_read() {
     assert_eq!(set.read_reach(0).unwrap(), recordings()[0]);
 }
 
-/// Pins that "every file matches its checksum" covers all files. An empty list, a missing entry, an entry that was
-/// changed together with its file, and files that are not in the list are found when the set is opened.
+/// Pins that the check of the checksums covers all files. An empty list, a missing entry, an entry that was changed
+/// together with its file, and files that are not in the list are found when the set is opened.
 #[test]
 fn the_list_of_checksums_cannot_be_changed_unnoticed() {
     let folder = tempfile::tempdir().unwrap();

@@ -137,8 +137,9 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
     }
 }
 
-/// Pins that what the operating system cannot read is an error and does not count as missing: reaches in complete files are no
-/// longer staged, and would be removed and simulated again. Here it cannot read a folder in the place of a file.
+/// Pins that a file that the operating system cannot read is an error and does not count as missing. Reaches in
+/// complete files are no longer staged; if they counted as missing, they would be removed and simulated again. In this
+/// test, the unreadable file is a folder.
 #[test]
 fn what_cannot_be_read_is_not_thrown_away() {
     for name in ["assembled.json", "reach-000001.json", "reach-000001.bin"] {

@@ -9,7 +9,7 @@ use crate::disk::{Dataset, DiskError, read_recording, write_recording};
 /// Flips bits of `whole` one at a time, spread evenly over its bytes and over the eight positions in a byte.
 fn each_flip(whole: &[u8], flips: usize, mut examine: impl FnMut(usize, &[u8])) {
     for flip in 0..flips {
-        // In the middles of equal parts, so that header, tables and footer are all covered.
+        // In the middle of each of `flips` equal parts, so that header, tables and footer are all covered.
         let place = (2 * flip + 1) * whole.len() / (2 * flips);
         let mut flipped = whole.to_vec();
         flipped[place] ^= 1 << (flip % 8);

@@ -78,8 +78,8 @@ fn refused(parts: &[&PathBuf]) -> InputError {
     }
 }
 
-/// Pins that three and eleven parts, named in any order, merge into the bytes of the undivided set, and that a merge that
-/// is killed at any reach goes on and ends in the same bytes.
+/// Pins that one, three or eleven parts, named in any order, merge into the bytes of the undivided set, and that a
+/// merge that is killed at any reach can be resumed and ends in the same bytes.
 #[test]
 fn parts_merge_into_the_undivided_set() {
     let folder = tempfile::tempdir().unwrap();
@@ -118,8 +118,8 @@ fn parts_merge_into_the_undivided_set() {
     }
 }
 
-/// Pins that parts of another campaign, missing and doubled parts and whole sets are refused, and that the error names the
-/// folder, what it holds and what is missing.
+/// Pins that parts of another campaign, missing and duplicate parts and whole sets are refused, and that the error
+/// names the folder, what it holds and what is missing.
 #[test]
 fn what_is_not_every_part_once_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -180,8 +180,8 @@ fn parts_of_other_campaigns_are_refused_by_the_field() {
     }
 }
 
-/// Pins that a damaged table of a part is named when it is read, and that what was merged until then can be resumed once
-/// the part is whole again.
+/// Pins that a damaged table of a part is named when it is read, and that the merge can be resumed once the part has
+/// been repaired.
 #[test]
 fn a_damaged_part_is_named() {
     let folder = tempfile::tempdir().unwrap();

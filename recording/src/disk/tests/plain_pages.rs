@@ -30,8 +30,8 @@ fn make(dir: &std::path::Path) -> Dataset {
     writer.finish().unwrap()
 }
 
-/// Pins that columns read straight from the pages have the numbers of Arrow's reader, converted, for every column of double
-/// precision and reaches of one and of several pages; other columns have no width.
+/// Pins that columns read straight from the pages have the numbers of Arrow's reader, converted, for every column of
+/// double precision and reaches of one and of several pages. Other columns have no width.
 #[test]
 fn pages_have_the_numbers_of_the_columns() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,7 +60,7 @@ fn pages_have_the_numbers_of_the_columns() {
         }
     }
     assert!(wide > 5, "{wide} columns of several numbers");
-    // Where there is one place too few, Arrow's reader fills the others, and then refuses.
+    // If there is one place too few, Arrow's reader fills the others and then returns an error.
     let (width, frames) = (set.width_of_doubles(COLUMN).unwrap(), set.episodes()[1].frames);
     let mut whole = vec![0.0; frames * width];
     set.read_doubles(1, COLUMN, |number| number, &mut whole).unwrap();
@@ -77,8 +77,9 @@ fn pages_have_the_numbers_of_the_columns() {
     );
 }
 
-/// Pins when pages are read directly: plain numbers are, and the same numbers in another encoding are left to Arrow's reader, as is
-/// a place of the wrong size. A page cut short is an error or left to that reader, never a panic.
+/// Pins when pages are read directly. Plain numbers are; the same numbers in another encoding are left to Arrow's
+/// reader, and so are numbers that do not fit the destination. A damaged page is an error or is left to Arrow's reader,
+/// and never a panic.
 #[test]
 fn other_encodings_are_left_to_arrow() {
     let folder = tempfile::tempdir().unwrap();

@@ -14,14 +14,14 @@ fn share(dir: &Path, plan: DatasetPlan) -> Result<DatasetWriter, DiskError> {
     Ok(writer)
 }
 
-/// Stages what is missing of a part.
+/// Stages the missing reaches of a part.
 fn stage(writer: &DatasetWriter, part: Shard) {
     for position in writer.missing_of(part).unwrap() {
         writer.stage(position, &recordings()[position]).unwrap();
     }
 }
 
-/// Does what a process does that has to run one part, and returns whether it made the set.
+/// Runs one part as a process would, and returns whether it made the set.
 fn run(dir: &Path, part: Shard) -> bool {
     loop {
         match share(dir, plan()) {
@@ -36,14 +36,14 @@ fn run(dir: &Path, part: Shard) -> bool {
     }
 }
 
-/// Pins that parts that run one after the other, in any order and by different divisions, end in the bytes of one process,
-/// that only the last makes the set, and that every part may run again at any time.
+/// Pins that parts that run one after another, in any order and by different divisions, give the same bytes as one
+/// process, that only the last part makes the set, and that every part may run again at any time.
 #[test]
 fn the_last_part_makes_the_set() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, shared] = ["whole", "shared"].map(|name| folder.path().join(name));
     make(&whole);
-    // Five reaches: 2, again 2, 0 and 3, 1 and 3, 1 and 4.
+    // Of the five reaches, the runs have 2; 2 again; 0 and 3; 1 and 3; and 1 and 4, after which the set is complete.
     let runs = [
         (2, 3, false),
         (2, 3, false),
@@ -66,8 +66,8 @@ fn the_last_part_makes_the_set() {
     assert_eq!(contents(&whole), contents(&shared));
 }
 
-/// Pins that parts that begin and end at the same moment, each run by two processes, end in the bytes of one process without
-/// leftovers, whoever is last. Locks belong to open files, so that threads stand for processes.
+/// Pins that parts that begin and end at the same moment, each run by two processes, give the same bytes as one
+/// process, without leftovers, whichever is last. Locks belong to open files, so threads can stand for processes.
 #[test]
 fn parts_that_end_at_the_same_moment_make_one_set() {
     let folder = tempfile::tempdir().unwrap();
@@ -91,8 +91,8 @@ fn parts_that_end_at_the_same_moment_make_one_set() {
     }
 }
 
-/// Pins that of two processes that begin different sets in one folder at the same moment one is refused, by the field that
-/// differs, and that the other's set is not disturbed.
+/// Pins that if two processes begin different sets in one folder at the same moment, one of them is refused with the
+/// field that differs, and the set of the other is not disturbed.
 #[test]
 fn one_folder_takes_one_plan() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,8 +119,8 @@ fn one_folder_takes_one_plan() {
     }
 }
 
-/// Pins that a folder that is shared is not written by a process alone meanwhile, nor the other way round, and that a process
-/// alone may finish what the parts have left.
+/// Pins that processes that share a folder and a process that writes it alone exclude each other, and that a single
+/// process may finish what the parts have left.
 #[test]
 fn alone_and_shared_exclude_each_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -140,8 +140,8 @@ fn alone_and_shared_exclude_each_other() {
     assert_eq!(contents(&whole), contents(&shared));
 }
 
-/// Pins that a lock file that a crash in the last step leaves is removed by the next process, shared or alone, and that the set
-/// counts as finished.
+/// Pins that the next process, shared or alone, removes the lock file that a crash in the last step leaves, and that
+/// the set counts as finished.
 #[test]
 fn what_the_last_step_leaves_is_removed() {
     let folder = tempfile::tempdir().unwrap();

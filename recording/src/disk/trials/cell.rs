@@ -7,7 +7,7 @@ use super::collect::Row;
 use crate::limits::{self, Limits, short};
 use crate::{InputError, Region, Sample};
 
-/// Up to this number a double holds every whole number.
+/// A double holds every whole number up to this one.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// The content of a cell.

@@ -87,8 +87,8 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
 /// region are either all given or all empty.
 ///
 /// # Errors
-/// [`DiskError::Input`] with file, line (CSV) or row (Parquet, from 1) and column, and if there is no such file;
-/// [`DiskError::Io`] if it cannot be read.
+/// [`DiskError::Input`] for bad content, with file, line (CSV) or row (Parquet, from 1) and column, and if there is no
+/// such file; [`DiskError::Io`] if it cannot be read.
 pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
     let path = path.as_ref();
     let trials = match format_of(path)? {

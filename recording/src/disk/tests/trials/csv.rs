@@ -14,7 +14,7 @@ fn read_text(text: &str) -> Result<Vec<Trial>, DiskError> {
 }
 
 /// Pins how other programs may write truth values, that `touched` is unknown in a table without them, that one sample
-/// in contact makes a trial touched, and that a trial with gaps is not untouched.
+/// in contact makes a trial touched, and that a trial with gaps does not count as untouched.
 #[test]
 fn touched_is_true_or_false_or_unknown() {
     let touched = |text: &str| -> Vec<Option<bool>> {

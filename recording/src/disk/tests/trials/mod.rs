@@ -65,7 +65,7 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
                 samples: samples.into_iter().map(sample).collect(),
             }
         };
-        // Largest number first, because the order of the rows counts, not that of the numbers.
+        // Largest number first, because the order of the rows counts, not the order of the numbers.
         trials.into_iter().rev().map(trial).collect()
     })
 }
@@ -85,9 +85,9 @@ proptest! {
         }
     }
 
+    /// Pins that any text is either a table or an error, and that no trial of a table is empty.
     #[test]
     fn no_text_panics_the_reader(text in "(trial,time_s,force_n\n)?([0-9.,\"\n\r-]|\\PC){0,60}") {
-        // Pins that any text is either a table or an error.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("trials.csv");
         fs::write(&path, text).unwrap();
