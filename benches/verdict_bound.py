@@ -3,7 +3,7 @@
     pip install './python[sklearn]'
     python benches/verdict_bound.py --train SET… --test SET… --model touch.json
 
-Describes every touched contact of a forearm taxel by about 300 numbers: the course of the force on the taxel, on its
+Describes every touched contact of a forearm taxel by 375 numbers: the course of the force on the taxel, on its
 surroundings and on all skin, the path of the taxel, stiffness, and torques and deflections of all joints.
 Gradient-boosted trees and random trees are fitted to the training sets and judge the test sets, as the touch model
 does. Contacts are defined as in the benchmark: they begin when a taxel senses more than 0.03 N, have the category that

@@ -20,8 +20,8 @@ use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Body, BodyOwner, Category, Pose, Recording};
 use underbrush_sim::geometry::engine_shape;
 
-/// A leaf at most this far from a trunk touches it, m: poses are stored with this accuracy, and the blade is as thick
-/// as its contact.
+/// A leaf at most this far from a trunk touches it, m: a few times the accuracy with which poses are stored. The blade is
+/// as thick as its contact.
 const TOUCHES_M: f64 = 4.0 * POSITION_TOLERANCE_M;
 
 /// Taxel frames of one group.

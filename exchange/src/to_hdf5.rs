@@ -35,6 +35,8 @@ const NUMBERS_PER_COMMIT: usize = 8 << 20;
 const FRAMES_PER_CHUNK: usize = 256;
 /// Compression, 0 to 9. Choice: higher levels take twice the time for a few percent.
 const DEFLATE_LEVEL: u32 = 4;
+/// Masks of the demonstrations to train with, and of those to validate with.
+const PARTS: [&str; 2] = ["train", "valid"];
 /// One of this many demonstrations is in `mask/valid`.
 const VALID_PERIOD: usize = 10;
 
@@ -221,12 +223,14 @@ impl<'a> Hdf5Writer<'a> {
             self.file.commit().map_err(error())?;
             self.staged = 0;
         }
-        let part = match self.demonstrations % VALID_PERIOD == VALID_PERIOD - 1 {
-            true => "valid",
-            false => "train",
+        let part = PARTS[usize::from(self.demonstrations % VALID_PERIOD == VALID_PERIOD - 1)];
+        // A scene may have the name of a part.
+        let scene = match recording.scene.as_str() {
+            name if PARTS.contains(&name) => format!("{name}-scene"),
+            name => name.to_owned(),
         };
-        for mask in [part, recording.scene.as_str()] {
-            self.masks.entry(mask.to_owned()).or_default().push(name.clone());
+        for mask in [part.to_owned(), scene] {
+            self.masks.entry(mask).or_default().push(name.clone());
         }
         self.demonstrations += 1;
         self.frames += recording.frames.len();

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
+use underbrush_sim::reach::ReachError;
 use underbrush_sim::scene::SceneFile;
 
 use crate::dataset::{Campaign, Written};
@@ -159,6 +160,9 @@ impl Trials {
             .count("reaches read", dataset.episodes().len() as u64, 0);
         let mut trials = Trials::default();
         for episode in 0..dataset.episodes().len() {
+            if session.progress.is_stopped() {
+                return Err(ReachError::Stopped.into());
+            }
             let own = Trials::cut(&dataset.read_reach(episode)?, options)?;
             trials.append(episode, label_by(options, &labelled, episode), own);
             count.advance();

@@ -6,7 +6,6 @@ use underbrush_recording::Pose;
 use underbrush_sim::controller::{ControllerInput, TaxelContact};
 
 use crate::array;
-use crate::frame::pose_numbers;
 
 /// What a controller knows at one instant.
 #[pyclass(frozen, name = "ControllerInput", module = "underbrush._core")]
@@ -86,7 +85,7 @@ impl PyControllerInput {
     /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
     #[getter]
     fn end_effector_pose_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &pose_numbers(&self.end_effector_pose_world), &[7], "float64")
+        array::copy(py, &self.end_effector_pose_world.numbers(), &[7], "float64")
     }
 
     /// Jacobian of the end effector's position, m/rad, world frame: (3, joints).

@@ -18,13 +18,6 @@ pub struct PyFrame {
     pub layout: Arc<SkinLayout>,
 }
 
-/// The seven numbers of a pose: x, y, z in m, and a quaternion x, y, z, w.
-pub fn pose_numbers(pose: &Pose) -> [f64; 7] {
-    let [x, y, z] = pose.position.to_array();
-    let [qx, qy, qz, qw] = pose.orientation.to_array();
-    [x, y, z, qx, qy, qz, qw]
-}
-
 /// The pose of seven numbers.
 pub fn pose_of(numbers: &[f64]) -> Pose {
     Pose {
@@ -153,7 +146,7 @@ impl PyFrame {
     /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
     #[getter]
     fn end_effector_pose_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &pose_numbers(&self.frame.end_effector_pose_world), &[7], "float64")
+        array::copy(py, &self.frame.end_effector_pose_world.numbers(), &[7], "float64")
     }
 
     /// Current goal of the end effector, m, world frame: (3,).
@@ -168,7 +161,7 @@ impl PyFrame {
         let index = patch_index(&self.layout, patch)?;
         Ok(array::copy(
             py,
-            &pose_numbers(&self.frame.patch_pose_world[index]),
+            &self.frame.patch_pose_world[index].numbers(),
             &[7],
             "float64",
         )?)

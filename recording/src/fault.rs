@@ -38,9 +38,8 @@ impl From<crate::disk::DiskError> for Fault {
             // These errors mean that the run failed; all others mean a bad folder or file. A Parquet file that cannot
             // be written is among them, because the cause is almost always a disk that is full or fails, although the
             // error does not always say so.
-            DiskError::Io { .. } | DiskError::Unwritable { .. } | DiskError::Encode { .. } => {
-                Fault::Storage(error.to_string())
-            }
+            DiskError::Io { .. } | DiskError::Encode { .. } => Fault::Storage(error.to_string()),
+            DiskError::Unwritable { .. } => Fault::Run(error.to_string()),
             other => Fault::Usage(other.to_string()),
         }
     }

@@ -39,6 +39,12 @@ impl Pose {
         Pose::new(DVec3::ZERO, orientation)
     }
 
+    /// Position x, y, z, m, and orientation x, y, z, w.
+    pub fn numbers(&self) -> [f64; 7] {
+        let ([x, y, z], [i, j, k, w]) = (self.position.to_array(), self.orientation.to_array());
+        [x, y, z, i, j, k, w]
+    }
+
     /// The pose of the outer frame in the local one.
     pub fn inverse(&self) -> Self {
         let orientation = self.orientation.inverse();

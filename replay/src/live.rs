@@ -97,7 +97,11 @@ impl Live {
             self.changed.notify_all();
             let waiting = |state: &mut State| state.wanted;
             let waited = self.changed.wait_timeout_while(state, PATIENCE, waiting);
-            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+            let (answered, timeout) = waited.unwrap_or_else(PoisonError::into_inner);
+            if timeout.timed_out() {
+                return None;
+            }
+            state = answered;
         }
         state.latest.clone().map(|latest| (latest, state.news))
     }

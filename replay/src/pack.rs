@@ -175,11 +175,6 @@ fn first_taxels(recording: &Recording) -> Vec<usize> {
         .collect()
 }
 
-fn pose_numbers(pose: &Pose) -> [f64; 7] {
-    let ([x, y, z], [i, j, k, w]) = (pose.position.to_array(), pose.orientation.to_array());
-    [x, y, z, i, j, k, w]
-}
-
 /// Adds one row per frame.
 fn add_frames(frames: &[Frame], sections: &mut Sections) {
     sections.add("time_s", frames.iter().map(|frame| frame.time_s));
@@ -188,12 +183,12 @@ fn add_frames(frames: &[Frame], sections: &mut Sections) {
     sections.add_single("equilibrium_angle_rad", each(|frame| &frame.equilibrium_angle_rad));
     sections.add_single("joint_torque_nm", each(|frame| &frame.joint_torque_nm));
     let tips = frames.iter().map(|frame| &frame.end_effector_pose_world);
-    sections.add_single("tip_pose_world", tips.flat_map(pose_numbers));
+    sections.add_single("tip_pose_world", tips.flat_map(Pose::numbers));
     let goals = frames.iter().map(|frame| frame.goal_position_world);
     sections.add_single("goal_position_world_m", goals.flat_map(|goal| goal.to_array()));
     sections.add("goal_index", frames.iter().map(|frame| frame.goal_index));
     let patches = frames.iter().flat_map(|frame| &frame.patch_pose_world);
-    sections.add_single("patch_pose_world", patches.flat_map(pose_numbers));
+    sections.add_single("patch_pose_world", patches.flat_map(Pose::numbers));
     let forces = frames.iter().flat_map(|frame| &frame.contact_force_world);
     sections.add_single("patch_force_world_n", forces.flat_map(|force| force.to_array()));
 }

@@ -99,10 +99,19 @@ impl Server {
             // Each request has a thread, because a client that does not read its answer must not keep the others
             // waiting.
             std::thread::spawn(move || {
-                shared.serve(request);
-                shared.requests.fetch_sub(1, Ordering::Relaxed);
+                let slot = Slot(shared);
+                slot.0.serve(request);
             });
         }
+    }
+}
+
+/// A request that is being answered. It counts until this is dropped, even if the answer panics.
+struct Slot(Arc<Shared>);
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        self.0.requests.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -141,7 +150,7 @@ impl Shared {
                 (origins.len() != 1 || !own.is_some_and(known))
                     .then(|| Answer::text(403, "only the page of this server can give commands"))
             }
-            _ => Some(Answer::text(405, "only GET and HEAD are allowed")),
+            _ => Some(Answer::text(405, "only GET and HEAD are allowed here")),
         }
     }
 

@@ -61,8 +61,7 @@ pub struct Options {
     /// example, fit at one arm stiffness or hand speed and test at another
     #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "group", "model", "by_samples"])]
     train: Option<PathBuf>,
-    /// Write ROC curves as CSV: each category against the others by its margin, and with --model or --train also
-    /// outliers
+    /// Write ROC curves as CSV: each category against the others by its margin, and with --decision paper also outliers
     ///
     /// In the rows of outliers, `threshold_nats` is the largest margin that is called an outlier.
     #[arg(long, value_name = "FILE")]

@@ -67,7 +67,7 @@ pub struct Options {
 
 /// Summary of a reach.
 #[derive(Serialize)]
-pub struct Report {
+struct Report {
     scene: String,
     controller: String,
     seed: u64,

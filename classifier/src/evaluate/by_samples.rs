@@ -76,10 +76,11 @@ pub fn accuracy_by_samples_of_all(
         min_training_samples,
         |classifier, fold, tested| {
             let judge = Decision::argmax().prepare(&classifier.categories())?;
+            let longest = SAMPLE_COUNTS.into_iter().max().unwrap_or(1);
             let of_trial = |trial: &&Trial| {
                 let counts: Vec<usize> = limits
                     .iter()
-                    .map(|limit| limit.unwrap_or(trial.samples.len().max(SAMPLE_COUNTS[8])))
+                    .map(|limit| limit.unwrap_or(trial.samples.len().max(longest)))
                     .collect();
                 let scores = classifier.scores_after(trial, &counts)?;
                 let predictions = scores.into_iter().map(|scores| Prediction {

@@ -93,7 +93,7 @@ pub(super) fn across_folds<T: Send>(
             if let Some(category) = unfitted.find(|category| !categories.contains(category)) {
                 return Err(EvaluateError::TooShort {
                     category: category.to_owned(),
-                    fold,
+                    fold: fold + 1,
                     samples: min_training_samples,
                 });
             }

@@ -43,13 +43,13 @@ pub enum EvaluateError {
     },
     /// A fold leaves no trial of a category that is long enough to fit on.
     #[error(
-        "outside fold {fold} (counted from 0), no trial of category {category} has the {samples} samples required for \
+        "without fold {fold}, no trial of category {category} has the {samples} samples required for \
          fitting; lower the required length or use more data"
     )]
     TooShort {
         /// The category.
         category: String,
-        /// The fold that is tested, counted from 0.
+        /// The fold that is tested, from 1.
         fold: usize,
         /// Samples required of a trial for fitting.
         samples: usize,

@@ -18,7 +18,8 @@ impl TouchExamples {
     /// itself is then fitted to all. The result is the same for any number of threads.
     ///
     /// # Errors
-    /// [`ModelError::NoCategories`] if no known category touches the patch, or there are fewer than two recordings.
+    /// [`ModelError::NoCategories`] if no known category touches the patch for long enough; [`ModelError::Mismatch`] if
+    /// there are fewer than two recordings.
     pub fn fit(&self) -> Result<TouchModel, ModelError> {
         self.fit_within(&RiskLimits::default())
     }
@@ -30,9 +31,17 @@ impl TouchExamples {
     /// [`ModelError::FewReaches`] for limits that need more reaches.
     pub fn fit_within(&self, limits: &RiskLimits) -> Result<TouchModel, ModelError> {
         limits.check(self.reaches.len())?;
+        let trials = self.reaches.len();
+        if trials < FOLDS {
+            return Err(ModelError::Mismatch {
+                found: format!("{trials} recordings to fit a touch model to"),
+                allowed: format!(
+                    "{FOLDS} or more, because probabilities are calibrated on recordings that are held out"
+                ),
+            });
+        }
         let categories = self.categories();
-        if categories.is_empty() || self.reaches.len() < FOLDS {
-            let trials = self.reaches.len();
+        if categories.is_empty() {
             return Err(ModelError::NoCategories { trials });
         }
         let folds = self.folds();
@@ -42,6 +51,10 @@ impl TouchExamples {
             .collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
         let regions: Vec<&HeldOutRegion> = held_out.iter().flat_map(|fold| &fold.regions).collect();
+        // Rows of regions are not taken in every frame, so short touches may leave none.
+        if regions.is_empty() {
+            return Err(ModelError::NoCategories { trials });
+        }
         let judged: Vec<&Judged> = regions.iter().map(|region| &region.judged).collect();
         let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
         let (touched, (category, mut usual)) =

@@ -11,7 +11,7 @@ pub(super) struct Component {
     /// Its taxels in ascending order.
     pub(super) taxels: Vec<usize>,
     /// Unweighted mean of the taxels' centres, m, world frame (as in the authors' code; paper, section IV-C).
-    pub(super) centre_world: DVec3,
+    pub(super) center_world: DVec3,
     /// The taxel with the largest sensed force, the first in a tie.
     pub(super) strongest: usize,
     /// The force of that taxel, N: the feature "maximum force".
@@ -90,7 +90,7 @@ fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
     let touching = strongest_of(&mut taxels.iter().copied().filter(|&taxel| image.object(taxel).is_some()));
     let sum: DVec3 = taxels.iter().map(|&taxel| image.position_world(taxel)).sum();
     Component {
-        centre_world: sum / taxels.len() as f64,
+        center_world: sum / taxels.len() as f64,
         strongest,
         force_n: image.sensed_force_n(strongest),
         force_sum_n: taxels.iter().map(|&taxel| image.sensed_force_n(taxel)).sum(),

@@ -42,18 +42,18 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
         let mut before: Vec<Option<Track>> = tracks.into_iter().map(Some).collect();
         tracks = Vec::with_capacity(found.len());
         for (component, track) in found.iter().zip(followed.drain(..)) {
-            let centre_world = component.centre_world;
+            let center_world = component.center_world;
             let open = track.and_then(|track| before[track].take()).map(|track| track.trial);
-            let mut trial = open.unwrap_or_else(|| OpenTrial::new(index, component.strongest, centre_world));
+            let mut trial = open.unwrap_or_else(|| OpenTrial::new(index, component.strongest, center_world));
             let sample = Sample {
                 time_s: frame.time_s,
                 force_n: component.force_n,
-                motion_m: Some(trial.travel.to(centre_world)),
+                motion_m: Some(trial.travel.to(center_world)),
                 region: Some(component.region()),
                 touched: knows_truth(recording).then_some(component.touched),
             };
             trial.push(sample, component.object);
-            tracks.push(Track { trial, centre_world });
+            tracks.push(Track { trial, center_world });
         }
         for ended in before.into_iter().flatten() {
             trials.close(Some(ended.trial))?;
@@ -68,7 +68,7 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
 /// The trial of a component and the component's last position.
 struct Track {
     trial: OpenTrial,
-    centre_world: DVec3,
+    center_world: DVec3,
 }
 
 /// The track that each component continues. Ties go to the track, then the component, with the smaller index.
@@ -76,7 +76,7 @@ fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<
     let mut pairs = Vec::new();
     for (t, track) in tracks.iter().enumerate() {
         for (c, component) in found.iter().enumerate() {
-            let distance = track.centre_world.distance(component.centre_world);
+            let distance = track.center_world.distance(component.center_world);
             if distance <= reach_m {
                 pairs.push((distance, t, c));
             }

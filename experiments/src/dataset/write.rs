@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
 use underbrush_sim::campaign::{self, CampaignError, Job};
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::reach::{ReachError, ReachPlan};
 
 use super::{Campaign, say_doubts};
 use crate::error::ExperimentError;
@@ -75,6 +75,9 @@ impl Campaign {
                         ));
                     }
                     waits = true;
+                    if progress.is_stopped() {
+                        return Err(ReachError::Stopped.into());
+                    }
                     std::thread::sleep(WAIT);
                 }
                 writer => break writer?,

@@ -39,8 +39,8 @@ pub struct Example {
     pub samples: usize,
     /// The largest sensed force, N.
     pub peak_force_n: f64,
-    /// The largest motion, m.
-    pub farthest_motion_m: f64,
+    /// Length of the taxel's path during contact, m.
+    pub motion_m: f64,
     /// The trial.
     #[serde(skip)]
     pub data: Trial,
@@ -53,7 +53,8 @@ pub struct Typical {
     pub category: String,
     /// Number of trials.
     pub trials: usize,
-    /// Force 0.1 s after contact, N, which shows how fast the force rises.
+    /// Force 0.1 s after contact, N, which shows how fast the force rises. Shorter trials do not count; NaN if there are
+    /// no others.
     pub force_after_100_ms_n: f64,
     /// The largest sensed force of a trial, N.
     pub peak_force_n: f64,
@@ -92,7 +93,7 @@ fn examples(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Example> {
             taxel: trial.taxel,
             samples: trial.samples.len(),
             peak_force_n: peak_force_n(trial),
-            farthest_motion_m: motion_m(trial),
+            motion_m: motion_m(trial),
             data: (*trial).clone(),
         })
     };
@@ -104,12 +105,12 @@ fn medians(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Typical> {
     let typical = |label: &&str| {
         let trials = touched_trials(label, taxel_trials);
         let over = |value: fn(&Trial) -> f64| median(trials.iter().map(|trial| value(trial)).collect());
-        // At 100 Hz; the first sample is the start of the contact. Shorter trials have no such sample.
-        let early = |trial: &Trial| trial.samples.get(10).map_or(f64::NAN, |sample| sample.force_n);
+        // At 100 Hz; the first sample is the start of the contact.
+        let early = trials.iter().filter_map(|trial| trial.samples.get(10));
         (!trials.is_empty()).then(|| Typical {
             category: (*label).to_owned(),
             trials: trials.len(),
-            force_after_100_ms_n: over(early),
+            force_after_100_ms_n: median(early.map(|sample| sample.force_n).collect()),
             peak_force_n: over(peak_force_n),
             motion_m: over(motion_m),
         })

@@ -7,6 +7,7 @@ use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::{Frame, Recording, SkinLayout};
+use underbrush_sim::simulation::Simulation;
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::error::ExperimentError;
@@ -93,7 +94,7 @@ fn take(
     let layout = plan.arm.skin.layout.clone();
     let mut classifier = OnlineClassifier::new(models, &layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);
-    let recording = plan.run(shown.reach_index, &mut |simulation, frame| {
+    let mut observer = |simulation: &Simulation, frame: &Frame| {
         if index <= chosen && fault.is_none() {
             match classifier.update(frame) {
                 Ok(judged) if index == chosen => {
@@ -105,7 +106,9 @@ fn take(
             }
         }
         index += 1;
-    })?;
+    };
+    let stop = || session.progress.is_stopped();
+    let recording = plan.run_until(shown.reach_index, &mut observer, &stop)?;
     if let Some(error) = fault {
         return Err(error.into());
     }

@@ -155,7 +155,8 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
         let mixed: Vec<Result<Recording, ExperimentError>> = (0..count)
             .into_par_iter()
             .map(|index| {
-                let recording = plan.run(FIRST_INDEX + index, &mut |_, _| {})?;
+                let stop = || session.progress.is_stopped();
+                let recording = plan.run_until(FIRST_INDEX + index, &mut |_, _| {}, &stop)?;
                 progress.advance();
                 Ok(recording)
             })

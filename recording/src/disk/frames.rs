@@ -24,12 +24,6 @@ pub(super) struct Numbering {
     pub(super) task: i64,
 }
 
-fn pose_numbers(pose: &Pose) -> [f64; 7] {
-    let [x, y, z] = pose.position.to_array();
-    let [qx, qy, qz, qw] = pose.orientation.to_array();
-    [x, y, z, qx, qy, qz, qw]
-}
-
 /// The columns of a range of frames of a checked recording.
 pub(super) fn frame_columns(
     recording: &Recording,
@@ -57,17 +51,13 @@ pub(super) fn frame_columns(
     for joints in of_joints {
         builder.push_f64(frames.iter().flat_map(joints).copied())?;
     }
-    builder.push_f64(
-        frames
-            .iter()
-            .flat_map(|frame| pose_numbers(&frame.end_effector_pose_world)),
-    )?;
+    builder.push_f64(frames.iter().flat_map(|frame| frame.end_effector_pose_world.numbers()))?;
     builder.push_f64(frames.iter().flat_map(|frame| frame.goal_position_world.to_array()))?;
     builder.push(Int32Array::from_iter_values(
         frames.iter().map(|frame| i32::from(frame.goal_index)),
     ))?;
     for (patch, part) in recording.layout.patches.iter().enumerate() {
-        let poses = frames.iter().map(|frame| pose_numbers(&frame.patch_pose_world[patch]));
+        let poses = frames.iter().map(|frame| frame.patch_pose_world[patch].numbers());
         builder.push_f64(poses.flatten())?;
         let mut sensed = vec![0.0; frames.len() * part.taxels.len()];
         for (row, frame) in frames.iter().enumerate() {

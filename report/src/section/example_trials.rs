@@ -22,7 +22,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
                 "{}: peak {:.2} N, motion up to {:.1} cm in {:.2} s",
                 example.category,
                 example.peak_force_n,
-                100.0 * example.farthest_motion_m,
+                100.0 * example.motion_m,
                 example.samples as f64 * FRAME_PERIOD_S
             )
         })

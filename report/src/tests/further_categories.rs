@@ -182,7 +182,7 @@ fn the_trial_figure_draws_it_in_its_own_style() {
         taxel: None,
         samples: 2,
         peak_force_n: 1.0,
-        farthest_motion_m: 0.0,
+        motion_m: 0.0,
         data: Trial {
             trial: 0,
             category: Some(label.into()),

@@ -68,21 +68,22 @@ fn many_give_the_numbers_of_one() {
 
 #[test]
 fn rewards_follow_their_definition() {
-    // Pins the reward of every step against its definition, computed from what the step reports. The term for forces is
-    // switched off here.
+    // Pins the reward of every step against its definition, computed from what the step reports. A step is one frame, so
+    // that its largest force is that of the frame.
     let reward = Reward {
-        free_force_n: 0.0,
-        force_per_n_s: 0.0,
+        free_force_n: 0.02,
+        force_per_n_s: 2.0,
         ..Reward::default()
     };
     let own = EnvironmentOptions {
         reward,
+        frames_per_step: 1,
         ..options(ActionKind::Waypoint)
     };
     let mut environment = Environment::new(plan(1), own.clone()).unwrap();
     let mut row = vec![0.0; environment.observation_size()];
     let mut before_m = environment.reset(Some(1), &mut row).unwrap().distance_m;
-    let mut last = None;
+    let (mut last, mut pressed) = (None, 0);
     while let Some(stepped) = environment.step(&towards(&environment, &row), &mut row).unwrap() {
         let progress = reward.progress_per_m * (before_m - stepped.distance_m) - reward.time_per_s * own.step_s();
         let bonus = match stepped.outcome {
@@ -90,11 +91,14 @@ fn rewards_follow_their_definition() {
             Some(Outcome::Aborted) => -reward.aborted,
             _ => 0.0,
         };
-        assert!((stepped.reward - progress - bonus).abs() < 1e-12, "{stepped:?}");
+        let force = reward.force_per_n_s * (stepped.sensed_force_n - reward.free_force_n).max(0.0) * own.step_s();
+        pressed += usize::from(force > 0.0);
+        assert!((stepped.reward - progress - bonus + force).abs() < 1e-12, "{stepped:?}");
         assert_eq!(stepped.terminated || stepped.truncated, stepped.outcome.is_some());
         before_m = stepped.distance_m;
         last = Some(stepped);
     }
+    assert!(pressed > 10, "forces cost something in {pressed} steps");
     // The episode lasts until its limit at most, and the hand comes closer when it is told to.
     assert!(last.unwrap().distance_m < 0.3, "{last:?}");
 }

@@ -132,7 +132,7 @@ pub(crate) const EARTH_GRAVITY_M_PER_S2: f64 = 9.81;
 /// is usual for fabric and silicone on plastic, and the authors' planar simulation uses 0.4.
 pub const FRICTION: f64 = 0.4;
 
-/// Coefficient of friction of the table. Choice: that of the skin, so that an object slides on both alike.
+/// Coefficient of friction of the table. Choice: that of the objects, [`FRICTION`].
 pub const TABLE_FRICTION: f64 = 0.4;
 
 #[cfg(test)]

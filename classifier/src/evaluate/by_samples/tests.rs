@@ -103,7 +103,7 @@ fn nothing_long_enough_to_fit_on_is_refused() {
     let error = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap_err();
     let expected = EvaluateError::TooShort {
         category: "leaf".into(),
-        fold: 0,
+        fold: 1,
         samples: 5,
     };
     assert_eq!(error, expected);

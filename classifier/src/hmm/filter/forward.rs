@@ -29,8 +29,8 @@ const HEADROOM: f64 = 900.0;
 /// Exponents of weights relative to the largest weight are raised to at least this, so that no product with a
 /// probability of at least 2^−900 is subnormal.
 const DEPTH: f64 = -1000.0;
-/// Sums of at least 2^70 are exact to 2^−60 for up to a thousand states: a raised weight adds at most 2^−99, and a
-/// probability below 2^−900, which is left out, at most 1.
+/// Sums of at least 2^70 are exact to 2^−58 for up to a thousand states: a raised weight adds at most 2^−99, and a
+/// probability below 2^−900, which is left out, less than 2.
 const TRUSTED: f64 = 1_180_591_620_717_411_303_424.0;
 /// The smallest exponent of a probability that takes part in plain sums.
 const MIN_EXPONENT: f64 = -900.0;

@@ -1,6 +1,6 @@
 //! Rules for the bodies of a recording and their tracks.
 
-use super::violation::{Violation, finite, pose_numbers, require};
+use super::violation::{Violation, finite, require};
 use crate::Recording;
 use crate::body::{BodyOwner, ORIENTATION_STEP};
 
@@ -23,7 +23,7 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
             .map(|part| part.pose_body)
             .chain([body.rest_pose_world]);
         for pose in poses {
-            finite(pose_numbers(&pose), || field("parts and rest_pose_world"))?;
+            finite(pose.numbers(), || field("parts and rest_pose_world"))?;
             require_unit(pose.orientation.length(), || field("parts and rest_pose_world"))?;
         }
         for part in &body.parts {

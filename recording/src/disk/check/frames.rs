@@ -1,7 +1,7 @@
 //! Rules for a single frame: one number per joint, one pose per patch, taxels that exist and are sorted.
 
-use super::violation::{Violation, finite, pose_numbers, require};
-use crate::{Frame, Recording};
+use super::violation::{Violation, finite, require};
+use crate::{Frame, Pose, Recording};
 
 /// Checks the lengths, indices and numbers of a frame.
 pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(), Violation> {
@@ -28,10 +28,10 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         "one per patch",
     )?;
     let numbers = [frame.time_s].into_iter().chain(frame.goal_position_world.to_array());
-    finite(numbers.chain(pose_numbers(&frame.end_effector_pose_world)), || {
+    finite(numbers.chain(frame.end_effector_pose_world.numbers()), || {
         field("time, goal or end effector pose")
     })?;
-    finite(frame.patch_pose_world.iter().flat_map(pose_numbers), || {
+    finite(frame.patch_pose_world.iter().flat_map(Pose::numbers), || {
         field("patch_pose_world")
     })?;
     finite(

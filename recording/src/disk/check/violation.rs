@@ -64,8 +64,3 @@ pub(super) fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce()
         }),
     }
 }
-
-/// All numbers of a pose.
-pub(super) fn pose_numbers(pose: &crate::Pose) -> impl Iterator<Item = f64> {
-    pose.position.to_array().into_iter().chain(pose.orientation.to_array())
-}

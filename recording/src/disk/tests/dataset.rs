@@ -109,6 +109,15 @@ pub(in crate::disk) fn make(dir: &Path) -> Dataset {
     writer.finish().unwrap()
 }
 
+/// Copies a folder with its subfolders, as a crash at this moment would leave it.
+pub(in crate::disk) fn copy(from: &Path, to: &Path) {
+    for (name, bytes) in contents(from) {
+        let path = to.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+}
+
 /// All files below a folder with their bytes.
 pub(in crate::disk) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn gather(root: &Path, folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {

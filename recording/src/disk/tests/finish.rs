@@ -3,18 +3,9 @@ use std::path::Path;
 use std::thread;
 
 use super::Change;
-use super::dataset::{begin, contents, make, plan, recordings, scene_text};
+use super::dataset::{begin, contents, copy, make, plan, recordings, scene_text};
 use crate::Recording;
 use crate::disk::{DatasetPlan, DatasetWriter, DiskError, FileText};
-
-/// Copies a folder with its subfolders, as a crash at this moment would leave it.
-fn copy(from: &Path, to: &Path) {
-    for (name, bytes) in contents(from) {
-        let path = to.join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, bytes).unwrap();
-    }
-}
 
 /// Pins that reaches staged in reverse order, or by three threads at once, give the same bytes.
 #[test]

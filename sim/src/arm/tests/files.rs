@@ -43,8 +43,8 @@ fn earlier_keys_are_still_read() {
 
 #[test]
 fn bad_values_are_refused_with_their_place() {
-    // Pins that every kind of bad value gives an error that names its file, its field and, if possible, its line. Each
-    // case holds the file, the original text, its replacement, a part of the error's field, and a part of its text.
+    // Pins that every kind of bad value gives an error that names one of the arm's files and the field. Each case holds
+    // the file, the original text, its replacement, a part of the error's field, and a part of its text.
     #[rustfmt::skip]
     let cases = [
         ("cody.toml", "name = \"cody\"\n", "name = \"cody\"\ncolour = 1\n", "TOML", "colour"),
@@ -111,6 +111,8 @@ fn bad_values_are_refused_with_their_place() {
         let error = altered_cody(name, from, to)
             .err()
             .unwrap_or_else(|| panic!("{to:?} was accepted in {name}"));
+        let file = error.file.to_string_lossy();
+        assert!(file.ends_with(".toml") || file.ends_with(".urdf"), "{to:?}: {error}");
         assert!(error.field.contains(field), "{to:?}: {error}");
         assert!(error.to_string().contains(text), "{to:?}: {error}");
         assert!(!error.remedy.is_empty());

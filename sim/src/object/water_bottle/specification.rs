@@ -60,8 +60,8 @@ fn default_water_mass() -> Quantity {
     Quantity::uniform(0.0, 0.5)
 }
 
-/// Choice: with the table's 0.4, and with the skin's, the coefficient of a contact is then 0.25 to 0.30. Hard plastics
-/// slide on smooth table tops with 0.2 to 0.4.
+/// Choice: the coefficient of a contact is then 0.25 to 0.30 with the table (0.4) and 0.20 to 0.25 with Cody's skin
+/// (0.3). Hard plastics slide on smooth table tops with 0.2 to 0.4.
 fn default_friction() -> Quantity {
     Quantity::uniform(0.1, 0.2)
 }

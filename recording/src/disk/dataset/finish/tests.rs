@@ -1,18 +1,8 @@
 use std::fs;
-use std::path::Path;
 
 use super::assemble;
 use crate::disk::DatasetWriter;
-use crate::disk::tests::dataset::{begin, contents, make, recordings};
-
-/// Copies a folder with its subfolders.
-fn copy(from: &Path, to: &Path) {
-    for (name, bytes) in contents(from) {
-        let path = to.join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, bytes).unwrap();
-    }
-}
+use crate::disk::tests::dataset::{begin, contents, copy, make, recordings};
 
 /// Positions of the reaches that are still staged.
 fn staged(writer: &DatasetWriter) -> Vec<usize> {
