@@ -56,7 +56,8 @@ fn the_confusion_matrix_counts_each_trial_once() {
     }
 }
 
-/// Pins that the text output is a table with recall, precision and intervals, and that accuracy does not stand alone.
+/// Pins that the text output is a table with recall, precision and intervals, and that the accuracy comes with the
+/// majority baseline and the balanced accuracy.
 #[test]
 fn text_names_the_figures() {
     let text = underbrush![
