@@ -25,7 +25,7 @@ pub fn pose_numbers(pose: &Pose) -> [f64; 7] {
     [x, y, z, qx, qy, qz, qw]
 }
 
-/// The pose of seven numbers.
+/// The pose from its seven numbers.
 pub fn pose_of(numbers: &[f64]) -> Pose {
     Pose {
         position: DVec3::new(numbers[0], numbers[1], numbers[2]),
@@ -55,8 +55,8 @@ impl PyFrame {
 
 #[pymethods]
 impl PyFrame {
-    /// A frame of a robot of your own: what its skin senses, N, by patch, and the poses of the patches (7 numbers each),
-    /// which classifiers of contact motion need.
+    /// A frame of your own robot: the forces that its skin senses, N, by patch, and the poses of the patches (7 numbers
+    /// each), which classifiers that use contact motion need.
     #[new]
     #[pyo3(signature = (skin, time_s, sensed_force_n, patch_poses = None))]
     fn new(
