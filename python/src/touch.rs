@@ -51,7 +51,8 @@ impl PyTouchModel {
         Ok(PyTouchModel { model })
     }
 
-    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others, within the limits of ``fit``.
+    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others, with the limits of
+    /// ``fit``.
     #[staticmethod]
     #[pyo3(signature = (
         reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None

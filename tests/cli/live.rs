@@ -66,9 +66,9 @@ fn each_line_is_answered_before_the_next_is_sent() {
     assert!(robot.wait().unwrap().success());
 }
 
-/// Pins that a stream continues after any invalid line and keeps the history of every contact: the answers to the
-/// valid lines are those of the stream without the invalid ones. A model of force needs neither ground truth nor
-/// poses nor joints.
+/// Pins that a stream continues after any invalid line and keeps the history of every contact: the answers to the valid
+/// lines equal those of a stream without the invalid lines. A model of force needs neither ground truth nor poses nor
+/// joints.
 #[test]
 fn bad_lines_are_answered_and_change_nothing() {
     let folder = tempfile::tempdir().unwrap();

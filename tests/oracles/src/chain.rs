@@ -3,9 +3,9 @@
 //!
 //! A transverse load P at the tip bends hinge k by P (L − x_k) w_k L / E I, and the tip moves by this angle times
 //! L − x_k. The sum over the hinges is the quadrature of the beam's P ∫ (L − x)² dx / E I. The integrand is a
-//! polynomial of degree 2, and n nodes integrate up to degree 2n − 1 exactly, so the chain's tip deflects by P L³ / 3 E
-//! I for every n ≥ 2. Under a load at a < L the integrand is (a − x)² below a and 0 above, which is not a polynomial.
-//! In this case the chain has an error, and [`deflection_m`] gives the chain's own deflection.
+//! polynomial of degree 2, and n nodes integrate up to degree 2n − 1 exactly. The chain's tip therefore deflects by P
+//! L³ / 3 E I for every n ≥ 2. Under a load at a < L the integrand is (a − x)² below a and 0 above, which is not a
+//! polynomial. In this case the chain has an error, and [`deflection_m`] gives the chain's own deflection.
 
 use std::f64::consts::PI;
 
