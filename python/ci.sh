@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Python package: builds the wheel into a virtual environment of its own, and runs tests, type checks, examples and docs.
-# Needs Python 3.11 or later. The engine that `cargo test --workspace` has built serves here, too.
+# Builds the wheel of the Python package, installs it into a virtual environment of its own, and runs tests, type
+# checks, examples and docs. Needs Python 3.11 or later. Reuses the engine that `cargo test --workspace` has built.
 set -euo pipefail
 cd "$(dirname "$0")"
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../target}
@@ -13,16 +13,17 @@ fi
 "$python" -m pip install --quiet 'maturin>=1.16,<2'
 wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
-# The lock file decides the version that data sets carry. It is not demanded in pyproject.toml, because a source distribution
-# has fewer crates than the lock file, and cargo then has to leave them out.
+# The lock file decides the version that data sets carry. pyproject.toml does not require it, because a source
+# distribution has fewer crates than the lock file, and cargo must be free to drop the others from it.
 "$venv/bin/maturin" build --release --locked --quiet --interpreter "$python" --out "$wheels"
 "$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
 "$python" -m pip install --quiet "underbrush[test] @ file://$(echo "$wheels"/*.whl)"
 
-# The installed package is tested, not the folder beside this file: programs of their own and -P leave this folder out.
+# The installed package is tested, not the folder beside this file: separate programs and -P keep this folder out of the
+# module path.
 export UNDERBRUSH=${UNDERBRUSH:-$CARGO_TARGET_DIR/release/underbrush}
 "$venv/bin/pytest" tests
-# The stub says what the native module has, in both directions.
+# The stub and the native module have the same contents.
 "$venv/bin/stubtest" underbrush._core
 "$venv/bin/mypy" --strict examples
 for example in examples/*.py; do
@@ -31,6 +32,6 @@ for example in examples/*.py; do
     *) "$python" "$example" > /dev/null ;;
     esac
 done
-# The notebooks are those of the scripts, and the page of all calls is that of the docstrings.
+# The notebooks match the scripts, and the page of all calls matches the docstrings.
 "$python" -P notebooks.py --check examples/*.py
 "$python" -P docs.py --check ../docs/python-api.md

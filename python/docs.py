@@ -1,4 +1,4 @@
-"""Writes docs/python-api.md, the page of all calls, from docstrings and signatures; with --check, compares it.
+"""Writes docs/python-api.md, the page of all calls, from docstrings and signatures; with --check, only compares them.
 
     python docs.py ../docs/python-api.md
 """

@@ -4,7 +4,8 @@
 #
 #     python/lowest.sh [WHEEL]          # default: the wheel that .ci/package has built
 #
-# Some of these versions have no wheels for newer Pythons, so it needs Python 3.11: PYTHON=/path/to/python3.11 if `python3` is another.
+# Some of these versions have no wheels for newer Pythons, so it needs Python 3.11: set PYTHON=/path/to/python3.11 if
+# `python3` is another version.
 set -euo pipefail
 cd "$(dirname "$0")"
 target=$(realpath -m "${CARGO_TARGET_DIR:-../target}")
@@ -14,7 +15,7 @@ trap 'rm -rf "$venv"' EXIT
 "${PYTHON:-python3}" -m venv "$venv"
 python=$venv/bin/python
 "$python" -m pip install --quiet 'uv>=0.5'
-# By name from pyproject.toml: uv would not take what a wheel needs for direct dependencies.
+# The dependencies are read from pyproject.toml, because uv does not treat the requirements of a wheel as direct ones.
 "$venv/bin/uv" pip install --quiet --python "$python" --resolution lowest-direct --requirements pyproject.toml --extra test
 "$venv/bin/uv" pip install --quiet --python "$python" --no-deps "$wheel"
 "$venv/bin/uv" pip list --python "$python" --format freeze | grep -v '^pip=\|^uv=\|^setuptools='

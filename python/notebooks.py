@@ -1,4 +1,4 @@
-"""Writes the notebook beside each example from its script; with --check, compares them. Notebooks hold no outputs.
+"""Writes the notebook beside each example from its script; with --check, only compares them. Notebooks hold no outputs.
 
     python notebooks.py examples/*.py
 

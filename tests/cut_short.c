@@ -1,8 +1,9 @@
-/* Cuts one call of read or write short: it reads or writes the first half of the bytes only, and says so, as the
- * kernel does when a disk is nearly full or a signal arrives. To be loaded with LD_PRELOAD; tests/faults.py compiles it.
+/* Cuts one call of read or write short: it reads or writes only the first half of the bytes and returns their number,
+ * as the kernel does when a disk is nearly full or a signal arrives. Load it with LD_PRELOAD; tests/faults.py compiles
+ * it.
  *
  *     CUT_CALL=read|write   CUT_NUMBER=n, counted from 1 over all threads
- *     CUT_THEN=nothing|kill|NUMBER: what comes after it; NUMBER is the errno with which later calls on this file fail
+ *     CUT_THEN=nothing|kill|NUMBER: what happens next; NUMBER is the errno with which later calls on this file fail
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>

@@ -1,23 +1,24 @@
 #!/usr/bin/env python3
-"""Lets every system call that changes files fail once, while a set is generated, assembled, merged or exported.
+"""Makes every system call that changes files fail once, while a set is generated, assembled, merged or exported.
 
     python3 tests/faults.py [--underbrush target/release/underbrush] [--every N] [--only COMMAND]
 
-For each n, strace lets the n-th call of `openat` (for writing), `write`, `fsync`, `renameat`, `mkdir`, … fail with ENOSPC and with EIO, and
-kills the program there. The n-th `write` is also cut short (cut_short.c): half of its bytes are written, and afterwards everything is as
-usual, or the disk is full, or fails, or the program is killed. Afterwards one of these must hold, or the script prints what does not
-and ends with exit status 1:
+For each n, strace makes the n-th call of `openat` (for writing), `write`, `fsync`, `renameat`, `mkdir`, … fail with
+ENOSPC and with EIO, or kills the program there. The n-th `write` is also cut short (cut_short.c): half of its bytes are
+written, and after that everything works as usual, or the disk is full, or it fails, or the program is killed. After
+each run one of these must hold; if neither does, the script prints what is wrong and ends with exit status 1:
 
-* whole: what the command writes is there, with the bytes of a run without faults (beside a set, the empty file incomplete/lock may
+* whole: the output is there, with the bytes of a run without faults (beside a set, the empty file incomplete/lock may
   be left, which readers ignore and the next run removes);
-* unfinished: `inspect` refuses the set as unfinished, or there is no set yet (of an export: no file, or only whole ones).
+* unfinished: `inspect` refuses the set as unfinished, or there is no set yet (of an export: no file, or only whole
+  ones).
 
-In both cases the same command without a fault (for sets, with --resume) must lead to the same bytes, without leftovers. A
-program that was not killed must not report success unless the set is whole, and must name what failed, without a panic. A write that
-is cut short and followed by no fault must change nothing.
+In both cases the same command without a fault (for sets, with --resume) must lead to the same bytes, without leftovers.
+A program that was not killed must not report success unless the output is whole, and must name what failed, without a
+panic. A write that is cut short and followed by no fault must change nothing.
 
-read_faults.py does the same with the calls that read. Needs Linux, strace, a C compiler and no packages; TMPDIR=/dev/shm makes it quicker.
-`--every N` tries only every N-th of the writes; all other calls are always tried.
+read_faults.py does the same with the calls that read. Needs Linux, strace and a C compiler, but no Python packages;
+TMPDIR=/dev/shm makes it faster. `--every N` tries only every N-th write; all other calls are always tried.
 """
 
 import argparse
@@ -36,18 +37,18 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SCENE = os.path.join(ROOT, "fuzz/seeds/thicket.toml")
 CALLS = ["openat", "write", "pwrite64", "writev", "fsync", "fdatasync", "ftruncate", "renameat", "renameat2", "rename"]
 CALLS += ["mkdir", "mkdirat", "unlink", "unlinkat", "rmdir", "linkat", "copy_file_range"]
-# Without --seccomp-bpf, with which strace 6.1 does not deliver signals.
+# Without --seccomp-bpf, because strace 6.1 does not deliver signals with it.
 STRACE = ["strace", "-f"]
 FAULTS = {"ENOSPC": "error=ENOSPC", "EIO": "error=EIO", "kill": "signal=KILL"}
-# What comes after a call that was cut short.
+# What happens after a call that was cut short.
 AFTER_CUT = {"ENOSPC": str(errno.ENOSPC), "EIO": str(errno.EIO), "kill": "kill", "nothing": "nothing"}
-# Of what a set says while it is unfinished, or before there is one.
+# Parts of what `inspect` says about a set that is unfinished or that is not there yet.
 UNFINISHED = ["unfinished", "no such file or folder", "no meta/info.json"]
 SECONDS = 120
 
 
 def contents(path, without=None):
-    """One hash over names and bytes of all files at a path but one; None if there is nothing."""
+    """One hash over the names and bytes of all files at a path, except the file `without`; None if nothing is there."""
     if not os.path.exists(path):
         return None
     files = [path]
@@ -78,12 +79,12 @@ def compiled(folder):
 
 
 def cut(library, call, number, then):
-    """The environment variables that let the library cut a call short."""
+    """The environment variables that make the library cut a call short."""
     return {"LD_PRELOAD": library, "CUT_CALL": call, "CUT_NUMBER": str(number), "CUT_THEN": then}
 
 
 class Job:
-    """A command that writes `out`, after `prepare` has made what it starts from. With `again` it can be continued."""
+    """A command that writes `out` in a folder in which `prepare` has made its inputs. `again` continues it."""
 
     def __init__(self, name, command, out, prepare=None, again=None, is_set=True):
         self.name, self.command, self.out, self.is_set = name, command, out, is_set
@@ -93,7 +94,7 @@ class Job:
         self.again = again or command
 
     def fresh(self, folder):
-        """A folder with what the command starts from."""
+        """Makes the folder anew, with the inputs of the command."""
         start = f"{folder} of {self.name}"
         if not os.path.exists(start):
             os.makedirs(start)
@@ -102,8 +103,8 @@ class Job:
         shutil.copytree(start, folder)
 
     def points(self, folder):
-        """The calls that change files: {call: sorted numbers}, counted from 1 in each thread, as strace counts. The number of
-        writes of all threads is stored as `writes`."""
+        """The calls that change files: {call: sorted numbers}, counted from 1 in each thread, as strace counts. Stores
+        the number of writes of all threads as `writes`."""
         self.fresh(folder)
         log = os.path.join(folder, "..", "trace")
         status, errors = run([*STRACE, "-o", log, "-e", f"trace={','.join(CALLS)}", *self.command], folder)
@@ -134,7 +135,7 @@ def judge(job, call, folder, underbrush, expected, status, errors):
     whole = job.whole(folder, "incomplete/lock") == expected
     if status == 0 and not whole:
         wrong.append("success is reported, but the output is not whole")
-    # The message is a write, too, which may be the one that fails.
+    # The message is also written, and this may be the write that fails.
     if status > 0 and call != "write" and not errors.strip():
         wrong.append("no message")
     if not whole and job.is_set:
@@ -142,7 +143,7 @@ def judge(job, call, folder, underbrush, expected, status, errors):
         if inspected == 0 or not any(text in said for text in UNFINISHED):
             wrong.append(f"inspect ends with {inspected}: {said.strip()[:300]}")
     if not whole and not job.is_set:
-        # Files of an export get their names when they are whole.
+        # A file of an export gets its name only when it is whole.
         out = os.path.join(folder, job.out)
         names = [out] if os.path.isfile(out) else [os.path.join(out, name) for name in os.listdir(out)] if os.path.isdir(out) else []
         for name in names:
@@ -159,7 +160,7 @@ def judge(job, call, folder, underbrush, expected, status, errors):
 
 
 def jobs(underbrush, folder):
-    """The commands."""
+    """The commands to try, as `Job`s."""
     generate = [underbrush, "generate", SCENE, "--reaches", "2", "--seed", "5", "--jobs", "1", "--out", "set"]
     parts = os.path.join(folder, "parts")
     for part in (1, 2):
@@ -169,7 +170,7 @@ def jobs(underbrush, folder):
     subprocess.run([*generate[:-1], whole], check=True, stdout=subprocess.DEVNULL)
 
     def staged(place):
-        """All reaches are staged, none is assembled: the program is killed when it makes the first folder of the tables."""
+        """Stages all reaches and assembles none: kills the program when it makes the first folder for the tables."""
         for number in range(1, 20):
             run([*STRACE, "-o", "/dev/null", "-e", "trace=mkdir", "-e", f"inject=mkdir:signal=KILL:when={number}", *generate], place)
             if os.path.exists(os.path.join(place, "set/incomplete/reach-000001.json")):
@@ -180,7 +181,7 @@ def jobs(underbrush, folder):
     shared = [*generate, "--shared", "--shard"]
 
     def first_part(place):
-        """The first of two parts has left its reach in the folder."""
+        """Runs the first of two parts, which leaves its reach in the folder."""
         subprocess.run([*shared, "1/2"], cwd=place, check=True, stdout=subprocess.DEVNULL)
 
     merge = [underbrush, "merge", f"{parts}/1", f"{parts}/2", "--out", "set"]
@@ -195,7 +196,7 @@ def jobs(underbrush, folder):
 
 
 class Complaints:
-    """Prints what is wrong, and counts it."""
+    """Prints complaints, and counts them."""
 
     def __init__(self):
         self.count = 0
@@ -212,7 +213,7 @@ def summary(outcomes):
 
 
 def try_all(job, underbrush, place, library, every, complaints):
-    """Lets each call of a command fail in each way, and prints a row for each kind of call."""
+    """Makes each call of a command fail in each way, and prints a row for each kind of call."""
     points = job.points(place)
     expected = job.whole(place)
     out = os.path.join(place, job.out)
@@ -220,7 +221,7 @@ def try_all(job, underbrush, place, library, every, complaints):
     job.parts = {contents(file) for file in files}
 
     def row(call, name, tried, faults):
-        """Prints a row. `faults` has the way to run the command for each fault, with the number of the call."""
+        """Prints a row. `faults` has a function for each fault, which runs the command with it at the n-th call."""
         cells = []
         for fault, faulty in faults.items():
             outcomes = collections.Counter()

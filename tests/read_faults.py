@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
-"""Lets every system call that reads files of a set or a scene fail once, while these are generated, merged, inspected, used or exported.
+"""Makes every system call that reads files of a set, a scene or a model fail once, in each command that reads them.
 
     python3 tests/read_faults.py [--underbrush target/release/underbrush] [--only COMMAND]
 
-For each n, strace lets the n-th call of `openat` (for reading), `read`, `pread64`, `mmap`, `statx`, `getdents64`, … fail with EIO, if it
-is about a file below the folder of the command or a scene file. One of these must hold, or the script prints what does not and ends with
-exit status 1:
+For each n, strace makes the n-th call of `openat` (for reading), `read`, `pread64`, `mmap`, `statx`, `getdents64`, …
+fail with EIO, if the call is on a file in the folder of the command or on a scene file. One of these must hold; if
+neither does, the script prints what is wrong and ends with exit status 1:
 
-* an error: the exit status is 1 (2 would say that the input is bad), and the message names the file or its folder and says that it could
-  not be read;
+* an error: the exit status is 1 (2 would say that the input is bad), and the message names the file or its folder and
+  says that it could not be read;
 * success: what is printed and written is the same, byte for byte, as without the fault.
 
-In both cases the inputs must be as before, and the same command without a fault (for sets, with --resume) must lead to the same bytes.
-Then the n-th `read` of all threads returns only half of what was asked for, for every n (cut_short.c): the command must succeed as usual.
+In both cases the inputs must be unchanged, and the same command without a fault (for sets, with --resume) must lead to
+the same bytes. After that, for every n, the n-th `read` of all threads returns only half of what was asked for
+(cut_short.c), and the command must succeed as usual.
 
-Needs Linux, strace, a C compiler and no packages; TMPDIR=/dev/shm makes it quicker.
+Needs Linux, strace and a C compiler, but no Python packages; TMPDIR=/dev/shm makes it faster.
 """
 
 import argparse
@@ -30,13 +31,13 @@ import tempfile
 from faults import ROOT, SCENE, SECONDS, Complaints, Job, compiled, contents, cut, jobs, judge, summary
 
 CALLS = ["openat", "read", "pread64", "mmap", "statx", "newfstatat", "lseek", "getdents64"]
-# Of these, the path is an argument.
+# The calls that have a path as an argument.
 WITH_PATH = ["openat", "statx", "newfstatat"]
 SCENES = os.path.dirname(SCENE)
 
 
 def path_of(call, line):
-    """The path of the file that a line of strace -y is about; None if it is about none."""
+    """The path of the file that a line of `strace -y` names; None if it names none."""
     file = re.search(r"(?:\d+|AT_FDCWD)<(/[^>]*)>", line)
     named = re.search(r'"([^"]*)"', line) if call in WITH_PATH else None
     if not file:
@@ -45,7 +46,7 @@ def path_of(call, line):
 
 
 class Reader:
-    """A command, and the folder in which strace lists its calls. Calls on files below `folders` count."""
+    """Runs a command under strace, which lists its calls. Only calls on files in `folders` are tried."""
 
     def __init__(self, job, place, folders):
         self.job, self.place, self.folders = job, place, folders
@@ -53,7 +54,7 @@ class Reader:
         self.answer = None
 
     def run(self, prefix, variables):
-        """Runs the command from a fresh start; returns exit status and standard error. Standard output is stored."""
+        """Runs the command from a fresh start; returns exit status and standard error. Stores what it prints."""
         self.job.fresh(self.place)
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         command, env = [*prefix, *self.job.command], os.environ | variables
@@ -62,7 +63,7 @@ class Reader:
         return done.returncode, done.stderr.decode(errors="replace")
 
     def traced(self, *inject):
-        """Runs the command under strace. Also returns the calls of each thread, as a list of call, path, and whether it was let fail."""
+        """Runs the command under strace. Also returns each thread's calls: name, path, and the line of strace."""
         for old in glob.glob(f"{self.log}.*"):
             os.remove(old)
         # One file for each thread, so that no line is broken in two.
@@ -76,7 +77,7 @@ class Reader:
         return status, errors, threads
 
     def counts(self, path):
-        """Whether calls on this file count."""
+        """Whether calls on this file are tried."""
         return path is not None and any(path == folder or path.startswith(f"{folder}/") for folder in self.folders)
 
     def points(self, threads):
@@ -112,12 +113,12 @@ def said_wrong(status, errors, paths, out):
 
 
 def try_all(reader, underbrush, library, complaints):
-    """Lets each call of a command fail, and prints a row for each kind of call."""
+    """Makes each call of a command fail, and prints a row for each kind of call."""
     job, place = reader.job, reader.place
     status, errors, threads = reader.traced()
     if status != 0:
         sys.exit(f"{job.name} without a fault: {errors}")
-    # What is printed about a new set has the time that it took.
+    # The summary of a new set is not compared, because it has the time that the run took.
     expected, answer = job.whole(place), None if job.is_set else reader.answer
     before = [contents(folder) for folder in reader.folders if folder != place]
     job.parts = {contents(os.path.join(found, name)) for found, _, names in os.walk(place) for name in names}

@@ -3,8 +3,8 @@
 #
 #     OUT=/shared/my-set examples/slurm/submit.sh 100 scenes/leaf.toml scenes/trunk.toml --reaches 50000 --seed 1
 #
-# The first argument is the number of parts, the others are those of `underbrush generate`. Options for sbatch, such as the
-# partition, can be given as environment variables (SBATCH_PARTITION and so on).
+# The first argument is the number of parts; the others are those of `underbrush generate`. Options for sbatch, such as
+# the partition, can be given as environment variables (SBATCH_PARTITION and so on).
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 export PARTS=$1

@@ -8,7 +8,7 @@ use underbrush_experiments::contact_trials::Unit;
 
 use crate::failure::Failure;
 
-/// The value that belongs to a name.
+/// The value with this name.
 ///
 /// # Errors
 /// [`Failure::Input`] with the names that exist.
@@ -20,7 +20,7 @@ pub fn named<T: Copy>(argument: &str, name: &str, known: &[(&str, T)]) -> Result
     })
 }
 
-/// Features as a list, or as one text joined by commas.
+/// Features from a list of names, or from one text in which commas or plus signs separate the names.
 ///
 /// # Errors
 /// [`Failure::Usage`] for an unknown or repeated feature.
@@ -73,9 +73,9 @@ pub fn cutting(
 /// Why the paper's thresholds do not apply to a classifier written in Python.
 pub const ANY_SCORES: &str = "the scores of a classifier written in Python may be of any kind";
 
-/// How scores become verdicts: `argmax`, `paper`, a margin in nats below which a verdict is uncertain, or a pair of them
-/// (uncertain below the first, a category above the second, an outlier in between). `None` is the model's own rule. `misfit` says why
-/// the paper's thresholds do not apply to the scores, if they do not.
+/// How scores become verdicts: `argmax`, `paper`, a margin in nats below which a verdict is uncertain, or a pair of
+/// them (uncertain below the first, a category above the second, an outlier in between). `None` is the model's own
+/// rule. If the paper's thresholds do not apply to the scores, `misfit` says why.
 ///
 /// # Errors
 /// [`Failure::Input`] for anything else, and for the paper's thresholds where they do not apply.

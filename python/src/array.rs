@@ -1,7 +1,8 @@
-//! Numbers to NumPy arrays and back.
+//! Converts numbers to NumPy arrays and back.
 //!
-//! Large results are lent: a [`Numbers`] keeps them, and NumPy views them through `__array_interface__` without a copy, read
-//! only, for as long as the array lives. Arguments are read through the buffer protocol, whatever their strides.
+//! Large results are lent: a [`Numbers`] keeps them for as long as the array lives, and NumPy views them through
+//! `__array_interface__`, read only and without a copy. Arguments are read through the buffer protocol, whatever their
+//! strides.
 
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
@@ -16,9 +17,9 @@ pub enum Store {
     F64(Vec<f64>),
     /// Single precision.
     F32(Vec<f32>),
-    /// Whole numbers.
+    /// Whole numbers of 64 bits.
     I64(Vec<i64>),
-    /// Whole numbers.
+    /// Whole numbers of 32 bits.
     I32(Vec<i32>),
     /// Indices of objects.
     I16(Vec<i16>),
@@ -35,7 +36,7 @@ macro_rules! stores {
         })*
 
         impl Store {
-            /// Address and type code of NumPy.
+            /// The address of the numbers, and NumPy's code for their type.
             fn place(&self) -> (usize, &'static str) {
                 match self {
                     $(Store::$variant(numbers) => (numbers.as_ptr() as usize, $code),)*
@@ -59,7 +60,7 @@ stores! {
     i8 => I8, "i1";
 }
 
-/// Owner of the numbers that an array views. It never changes.
+/// Owner of the numbers that an array views. The numbers never change.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Numbers {
     store: Store,
@@ -76,7 +77,7 @@ impl Numbers {
         interface.set_item("version", 3)?;
         interface.set_item("shape", PyTuple::new(py, &self.shape)?)?;
         interface.set_item("typestr", format!("{order}{code}"))?;
-        // The flag says that nobody may write.
+        // The flag makes the array read-only.
         interface.set_item("data", (address, true))?;
         Ok(interface)
     }
@@ -143,7 +144,7 @@ pub fn finite(
     Ok((numbers, found))
 }
 
-/// As [`finite`], but NaN and infinity are allowed.
+/// Like [`finite`], but NaN and infinity are allowed.
 ///
 /// # Errors
 /// As [`finite`].
@@ -193,7 +194,7 @@ pub fn numbers(
     Ok((buffer.to_vec(py)?, found))
 }
 
-/// A list of optional texts, as NumPy arrays hold them badly.
+/// A list of optional texts. NumPy has no good array type for them.
 pub fn texts<'py>(py: Python<'py>, texts: impl Iterator<Item = Option<String>>) -> PyResult<Bound<'py, PyList>> {
     PyList::new(py, texts.collect::<Vec<_>>())
 }

@@ -1,4 +1,4 @@
-//! The benchmark: rows of its table, and its sets for machines that make them in parts.
+//! The benchmark: rows of its table, and its data sets, which other machines can make in parts.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ fn benchmark_sets(
     Ok(sets.iter().map(of_set).collect())
 }
 
-/// Make part I of N of one of these sets, by its place in their list.
+/// Make part I of N of one of the sets that ``benchmark_sets`` lists, chosen by its index.
 #[pyfunction]
 #[pyo3(signature = (place, part, *, track, shard, model = None, controller = None, verdicts = None, quick = false, jobs = None))]
 #[allow(clippy::too_many_arguments, reason = "options by name")]

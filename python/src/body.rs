@@ -10,7 +10,7 @@ pub struct MovingBody<'a> {
     body: &'a Body,
     /// Frames in which it has moved.
     moved_frames: Vec<u32>,
-    /// Its poses from these frames on: x y z in m, quaternion x y z w, world frame.
+    /// Its poses from each of these frames on: x y z in m, quaternion x y z w, world frame.
     poses_world: Vec<[f64; 7]>,
 }
 

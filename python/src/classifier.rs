@@ -24,7 +24,7 @@ pub struct PyModel {
     pub model: Model,
 }
 
-/// The kind of score of a name.
+/// The kind of score with this name.
 ///
 /// # Errors
 /// [`Failure::Input`] for an unknown name.
@@ -100,7 +100,7 @@ impl PyModel {
         self.model.classifier.name()
     }
 
-    /// The categories in alphabetical order: the order of all scores.
+    /// The categories in alphabetical order, which is the order of all scores.
     #[getter]
     fn categories(&self) -> Vec<String> {
         self.model.classifier.categories()

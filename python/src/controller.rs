@@ -1,4 +1,4 @@
-//! Controllers written in Python, and the one that ships for use in Python.
+//! Controllers written in Python, and the shipped controllers for use from Python.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -80,7 +80,7 @@ struct PythonController {
     stop: Arc<Stop>,
 }
 
-/// Rate of a controller that does not name one, Hz: that of the published controller.
+/// Rate of a controller that does not state one, Hz: the rate of the published controller.
 const RATE_HZ: f64 = 25.0;
 
 impl Controller for PythonController {
@@ -120,7 +120,7 @@ impl Controller for PythonController {
     }
 }
 
-/// The text attribute `name` of an object, or its name as a function or class.
+/// The attribute `name` of an object if it is a text, or else its name as a function or class.
 fn name_of(object: &Bound<'_, PyAny>) -> String {
     let named = |attribute: &str| object.getattr(attribute).ok()?.extract::<String>().ok();
     named("name")
@@ -145,8 +145,9 @@ pub fn chosen(
     }
 }
 
-/// What makes a controller of a Python object at the start of each reach. A class is called with the arm, so that every reach
-/// has a controller of its own; anything else is used as it is. What it raises ends the reach and goes to `stop`.
+/// Returns a function that makes a controller from a Python object at the start of each reach. A class is called with
+/// the arm, so that every reach has a controller of its own; anything else is used as it is. An exception that it
+/// raises ends the reach and is kept in `stop`.
 ///
 /// # Errors
 /// [`Failure::Input`] if the object cannot be called.

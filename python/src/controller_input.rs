@@ -108,21 +108,22 @@ impl PyControllerInput {
         array::copy(py, &numbers, &[numbers.len()], "int64")
     }
 
-    /// Index of that taxel in its patch: (contacts,).
+    /// Index in its patch of every taxel that senses a force: (contacts,).
     #[getter]
     fn contact_taxel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let numbers: Vec<i64> = self.contacts.iter().map(|contact| contact.taxel as i64).collect();
         array::copy(py, &numbers, &[numbers.len()], "int64")
     }
 
-    /// Force that it senses, N: (contacts,).
+    /// Sensed force of every taxel that senses a force, N: (contacts,).
     #[getter]
     fn contact_force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let numbers: Vec<f64> = self.contacts.iter().map(|contact| contact.force_n).collect();
         array::copy(py, &numbers, &[numbers.len()], "float64")
     }
 
-    /// Force that it should not exceed, N, as verdicts allow; NaN where the controller's own limit holds: (contacts,).
+    /// Largest force that verdicts allow every taxel that senses a force, N; NaN where the controller's own limit
+    /// holds: (contacts,).
     #[getter]
     fn contact_allowed_force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let allowed_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(f64::NAN);
@@ -130,7 +131,8 @@ impl PyControllerInput {
         array::copy(py, &numbers, &[numbers.len()], "float64")
     }
 
-    /// Its inward unit normal, world frame, the direction of the force on the arm: (contacts, 3).
+    /// Inward unit normal of every taxel that senses a force, world frame, the direction of the force on the arm:
+    /// (contacts, 3).
     #[getter]
     fn contact_normal_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let normals = self
@@ -140,7 +142,7 @@ impl PyControllerInput {
         array::copy(py, &normals.collect::<Vec<f64>>(), &[self.contacts.len(), 3], "float64")
     }
 
-    /// Jacobian of the velocity of its centre, m/rad, world frame: (contacts, 3, joints).
+    /// Jacobian of the centre of every taxel that senses a force, m/rad, world frame: (contacts, 3, joints).
     #[getter]
     fn contact_jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let numbers: Vec<f64> = self

@@ -22,14 +22,14 @@ use crate::source::Source;
 use crate::table::{Column, PyTable};
 use crate::trials::Trials;
 
-/// A finished data set. It reads what is asked for, reach by reach and column by column.
+/// A finished data set. It reads only what is asked for, reach by reach and column by column.
 #[pyclass(frozen, name = "Dataset", module = "underbrush._core")]
 pub struct PyDataset {
     dataset: Arc<Dataset>,
 }
 
 impl PyDataset {
-    /// A data set that is open.
+    /// Wraps an open data set.
     pub fn new(dataset: Dataset) -> Self {
         PyDataset {
             dataset: Arc::new(dataset),

@@ -1,4 +1,4 @@
-//! Environments for agents that learn, in the shapes that Gymnasium wants.
+//! Environments for agents that learn, in the form that Gymnasium expects.
 
 use std::sync::{Mutex, MutexGuard};
 
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::pool::{self, Helpers};
 use crate::scene::{controller_kind, scene};
 
-/// Some environments that step at once.
+/// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]
 pub struct PyEnvironments {
     state: Mutex<State>,
@@ -150,7 +150,7 @@ impl PyEnvironments {
         self.action_size
     }
 
-    /// Begin episodes: of all environments, or of those that the mask names.
+    /// Begin an episode in all environments, or in those that the mask selects.
     #[pyo3(signature = (seeds = None, mask = None))]
     fn reset<'py>(
         &self,
@@ -198,7 +198,7 @@ impl PyEnvironments {
     }
 }
 
-/// The weights of the reward, with those that are given.
+/// The weights of the reward: the default ones, replaced by those that are given.
 fn reward(given: Option<&Bound<'_, PyDict>>) -> Result<Reward, Failure> {
     let mut reward = Reward::default();
     for (name, value) in given.into_iter().flatten() {
@@ -220,8 +220,8 @@ fn reward(given: Option<&Bound<'_, PyDict>>) -> Result<Reward, Failure> {
     Ok(reward)
 }
 
-/// Seconds that a loop without Python takes for these actions, (steps, environments, numbers), after a first reset. It measures
-/// what stepping from Python costs.
+/// Time in seconds that a loop without Python takes for these actions, (steps, environments, numbers), after a first
+/// reset. The comparison shows what stepping from Python costs.
 #[pyfunction]
 #[pyo3(signature = (scene, actions, seed = 0, jobs = None))]
 fn seconds_without_python(

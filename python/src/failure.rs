@@ -110,7 +110,7 @@ impl From<Fault> for Failure {
     }
 }
 
-/// The errors of the libraries, which say themselves what they mean.
+/// The errors of the libraries, each of which converts itself into a [`Fault`].
 macro_rules! library_errors {
     ($($error:ty),*) => {
         $(impl From<$error> for Failure {
@@ -140,7 +140,7 @@ library_errors!(
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         match error {
-            // An option is an argument here, so the exception has its parts.
+            // An option is an argument here, so the exception gets its fields.
             ModelError::BadOption { option, found, allowed } => {
                 Failure::argument(option, found, allowed, "change the option")
             }

@@ -135,7 +135,7 @@ impl Options {
     }
 }
 
-/// Fit a classifier to trials. The same bits for any number of threads.
+/// Fit a classifier to trials. The result is the same, bit for bit, for any number of threads.
 #[pyfunction]
 #[pyo3(signature = (trials, options, *, start = None, false_positive_rate = None, outlier_prior = 0.05, jobs = None))]
 fn fit(
@@ -183,13 +183,13 @@ fn fit(
     Ok(PyModel { model })
 }
 
-/// Names of the classifiers, with what each is.
+/// Names of the classifiers, each with a short description.
 #[pyfunction]
 fn classifiers() -> Vec<(&'static str, &'static str)> {
     CLASSIFIERS.iter().map(|kind| (kind.name, kind.summary)).collect()
 }
 
-/// An estimator from options, or from a Python classifier, and what it raised.
+/// An estimator from options or from a Python classifier, and the [`Stop`] that keeps the exceptions of the latter.
 ///
 /// # Errors
 /// [`Failure::Input`] for anything else.

@@ -18,7 +18,7 @@ pub struct PyFrame {
     pub layout: Arc<SkinLayout>,
 }
 
-/// The pose of seven numbers.
+/// The pose from its seven numbers.
 pub fn pose_of(numbers: &[f64]) -> Pose {
     Pose {
         position: DVec3::new(numbers[0], numbers[1], numbers[2]),
@@ -48,8 +48,8 @@ impl PyFrame {
 
 #[pymethods]
 impl PyFrame {
-    /// A frame of a robot of your own: what its skin senses, N, by patch, and the poses of the patches (7 numbers each),
-    /// which classifiers of contact motion need.
+    /// A frame of your own robot: the forces that its skin senses, N, by patch, and the poses of the patches (7 numbers
+    /// each), which classifiers that use contact motion need.
     #[new]
     #[pyo3(signature = (skin, time_s, sensed_force_n, patch_poses = None))]
     fn new(

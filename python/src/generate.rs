@@ -121,7 +121,7 @@ fn described(
     })
 }
 
-/// Part I of N, counted from 1, if there is one.
+/// Part I of N, counted from 1, if one is given.
 pub fn shard(shard: Option<(u64, u64)>) -> Result<Option<Shard>, Failure> {
     shard.map(part).transpose()
 }
@@ -139,7 +139,7 @@ fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     Err(Failure::argument("shard", found, allowed, "count shards from 1"))
 }
 
-/// The set, whether it is new or not.
+/// The set, whether this call wrote it or it was finished before.
 fn finished(written: Written) -> PyDataset {
     match written {
         Written::New(dataset) | Written::Before(dataset) => PyDataset::new(dataset),

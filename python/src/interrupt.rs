@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 use crate::failure::Failure;
 use crate::pool;
 
-/// How often signals are looked at.
+/// How often signals are checked.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Says to a run that it should end.
+/// Tells a run to end.
 #[derive(Default)]
 pub struct Stop {
     flag: AtomicBool,
@@ -43,8 +43,8 @@ impl Stop {
     }
 }
 
-/// Runs work on the pool in another thread while this one looks for signals and calls `meanwhile`. If a signal handler or
-/// `meanwhile` raises, `stop` is set and the work is waited for, which then ends soon.
+/// Runs work on the pool in another thread while this one checks for signals and calls `meanwhile`. If a signal handler
+/// or `meanwhile` raises, this sets `stop`, and waits for the work, which then ends soon.
 ///
 /// # Errors
 /// Those of the work, or the exception.
@@ -59,7 +59,7 @@ pub fn watched<T: Send>(
     let receiver = Mutex::new(receiver);
     let result = std::thread::scope(|scope| {
         scope.spawn(move || {
-            // The receiver is there until the result has come.
+            // The receiver exists until the result has arrived.
             let _ = sender.send(pool::install(jobs, work));
         });
         loop {

@@ -12,7 +12,7 @@ pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Result<Bound<
     Ok(object(py, &value(result)?)?)
 }
 
-/// A result as JSON, which may pass from one thread to another.
+/// A result as JSON, which can be sent to another thread.
 pub fn value(result: &impl Serialize) -> Result<Value, Failure> {
     serde_json::to_value(result).map_err(|error| Failure::Run(error.to_string()))
 }

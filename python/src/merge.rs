@@ -8,7 +8,8 @@ use underbrush_recording::disk::{Dataset, DiskError, Shards};
 use crate::dataset::PyDataset;
 use crate::failure::Failure;
 
-/// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes, byte for byte.
+/// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes,
+/// byte for byte.
 ///
 /// Parameters
 /// ----------
@@ -26,7 +27,7 @@ use crate::failure::Failure;
 /// Raises
 /// ------
 /// InputError
-///     If parts are missing, doubled or of different campaigns, which the message names.
+///     If parts are missing, given twice or from different campaigns. The message names them.
 #[pyfunction]
 #[pyo3(signature = (parts, out, *, resume = false))]
 fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf, resume: bool) -> Result<PyDataset, Failure> {

@@ -80,8 +80,8 @@ impl Online {
         self.categories.clone()
     }
 
-    /// Take in the next frame. Returns a dictionary for each taxel in contact: taxel, samples, verdict and scores; of a touch
-    /// model: taxel, samples, contact, nothing (a probability), verdict and probabilities.
+    /// Take in the next frame. Returns a dictionary for each taxel in contact, with the keys taxel, samples, verdict
+    /// and scores, or for a touch model taxel, samples, contact, nothing (a probability), verdict and probabilities.
     fn update<'py>(&self, py: Python<'py>, frame: &PyFrame) -> Result<Bound<'py, PyList>, Failure> {
         if !Arc::ptr_eq(&frame.layout, &self.layout) && frame.layout != self.layout {
             let allowed = "a frame of the skin that this classifier was made for";

@@ -1,4 +1,4 @@
-//! Pickling what only a file holds whole.
+//! Pickles recordings as the bytes of their files.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub fn recording_of(bytes: &[u8]) -> Result<Recording, Failure> {
 struct Temporary(tempfile::TempDir);
 
 impl Temporary {
-    /// A folder that goes with this value.
+    /// A folder that is removed with this value.
     fn new() -> Result<Self, Failure> {
         tempfile::tempdir()
             .map(Temporary)

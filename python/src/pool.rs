@@ -8,7 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::failure::Failure;
 
-/// Most threads. The same bound as that of the command line.
+/// The largest number of threads, the same as on the command line.
 const MAX_JOBS: usize = 1024;
 
 /// A pool that is made when it is first needed. A process that was forked has the pool's memory but none of its threads, so it makes
@@ -20,14 +20,14 @@ impl Made {
         Made(Mutex::new(None))
     }
 
-    /// The pool with so many threads; 0 stands for all cores.
+    /// The pool with this many threads; 0 stands for all cores.
     fn get(&self, threads: usize) -> Result<Arc<ThreadPool>, Failure> {
         let mut pool = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let process = std::process::id();
         match &*pool {
             Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
             _ => {
-                // Dropping the parent's pool would wait for threads that are not there.
+                // Dropping the parent's pool would wait for threads that do not exist in this process.
                 std::mem::forget(pool.take());
                 let new = Arc::new(build(threads)?);
                 *pool = Some((process, Arc::clone(&new)));
@@ -64,14 +64,14 @@ fn check(jobs: usize) -> Result<usize, Failure> {
     Err(Failure::argument("jobs", jobs.to_string(), allowed, remedy))
 }
 
-/// Threads that help the calling one again and again.
+/// Threads that help the calling thread repeatedly.
 pub struct Helpers {
     threads: usize,
     pool: Made,
 }
 
 impl Helpers {
-    /// Together with the calling thread they are `jobs`, or as many as there are cores.
+    /// With the calling thread there are `jobs` threads, or by default as many as there are cores.
     ///
     /// # Errors
     /// [`Failure::Input`] if `jobs` is out of range.
@@ -119,7 +119,7 @@ pub fn detached<T: Send>(
     py.detach(|| install(jobs, work))
 }
 
-/// Runs work. A panic, as of the physics engine in an extreme scene, becomes an error.
+/// Runs work. A panic, such as that of the physics engine in an extreme scene, becomes an error.
 ///
 /// # Errors
 /// Those of the work, and [`Failure::Run`] for a panic.

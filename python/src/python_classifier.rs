@@ -20,7 +20,7 @@ pub struct PythonEstimator {
     raised: Arc<Stop>,
 }
 
-/// What is said of an object without these methods.
+/// What an error says is allowed instead of an object without these methods.
 const ALLOWED: &str = "options of a classifier, a Model, or an object with fit_trials(trials) whose answer has categories and scores(trials)";
 
 impl PythonEstimator {
@@ -60,7 +60,7 @@ fn cloned(trials: &[&Trial]) -> Trials {
     Trials::new(trials.iter().map(|trial| (*trial).clone()).collect())
 }
 
-/// Keeps an exception for the caller, whose libraries do not know exceptions.
+/// Keeps an exception for the caller, because the libraries in between do not know exceptions.
 fn kept(raised: &Stop, failure: Failure) -> ModelError {
     let error = PyErr::from(failure);
     let found = format!("the Python classifier raised {error}");
@@ -175,7 +175,7 @@ impl Classifier for PythonClassifier {
     }
 }
 
-/// Scores of contacts under way. The object is asked once in each frame, for all contacts with a new sample.
+/// Scores of contacts in progress. The object is called once in each frame, for all contacts with a new sample.
 #[derive(Debug)]
 struct PythonScorer {
     object: Arc<Py<PyAny>>,
@@ -225,7 +225,7 @@ impl OnlineScorer for PythonScorer {
     }
 
     fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
-        // Those who ask look at what the object raised before they use the scores.
+        // Callers check what the object raised before they use the scores.
         scores.copy_from_slice(&self.scores[contact]);
         Ok(())
     }

@@ -25,7 +25,7 @@ use crate::trials::Trials;
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Reach {
     source: Source,
-    /// All of it, once something needed all of it.
+    /// The whole recording, once something has needed it.
     whole: OnceLock<Arc<Recording>>,
     layout: OnceLock<Arc<SkinLayout>>,
     columns: LentColumns,
@@ -42,7 +42,7 @@ impl Reach {
         }
     }
 
-    /// The whole recording. That of a data set is read when it is first needed.
+    /// The whole recording. If the reach is in a data set, it is read when it is first needed.
     pub fn recording(&self) -> Result<Arc<Recording>, Failure> {
         match &self.source {
             Source::Memory(recording) => Ok(Arc::clone(recording)),
@@ -60,7 +60,7 @@ impl Reach {
         Arc::clone(self.layout.get_or_init(|| Arc::new(self.source.layout())))
     }
 
-    /// A column: of the frames on disk, or else of the whole recording.
+    /// A column, read from the frames on disk if it is there, and from the whole recording otherwise.
     fn read_column(&self, name: &str, single: Option<bool>) -> Result<Column, Failure> {
         match &self.source {
             Source::Dataset(dataset, index) if !name.starts_with("truth.") => {
@@ -120,7 +120,7 @@ impl Reach {
         })
     }
 
-    /// A column of the frames as an array, read only: (frames,) or (frames, width). The same array each time.
+    /// A column of the frames as an array, read only: (frames,) or (frames, width). Every call returns the same array.
     #[pyo3(signature = (name, dtype = None))]
     fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
         let single = dtype.map(Column::is_single).transpose()?;
@@ -193,7 +193,7 @@ impl Reach {
         self.source.summary().controller().to_owned()
     }
 
-    /// Seed, and index of the reach among those of the seed.
+    /// The seed, and the index of the reach among the reaches of this seed.
     #[getter]
     fn seed_and_index(&self) -> (u64, u64) {
         self.source.summary().seed_and_index()
@@ -231,8 +231,9 @@ impl Reach {
         json::to_python(py, &self.recording()?.contacts)
     }
 
-    /// Ground truth: the bodies of arm and objects. Each has its owner, shapes and pose at rest as in the recording, the frames in
-    /// which it has moved, and its poses from these on: x y z in m, quaternion x y z w, world frame.
+    /// Ground truth: the bodies of arm and objects. Each has its owner, shapes and pose at rest as in the recording,
+    /// the frames in which it has moved, and its poses from each of these frames on: x y z in m, quaternion x y z w,
+    /// world frame.
     #[getter]
     fn bodies<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         let recording = self.recording()?;

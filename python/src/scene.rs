@@ -86,7 +86,7 @@ pub fn controller_kind(name: &str) -> Result<ControllerKind, Failure> {
     })
 }
 
-/// A drawing of a simulation at its present state.
+/// A drawing of a simulation in its present state.
 pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> Picture {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
     let frame = simulation.frame(&plan.arm.start_posture_rad(), 0, goal);
@@ -139,7 +139,7 @@ impl PyScene {
         shipped().map(|(name, _)| name).collect()
     }
 
-    /// Name of the scene: that of its file without the ending.
+    /// Name of the scene: the name of its file without the extension.
     #[getter]
     fn name(&self) -> &str {
         &self.scene.name

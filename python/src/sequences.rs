@@ -1,4 +1,4 @@
-//! Trials of sequences of features.
+//! Makes trials from sequences of features.
 
 use pyo3::prelude::*;
 use underbrush_classifier::feature::FeatureSet;
@@ -47,7 +47,7 @@ fn sample(set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Fai
     Ok(sample)
 }
 
-/// Trials of sequences of features, one array for each. Their times are those of samples at 100 Hz.
+/// Trials from sequences of features, one array for each. Their times are those of samples at 100 Hz.
 ///
 /// # Errors
 /// [`Failure::Input`] for a sequence of the wrong shape, an empty one, or one with NaN.

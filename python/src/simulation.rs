@@ -38,7 +38,8 @@ impl PySimulation {
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
         match self.state.try_lock() {
             Ok(state) => Ok(state),
-            // A panic of the engine leaves the state as it was at the start of a frame or within it: it cannot go on.
+            // After a panic of the engine, the state may be one from the middle of a frame, so the simulation cannot go
+            // on.
             Err(TryLockError::Poisoned(_)) => Err(Failure::Run(
                 "the physics engine failed in this simulation; make a new one".into(),
             )),
@@ -99,7 +100,7 @@ impl PySimulation {
         let angles = self.angles(equilibrium_rad)?;
         py.detach(|| {
             guarded(|| {
-                // Within, so that a panic of the engine marks the state as unusable.
+                // Locked in here, so that a panic of the engine marks the state as unusable.
                 let mut state = self.lock()?;
                 state.step(angles);
                 Ok(self.frame(&state))
@@ -118,7 +119,7 @@ impl PySimulation {
         Ok(PyBytes::new(py, &self.lock()?.simulation.save()?))
     }
 
-    /// Continue from a state that a simulation of the same scene, seed and index saved, bit for bit as that one would.
+    /// Continue, bit for bit, from a state that was saved by a simulation of the same scene, seed and index.
     fn restore(&self, state: &[u8]) -> Result<(), Failure> {
         Ok(self.lock()?.simulation.load(state)?)
     }
@@ -231,7 +232,7 @@ fn step_many(
     let (angles, _) = array::finite(equilibrium_rad, "equilibrium_rad", &shape)?;
     let simulations: Vec<&PySimulation> = simulations.iter().map(Py::get).collect();
     pool::detached(py, jobs, || {
-        // None has moved if another thread uses one of them.
+        // All are locked first: if another thread is using one of them, none has moved.
         let states: Result<Vec<_>, Failure> = simulations.iter().map(|simulation| simulation.lock()).collect();
         let mut states = states?;
         let mut states: Vec<&mut State> = states.iter_mut().map(|state| &mut **state).collect();

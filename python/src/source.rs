@@ -1,11 +1,11 @@
-//! Where a reach is, and what can be said of it without reading its frames.
+//! Where a reach is stored, and what is known about it without reading its frames.
 
 use std::sync::Arc;
 
 use underbrush_recording::disk::{Dataset, Episode};
 use underbrush_recording::{Recording, SkinLayout};
 
-/// Where a reach is.
+/// Where a reach is stored.
 pub enum Source {
     /// In memory.
     Memory(Arc<Recording>),
@@ -64,7 +64,7 @@ impl Summary<'_> {
         }
     }
 
-    /// Seed, and index of the reach among those of the seed.
+    /// The seed, and the index of the reach among the reaches of this seed.
     pub fn seed_and_index(&self) -> (u64, u64) {
         match self {
             Summary::Recording(own) => (own.seed, own.reach_index),

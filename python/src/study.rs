@@ -101,14 +101,14 @@ fn reproduce<'py>(
     };
     let stop = Arc::new(Stop::default());
     let reported = Reported::new(&stop, progress);
-    // The results share parts that stay in their thread.
+    // The results have parts that cannot leave their thread, so they are converted there.
     let run = || json::value(&reproduction.run(&out, &reported)?.0);
     let results = watched(py, jobs, &stop, |py| reported.show(py), run)?;
     reported.show(py)?;
     json::to_python(py, &results)
 }
 
-/// Run one of the further campaigns of an experiment alone, and cache its result in the folder.
+/// Run a single campaign of an experiment, not the first one, and cache its result in the folder.
 #[pyfunction]
 #[pyo3(signature = (out, campaign, *, seed = None, experiment = None, quick = false, jobs = None))]
 fn run_campaign(
@@ -135,7 +135,7 @@ fn run_campaign(
     watched(py, jobs, &stop, |py| reported.show(py), run)
 }
 
-/// The experiment of a file, or the paper's.
+/// The experiment from a file, or by default the paper's.
 fn loaded(path: Option<PathBuf>) -> Result<Experiment, Failure> {
     Ok(match path {
         Some(path) => Experiment::load(&path)?,

@@ -131,7 +131,7 @@ impl Column {
     /// Whether a data type is single precision.
     ///
     /// # Errors
-    /// [`Failure::Input`] for any other than single and double precision.
+    /// [`Failure::Input`] for any data type but single and double precision.
     pub fn is_single(dtype: &str) -> Result<bool, Failure> {
         match dtype {
             "float32" => Ok(true),
@@ -145,8 +145,8 @@ impl Column {
         }
     }
 
-    /// A column of numbers without nulls. `single` chooses the precision of numbers in double precision; if not given, they
-    /// stay as they are.
+    /// A column of numbers without nulls. `single` says whether numbers in double precision become single precision; if
+    /// it is not given, they stay double.
     ///
     /// # Errors
     /// [`Failure::Input`] for an unknown column, and one that does not hold numbers.
@@ -256,7 +256,8 @@ impl LentColumns {
         if let Some(array) = known(&self.0.lock().unwrap_or_else(PoisonError::into_inner)) {
             return Ok(array.into_bound(py));
         }
-        // Not under the lock: another thread may make the same array, and both then get the first.
+        // Made without the lock: another thread may make the same array, and both then get the one that was stored
+        // first.
         let array = make()?.unbind();
         let mut columns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(columns.entry(key).or_insert(array).clone_ref(py).into_bound(py))
@@ -268,7 +269,7 @@ fn frames(dataset: &Dataset, reaches: &[usize]) -> impl Iterator<Item = usize> {
     reaches.iter().map(|reach| dataset.episodes()[*reach].frames)
 }
 
-/// The numbers of a column with this name and width, written to where they belong as they are read.
+/// The numbers of a column with this name and width. They are written to their final place as they are read.
 fn joined<N: Clone + Default + Send>(
     dataset: &Dataset,
     reaches: &[usize],

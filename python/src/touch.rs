@@ -23,9 +23,10 @@ pub struct PyTouchModel {
 
 #[pymethods]
 impl PyTouchModel {
-    /// Fit a model to reaches with ground truth. The order of the reaches has an influence, through rounding and folds.
-    /// ``limit_wrong`` and ``limit_false_alarms`` are the largest shares of the taxel frames of a new reach that may be called
-    /// another category, and unknown, on average over reaches; the decision is chosen by them.
+    /// Fit a model to reaches with ground truth. The order of the reaches affects the result, through rounding and
+    /// folds. ``limit_wrong`` is the largest share of the taxel frames of a new reach that may be called another
+    /// category, on average over reaches, and ``limit_false_alarms`` the largest share that may be called unknown. The
+    /// decision is chosen to keep these limits.
     #[staticmethod]
     #[pyo3(signature = (
         reaches, patch = None, *, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
@@ -50,7 +51,8 @@ impl PyTouchModel {
         Ok(PyTouchModel { model })
     }
 
-    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others, within the limits of ``fit``.
+    /// Cross-validate: each part of the reaches is judged by a model that is fitted to the others, with the limits of
+    /// ``fit``.
     #[staticmethod]
     #[pyo3(signature = (
         reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
@@ -160,7 +162,7 @@ fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
     }
 }
 
-/// A model of these rows.
+/// A model fitted to these rows.
 fn fitted(examples: &TouchExamples, limits: &RiskLimits) -> Result<TouchModel, Failure> {
     let rows = examples.rows();
     if rows.reaches < rows.held_out_parts {
@@ -193,7 +195,7 @@ impl ReadReaches for Given<'_> {
         self.0.len()
     }
 
-    /// It fails if a reach has no ground truth: every reading would count as spurious.
+    /// Fails if a reach has no ground truth, because every reading would count as spurious.
     fn read(
         &self,
         keeps: &dyn Fn(usize) -> bool,

@@ -62,7 +62,7 @@ impl Trials {
         py.detach(|| guarded(|| Ok(write_trials(&path, self.list.iter().cloned())?)))
     }
 
-    /// Trials of sequences of features: arrays (samples,) or (samples, features), one for each trial.
+    /// Make trials from sequences of features: arrays (samples,) or (samples, features), one for each trial.
     #[staticmethod]
     #[pyo3(signature = (sequences, categories = None, *, features = None, groups = None))]
     fn from_sequences(
@@ -175,7 +175,7 @@ impl Trials {
         self.list.iter().map(one).collect()
     }
 
-    /// One feature of all trials as (trials, samples), padded with NaN; `samples` cuts longer trials.
+    /// One feature of all trials as an array (trials, samples), padded with NaN. Trials longer than `samples` are cut.
     #[pyo3(signature = (feature = "force", samples = None))]
     fn padded<'py>(
         &self,

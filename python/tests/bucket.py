@@ -1,13 +1,14 @@
-"""Proof that sets go to S3-like storage and back, although connections are lost and several machines write at the same time. Needs
-a program with the feature ``cloud`` and ``pip install 'moto[s3,server]'``, a local S3 server; not in CI.
+"""Checks that sets get to S3-like storage and back, although connections are lost and several machines write at once.
+Needs a program built with the feature ``cloud``, and ``pip install 'moto[s3,server]'``, a local S3 server. Not in CI.
 
     cargo build --release --features cloud
     python bucket.py [--underbrush ../../target/release/underbrush]
 
-Makes a set by one process and in three parts. Each part is pushed by two processes at the same time, through a proxy that cuts
-connections, and pulled again; the parts are merged, and the result is pushed by two processes, one of which is killed. Then it
-pushes two different sets to one address at the same time, and damages an object. Prints the hash of each set, and fails if they
-differ from that of one process, or if anything that is not whole is taken for a set.
+Makes a set in one process and in three parts. Each part is pushed by two processes at the same time, through a proxy
+that cuts connections, and pulled again. The parts are merged. A push of the result is killed, and two processes then
+push it again. After that the script pushes two different sets to one address at the same time, and damages objects. It
+prints the hash of each set, and fails if one differs from the set of one process, or if anything that is not whole is
+taken for a set.
 """
 
 from __future__ import annotations
@@ -35,13 +36,13 @@ ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "fuzz/seeds/thicket.toml"
 REACHES = 12
 PARTS = 3
-# The proxy cuts two of three connections, after so many bytes from the client or from the server.
+# The proxy cuts two of three connections, after one of these numbers of bytes from the client or from the server.
 CUTS = [0, 300, 900, 5_000, 20_000]
 
 
 class OneAtATime:
-    """An application that answers one request after the other. Real storage decides in one step whether an object is there and
-    puts it; moto does so only if it is not asked twice at once."""
+    """An application that answers one request after the other. Real storage checks in one step whether an object is
+    there and puts it. moto does so only if requests come one by one."""
 
     def __init__(self, application: Any) -> None:
         self.application, self.lock = application, threading.Lock()
@@ -68,7 +69,7 @@ class Proxy:
             left = None
             if self.connections % 3:
                 left, self.cut = CUTS[self.connections % len(CUTS)], self.cut + 1
-            # The request is cut in every second of these connections, and the answer in the others, when the server has acted.
+            # Half of these connections lose the request, and the others the answer, after the server has acted.
             sides = [(client, server), (server, client)]
             for number, (source, sink) in enumerate(sides):
                 own = left if self.connections % 2 == number else None
@@ -186,7 +187,7 @@ def main() -> None:
         step("the merged set in storage, after a push that was killed", killed, expected)
 
         def pulled() -> str:
-            # Goes on with what the refused pull has left.
+            # Continues from what the refused pull has left.
             ended(start("pull", "s3://data/sets/mine", "--out", folder / "half"))
             return hash_of(in_folder(folder / "half"))
 

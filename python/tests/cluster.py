@@ -1,11 +1,12 @@
-"""Proof that a set made by Ray is that of one process, byte for byte, although a node is killed in the middle. Needs Ray; not in CI.
+"""Checks that a set made by Ray equals the set of one process, byte for byte, although a node is killed in the middle.
+Needs Ray. Not in CI.
 
     python cluster.py
 
-Makes the same set in four ways: by one process on one thread, by seven parts that are merged, by a Ray cluster of three nodes of
-which one is killed while its parts run, and by the same cluster once more with all parts there. Then it runs three campaigns of an
-experiment, and a row of the benchmark, by one process and on the cluster. Prints the hash of each and how long it took, and fails if
-they differ.
+Makes the same set in four ways: in one process on one thread, in seven parts that are merged, on a Ray cluster of three
+nodes of which one is killed while its parts run, and again on this cluster when all parts are there. Then it runs three
+campaigns of an experiment, and a row of the benchmark, in one process and on the cluster. Prints the hash of each and
+how long it took, and fails if they differ.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def hash_of(folder: Path) -> str:
 
 
 def results_of(study: dict[str, Any]) -> str:
-    """The hash of everything but the time it took."""
+    """The hash of all results except the times."""
     return hashlib.sha256(json.dumps(study | {"timing": None}).encode()).hexdigest()[:16]
 
 

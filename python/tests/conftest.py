@@ -18,7 +18,7 @@ QUICK = {"goals": {"count": 1, "retries": 0, "patience_s": 1.0}}
 
 
 def quick(name: str) -> ub.Scene:
-    """A scene that ships, with one goal, which takes a few seconds of simulated time."""
+    """A scene that ships, with one goal. A reach takes a few seconds of simulated time."""
     return ub.Scene(name).changed(QUICK, name=f"{name}-quick")
 
 

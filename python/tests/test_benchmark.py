@@ -11,8 +11,8 @@ from underbrush import _core
 
 
 def test_a_row_is_that_of_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that Python and the command line write the same bytes, also if the set was made in parts, and that what is returned is the
-    file's content."""
+    """Pins that Python and the command line write the same bytes, even if the set was made in parts, and that the
+    result is what the command line prints."""
     options = {"controller": "cody-2013", "quick": True}
     found = ub.benchmark("reaching", tmp_path / "ours", progress=False, **options)
     theirs = command("benchmark", "reaching", "--controller", "cody-2013", "--quick", "--out", tmp_path / "theirs")
@@ -39,8 +39,8 @@ class Still:
 
 
 def test_a_controller_of_ones_own_has_a_row(tmp_path: Path) -> None:
-    """Pins that a controller written in Python is judged under its name: one that does nothing reaches no goal and presses on no
-    trunk."""
+    """Pins that a controller written in Python is judged under its name. One that does nothing reaches no goal and
+    presses on no trunk."""
     row = ub.benchmark("reaching", tmp_path, controller=Still(), quick=True, progress=False)
     figures = row["figures"]["reaching"]
     assert row["entry"]["name"] == "still"
@@ -49,7 +49,7 @@ def test_a_controller_of_ones_own_has_a_row(tmp_path: Path) -> None:
 
 
 def test_what_does_not_go_with_a_track_is_refused(tmp_path: Path) -> None:
-    """Pins that the message names the argument and says what to give."""
+    """Pins that arguments that do not belong to a track are refused by name, and that nothing is written."""
     for track, options, argument in (
         ("speed", {}, "track"),
         ("verdicts", {}, "model"),

@@ -17,7 +17,7 @@ TACTILE = "observation.tactile.forearm"
 
 
 def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
-    """Pins that every column of every reach, and of the whole set, holds what another reader finds in the Parquet files."""
+    """Pins that every column, of the whole set and of a reach, holds what another reader finds in the Parquet files."""
     files = polars.read_parquet(f"{data.path}/data/**/*.parquet")
     for name in data.column_names:
         expected = files[name].to_numpy()
@@ -30,7 +30,7 @@ def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
 
 
 def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
-    """Pins the columns of a reach of several thousand frames, whose numbers are in several pages of the Parquet file."""
+    """Pins the columns of a reach so long that its numbers are in several pages of the Parquet file."""
     data = ub.generate("leaf", 1, tmp_path / "set", seed=1, progress=False)
     files = polars.read_parquet(f"{data.path}/data/**/*.parquet")
     assert len(files) > 2048
@@ -40,7 +40,7 @@ def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
 
 
 def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
-    """Pins that an array is a view without a copy: it owns nothing, its base holds the numbers, nobody can write, and it
+    """Pins that an array is a view without a copy: it owns no data, its base holds the numbers, it is read-only, and it
     outlives the reach."""
     reach = data[0]
     force = reach.sensed_force_n("forearm")
@@ -59,7 +59,7 @@ def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
 
 
 def test_ground_truth_is_apart(data: ub.Dataset) -> None:
-    """Pins that the frames hold no ground truth, that a reach finds it, and that it agrees with its table."""
+    """Pins that the frames hold no ground truth, and that the ground truth of a reach agrees with its table."""
     assert not [name for name in data.column_names if name.startswith("truth")]
     reach = data[0]
     true = reach.true_normal_force_n("forearm", "float64")
@@ -102,7 +102,7 @@ def test_pickled_sets_and_reaches_read_the_same_files(data: ub.Dataset) -> None:
 
 
 def test_unknown_names_are_refused(data: ub.Dataset) -> None:
-    """Pins that unknown columns, tables, patches and data types are refused with those that exist."""
+    """Pins that unknown columns, tables, patches and data types are refused with the known ones."""
     for call, text in (
         (lambda: data.column("force"), TACTILE),
         (lambda: data[0].column("force"), TACTILE),
@@ -116,7 +116,7 @@ def test_unknown_names_are_refused(data: ub.Dataset) -> None:
 
 
 def test_damage_is_found(data: ub.Dataset, tmp_path: Path) -> None:
-    """Pins that a changed byte of a table, and a set that is gone, are errors with the file's name and no crash."""
+    """Pins that a changed byte in a table is an error that names the file, and that a removed set is an error."""
     folder = tmp_path / "copy"
     shutil.copytree(data.path, folder)
     copy = ub.Dataset(folder)
@@ -137,7 +137,8 @@ def test_damage_is_found(data: ub.Dataset, tmp_path: Path) -> None:
 
 
 def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Pins what a loader of PyTorch takes: float32 arrays of one length with labels, and frames that may be changed."""
+    """Pins what a PyTorch data loader needs: float32 arrays of one length with labels, and frames that may be
+    changed."""
     pairs = ub.TrialDataset(trials, samples=30)
     assert pairs.categories == ["leaf", "trunk"] and len(pairs) == len(trials)
     array, label = pairs[0]

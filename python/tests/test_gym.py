@@ -24,7 +24,7 @@ def same(first: dict[str, np.ndarray], second: dict[str, np.ndarray]) -> bool:
 
 @pytest.mark.parametrize("action", ["equilibrium", "waypoint"])
 def test_check_env(action: str) -> None:
-    """Pins that the environment obeys the conventions of Gymnasium, without a warning."""
+    """Pins that the environment passes Gymnasium's own checks without a warning."""
     env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, action=action, disable_env_checker=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -34,8 +34,8 @@ def test_check_env(action: str) -> None:
 
 
 def test_vector_numbers_are_single_numbers() -> None:
-    """Pins that a vector environment gives the numbers of single ones with seeds that follow each other, for one thread and for
-    two, also across the end of an episode."""
+    """Pins that a vector environment gives the numbers of single environments with consecutive seeds, for one thread
+    and for two, and beyond the end of an episode."""
     options: dict[str, Any] = {"scene": SCENE, "time_limit_s": 0.6}
     steps = actions(40, 3)
     singles = [gymnasium.make("underbrush/Reach-v0", **options) for _ in range(3)]
@@ -84,7 +84,8 @@ def test_truth_is_in_info_only() -> None:
 
 
 def test_episodes_follow_the_seed() -> None:
-    """Pins that a seed begins its reaches anew, that resets without one go on, and that episodes end by their limit."""
+    """Pins that a reset with a seed begins with its first reach, that a reset without one takes the next reach, and
+    that episodes end at their time limit."""
     env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, time_limit_s=0.2)
     first = [env.reset(seed=3)[1], env.reset()[1], env.reset()[1]]
     assert [info["reach_index"] for info in first] == [0, 1, 2]
@@ -97,7 +98,8 @@ def test_episodes_follow_the_seed() -> None:
 
 
 def test_the_waypoint_controller_reaches_goals() -> None:
-    """Pins that waypoints towards the goal bring the hand there: the episode ends as reached, with its reward."""
+    """Pins that waypoints towards the goal bring the hand there: the episode ends as `reached`, with the reward for
+    it."""
     env = gymnasium.make("underbrush/Reach-v0", scene=_free(), action="waypoint", time_limit_s=20.0)
     observation, _ = env.reset(seed=0)
     total, ended = 0.0, False
@@ -114,7 +116,7 @@ def _free() -> ub.Scene:
 
 
 def test_masked_resets() -> None:
-    """Pins that a reset with a mask begins only the episodes that it names."""
+    """Pins that a reset with a mask begins only the episodes that the mask selects."""
     many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, scene=SCENE)
     many.reset(seed=1)
     before = many.step(actions(1, 2)[0])[0]

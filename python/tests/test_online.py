@@ -15,8 +15,8 @@ def stream(online: ub.Online, reach: ub.Reach) -> list[list[dict]]:
 
 
 def test_online_scores_are_those_of_trials(data: ub.Dataset) -> None:
-    """Pins that after k samples of a contact the scores equal, bit for bit, those of the first k samples of its trial; and
-    that whatever a stream says of its last sample is what the model says of the trial."""
+    """Pins that after k samples of a contact, the scores equal those of the first k samples of its trial, bit for
+    bit."""
     trials = data.trials()
     model = ub.fit(trials, states=4)
     reach = data[0]
@@ -35,7 +35,7 @@ def test_online_scores_are_those_of_trials(data: ub.Dataset) -> None:
 
 
 def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
-    """Pins that frames built from arrays, as of a real robot, give the verdicts of the recorded frames, also after pickling."""
+    """Pins that frames built from arrays, as for a real robot, and pickled give the verdicts of the recorded frames."""
     model = ub.fit(data.trials(), states=4, features="force,motion")
     reach = data[1]
     recorded, built = model.online(data.skin), model.online(data.skin)
@@ -55,7 +55,8 @@ def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
 
 
 def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
-    """Pins that a classifier of scikit-learn gives, in a stream, the scores that it gives itself for the samples so far."""
+    """Pins that a scikit-learn classifier gives the same scores in a stream as when it is called with the samples so
+    far."""
     trials = data.trials(min_samples=5)
     fitted = FixedWindow(LogisticRegression(max_iter=300), samples=10).fit_trials(trials)
     reach = data[2]
@@ -74,7 +75,7 @@ def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
 
 
 def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
-    """Pins that the exception of a Python classifier arrives in the frame where it is raised."""
+    """Pins that an exception of a Python classifier reaches the caller of `update`."""
 
     class Broken:
         categories = ["leaf", "trunk"]
@@ -88,8 +89,8 @@ def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
 
 
 def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
-    """Pins that a touch model fitted from Python is the command line's file, that it is saved and pickled whole, and that its
-    probabilities of known categories add up to 1."""
+    """Pins that a touch model fitted from Python equals the command line's file, that a pickled model gives the same
+    verdicts, and that its probabilities of the known categories add up to 1."""
     model = ub.TouchModel.fit(list(data))
     command("train", data.path, "--classifier", "touch", "--out", tmp_path / "touch.json")
     assert model.to_json() == (tmp_path / "touch.json").read_text()
@@ -104,7 +105,8 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
 
 
 def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command) -> None:
-    """Pins that a model fitted within limits of risk is the command line's, and that too few reaches for a limit are refused."""
+    """Pins that a model fitted within limits of risk equals the command line's, and that too few reaches for a limit
+    are refused."""
     model = ub.TouchModel.fit(list(data), limit_wrong=0.4, limit_false_alarms=0.3)
     limits = ("--limit-wrong", "0.4", "--limit-false-alarms", "0.3")
     command("train", data.path, "--classifier", "touch", *limits, "--out", tmp_path / "touch.json")
@@ -115,8 +117,8 @@ def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command)
 
 
 def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp_path, command) -> None:
-    """Pins that a touch model judged on reaches, and touch models cross-validated, give the command line's figures, for one thread
-    and for two, and that too many folds are refused."""
+    """Pins that judging a touch model, and cross-validating touch models with one thread and with two, give the command
+    line's figures, and that numbers of folds that are not possible are refused."""
     reaches = list(data)
     model = ub.TouchModel.fit(reaches)
     model.save(tmp_path / "touch.json")
@@ -125,7 +127,7 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
     assert judged["folds"] == 3 and judged["feature_worth"]
     assert judged == ub.TouchModel.cross_validate(reaches, folds=3, jobs=2)
     assert judged == command("evaluate", data.path, "--classifier", "touch", "--folds", 3)
-    # One and nine folds cannot be; without the first of two, no reach with a leaf is left.
+    # Neither one nor nine folds are possible, and of two folds, one leaves no reach with a leaf to fit to.
     for folds, reason in ((1, "at least 2"), (9, "fewer than the 9 folds"), (2, "only trunk")):
         with pytest.raises(ub.InputError, match=reason):
             ub.TouchModel.cross_validate(reaches, folds=folds)

@@ -24,7 +24,8 @@ def scores_of(given: tuple[ub.Model, ub.Trials]) -> np.ndarray:
 @pytest.mark.parametrize("method", ["spawn", "fork"])
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
 def test_processes_give_the_same(method: str, trials: ub.Trials) -> None:
-    """Pins that processes, spawned or forked after threads were used here, simulate and score the same, and do not hang."""
+    """Pins that processes that are spawned or forked after threads were used simulate and score the same, without
+    hanging."""
     model = ub.fit(trials, states=3)
     expected = [reach_of(seed) for seed in (1, 2)]
     with multiprocessing.get_context(method).Pool(2) as pool:
@@ -34,7 +35,8 @@ def test_processes_give_the_same(method: str, trials: ub.Trials) -> None:
 
 
 def test_the_interpreter_runs_meanwhile(trials: ub.Trials) -> None:
-    """Pins that other Python threads run while a model is fitted: the lock is not held. They would not run once."""
+    """Pins that other Python threads run while a model is fitted. If the interpreter's lock were held, they could
+    not."""
     ticks, done = [], threading.Event()
 
     def tick() -> None:
@@ -53,7 +55,7 @@ def test_the_interpreter_runs_meanwhile(trials: ub.Trials) -> None:
 
 
 def test_threads_may_share_what_does_not_change(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Pins that threads that read one data set and score with one model get the numbers of one thread."""
+    """Pins that several threads that read one data set and score with one model get the same numbers as one thread."""
     model = ub.fit(trials, states=3)
     expected = model.scores(trials)
     columns = [reach.column("action").copy() for reach in data]

@@ -32,7 +32,7 @@ def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path
                 return self.own(given)
 
         files = [tmp_path / f"{name}-{kind}.parquet" for kind in ("rust", "python")]
-        # The rules that end a reach belong to the scene's controller, which both name.
+        # The rules that end a reach come from the scene's controller, so both reaches name it in the scene.
         own = scene.changed({"controller": name})
         ub.reach(own, seed=3).save(files[0])
         ub.reach(own, seed=3, controller=Twin).save(files[1])
@@ -55,7 +55,8 @@ def test_an_own_controller_moves_the_hand() -> None:
 
 
 def test_a_controller_that_raises_ends_the_reach() -> None:
-    """Pins that an exception of a controller arrives with its traceback, and that a bad answer is named."""
+    """Pins that an exception of a controller reaches the caller with its traceback, and that bad answers and bad
+    controllers are refused with what was found or what is allowed."""
 
     def broken(_: ub.ControllerInput) -> np.ndarray:
         raise KeyError("no such key")
@@ -75,8 +76,8 @@ def test_a_controller_that_raises_ends_the_reach() -> None:
 
 
 def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:
-    """Pins that every reach of a data set has a controller of its own, made with the arm; that the set records its name; and
-    that it is the same set for any number of threads."""
+    """Pins that every reach of a data set has a controller of its own that is made with the arm, that the set records
+    its name, and that the set is the same for any number of threads."""
 
     class Counter:
         name = "still"
@@ -88,7 +89,7 @@ def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:
 
         def __call__(self, given: ub.ControllerInput) -> np.ndarray:
             self.calls += 1
-            # Depends on how often this one was called.
+            # Depends on how often this controller was called.
             return given.equilibrium_angle_rad + 1e-3 * np.sin(self.calls)
 
     scene = ub.Scene("leaf").changed({"goals": {"count": 1, "retries": 0, "patience_s": 0.5}}, name="still")
@@ -132,8 +133,9 @@ def _scene_file(folder: Path) -> Path:
 
 
 def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path, command) -> None:
-    """Pins that with a touch model the shipped controller called from Python gives the file, byte for byte, that the controller
-    itself gives with it, in Python and on the command line, and that a controller sees what the verdicts allow."""
+    """Pins that a touch model works with a controller in Python: the shipped controller called from Python gives the
+    same file, byte for byte, as the controller itself, in Python and on the command line, and sees the forces that
+    verdicts allow."""
     touch, scene = tmp_path / "touch.json", quick("mixed")
     ub.TouchModel.fit(list(data)).save(touch)
     allowed_n: list[float] = []
@@ -157,7 +159,7 @@ def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path,
     command("reach", tmp_path / "mixed-quick.toml", "--seed", 3, "--verdicts", touch, "--out", files[2])
     assert files[0].read_bytes() == files[1].read_bytes() == files[2].read_bytes()
     assert reach.controller != "cody-2013" and np.isfinite(allowed_n).any()
-    # Without a touch model nothing is allowed or forbidden to single contacts.
+    # Without a touch model, no contact has a limit of its own.
     allowed_n.clear()
     ub.reach(scene, seed=3, controller=Twin)
     assert allowed_n and np.isnan(allowed_n).all()

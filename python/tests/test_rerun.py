@@ -46,7 +46,7 @@ def test_a_reach_comes_back_from_rerun(tmp_path: Path) -> None:
     assert np.allclose(next(p for p in skin["positions"] if p), reach.skin.positions_link("forearm"), atol=1e-6)
     colors = [row for row in skin["colors"] if row]
     assert len(colors) == len(reach)
-    # A taxel that senses nothing is grey, and the redder a taxel is, the more it senses.
+    # A taxel that senses nothing is grey. The more force it senses, the redder it is.
     red = np.array([[color >> 24 for color in row] for row in colors])
     sensed_n = reach.sensed_force_n("forearm")
     assert sensed_n.max() > 0.3
@@ -60,8 +60,8 @@ def test_a_reach_comes_back_from_rerun(tmp_path: Path) -> None:
 
 
 def test_bodies_are_where_the_patches_are() -> None:
-    """Pins that the bodies of a reach have the poses that frames give for the links under the patches, within the steps in
-    which bodies are stored, and that every object has a shape."""
+    """Pins that the link under the forearm's patch has the pose that the last frame gives it, within the step in which
+    poses are stored, and that every object has a shape."""
     reach = ub.reach(quick("leaf"), seed=3)
     bodies = reach.bodies
     assert all(body["parts"] for body in bodies if "object" in body["owner"])

@@ -30,7 +30,7 @@ def test_changes_are_merged() -> None:
 
 
 def test_pictures_are_svg(tmp_path: Path) -> None:
-    """Pins that a scene and a simulation draw themselves as SVG, which a notebook shows."""
+    """Pins that scenes and simulations can be drawn as SVG, which a notebook shows."""
     scene = ub.Scene("leaf")
     assert scene._repr_svg_().lstrip().startswith("<svg")
     scene.draw(seed=2).save(tmp_path / "leaf.svg")
@@ -39,7 +39,7 @@ def test_pictures_are_svg(tmp_path: Path) -> None:
 
 
 def test_clutter_is_drawn_by_seed() -> None:
-    """Pins that the same seed and index draw the same clutter, and others another."""
+    """Pins that the same seed and index draw the same clutter, and that another index draws another."""
     scene = ub.Scene("mixed")
     first, again, other = scene.clutter(1, 0), scene.clutter(1, 0), scene.clutter(1, 1)
     assert first["objects"] == again["objects"] != other["objects"]

@@ -37,7 +37,7 @@ def test_a_saved_state_continues_bit_for_bit() -> None:
 
 
 def test_many_at_once_equal_one_by_one() -> None:
-    """Pins that simulations stepped together, with one and with two threads, give the bits of each alone."""
+    """Pins that simulations stepped together, with one thread and with two, give the same bits as each one alone."""
     alone = [ub.Simulation("leaf", seed=seed) for seed in range(3)]
     expected = [[state(own.step(angles(own, step))) for own in alone] for step in range(25)]
     for jobs in (None, 1, 2):
@@ -64,7 +64,8 @@ def test_many_at_once_equal_one_by_one() -> None:
     ],
 )
 def test_bad_angles_are_refused(value: object, found: str) -> None:
-    """Pins that angles of a wrong shape or type, and NaN, are named with what was expected, and that nothing moves."""
+    """Pins that angles of a wrong shape or type, NaN and infinity are refused with what was expected, and that nothing
+    moves."""
     simulation = ub.Simulation("leaf", seed=1)
     with pytest.raises(ub.InputError, match=found) as error:
         simulation.step(value)  # type: ignore[arg-type]
@@ -73,7 +74,8 @@ def test_bad_angles_are_refused(value: object, found: str) -> None:
 
 
 def test_any_array_of_numbers_will_do() -> None:
-    """Pins that arrays that are not contiguous, of other number types, in other byte order, and lists give the same step."""
+    """Pins that lists, and arrays that are not contiguous, read-only, of another number type or in another byte order,
+    all give the same step."""
     wanted = np.round(ub.Arm.cody().start_posture_rad, 1).astype(np.float32).astype(np.float64)
     spread = np.zeros((7, 3))
     spread[:, 1] = wanted
@@ -86,14 +88,15 @@ def test_any_array_of_numbers_will_do() -> None:
 
 
 def test_two_threads_cannot_step_one_simulation() -> None:
-    """Pins that a simulation that another thread is stepping refuses to step, and that it goes on afterwards."""
+    """Pins that a simulation refuses to step while another thread is stepping it, and that it can continue
+    afterwards."""
     simulation = ub.Simulation("mixed", seed=1)
     refused, stepped = [], []
     start = threading.Barrier(4)
 
     def work() -> None:
         start.wait()
-        # However the machine shares out its time, the threads meet at some step.
+        # However the machine schedules them, two threads will be in the same step at some time.
         while not refused and len(stepped) < 20_000:
             try:
                 simulation.step(simulation.arm.start_posture_rad)
@@ -105,13 +108,13 @@ def test_two_threads_cannot_step_one_simulation() -> None:
     [thread.start() for thread in threads]
     [thread.join() for thread in threads]
     assert refused and all("another thread" in text for text in refused)
-    # Every frame was stepped by one thread: time counts those that were not refused.
+    # Each step that was not refused has advanced the time by one frame.
     assert simulation.frame_now.time_s == pytest.approx(0.01 * len(stepped))
     assert simulation.step(simulation.arm.start_posture_rad).time_s == pytest.approx(0.01 * (len(stepped) + 1))
 
 
 def test_the_jacobian_is_that_of_the_end_effector() -> None:
-    """Pins the Jacobian of an arm against differences of the position, to the error of central differences."""
+    """Pins the Jacobian of an arm against central differences of the position, within their error."""
     arm = ub.Arm.cody()
     angles = arm.start_posture_rad + 0.1
     _, jacobian = arm.end_effector(angles)

@@ -1,4 +1,4 @@
-"""The estimators of scikit-learn, and its classifiers where underbrush expects its own."""
+"""The estimators for scikit-learn, and scikit-learn's classifiers where underbrush expects its own."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ ESTIMATORS = [
 
 @pytest.mark.parametrize("estimator", ESTIMATORS, ids=lambda own: type(own).__name__)
 def test_check_estimator(estimator: object) -> None:
-    """Pins that an estimator obeys the conventions of scikit-learn, as its own checks see them."""
+    """Pins that an estimator passes scikit-learn's own checks."""
     results = check_estimator(estimator, on_fail=None)
     failed = [(found["check_name"], str(found["exception"])) for found in results if found["status"] == "failed"]
     assert failed == []
@@ -33,8 +33,8 @@ def test_check_estimator(estimator: object) -> None:
 
 @pytest.mark.parametrize("name", ["hmm", "naive-bayes", "logistic", "logistic-taxel", "echo-state-network", "nearest-neighbours"])
 def test_scores_are_those_of_the_model(name: str, trials: ub.Trials) -> None:
-    """Pins that an estimator fitted to trials, to sequences and to padded rows gives, bit for bit, the scores of the model. The
-    times of sequences begin at 0, which statistics over time notice in their last bits."""
+    """Pins that an estimator fitted to trials, to sequences and to padded rows gives the scores of the model, bit for
+    bit. The times of sequences begin at 0, which changes statistics over time in their last bits."""
     estimator = next(type(own) for own in ESTIMATORS if own._classifier == name)(features="force")
     y = np.array(trials.categories)
     assert np.array_equal(
@@ -64,7 +64,8 @@ def test_model_selection_works(trials: ub.Trials) -> None:
 
 
 def test_labels_may_be_anything() -> None:
-    """Pins that labels that are numbers, or have the names of categories that are never fitted, come back as they were."""
+    """Pins that predictions have the original labels, even if these are numbers or names of categories that are never
+    fitted."""
     rng = np.random.default_rng(1)
     rows = np.concatenate([rng.normal(1.0, 0.1, (20, 8)), rng.normal(5.0, 0.1, (20, 8))])
     for labels in ([3, 1], ["outlier", "block"], [True, False], ["z", "a"]):
@@ -74,7 +75,7 @@ def test_labels_may_be_anything() -> None:
 
 
 def test_missing_samples_are_left_out() -> None:
-    """Pins that NaN is a missing sample, wherever it stands, and that a trial of NaN only and infinity are refused."""
+    """Pins that NaN is a missing sample at any place, and that infinity and trials of only NaN are refused."""
     rng = np.random.default_rng(2)
     rows = rng.normal(1.0, 0.3, (20, 6)) + np.repeat([0.0, 2.0], 10)[:, np.newaxis]
     y = np.repeat(["a", "b"], 10)
@@ -91,8 +92,8 @@ def test_missing_samples_are_left_out() -> None:
 
 
 def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
-    """Pins that a classifier of scikit-learn is cross-validated on the folds of underbrush with the verdicts that it gives
-    itself on these folds."""
+    """Pins that a scikit-learn classifier in `evaluate` gives the verdicts that it gives by itself on the same
+    folds."""
     window = ours.FixedWindow(LogisticRegression(max_iter=500), samples=20)
     found = ub.evaluate(trials, window, folds=2, group="position")
     names, fold = np.array(trials.categories), np.array([own["fold"] for own in found["predictions"]])
@@ -109,7 +110,8 @@ def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
 
 
 def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
-    """Pins that the exception of a Python classifier arrives, whether it is raised in fitting or in scoring."""
+    """Pins that an exception of a Python classifier reaches the caller, whether it is raised in fitting or in scoring,
+    and that bad scores are refused."""
 
     class Broken:
         categories = ["leaf", "trunk"]

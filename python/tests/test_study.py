@@ -1,4 +1,4 @@
-"""Looking into files, regression suites, and whole studies: the command line's results and bytes."""
+"""Inspecting files, regression suites, and whole studies: the same results and bytes as on the command line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ mean_force_n.leaf = { at_least = 0.0, at_most = 0.001 }
 
 
 def test_inspect_says_what_the_command_line_says(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that every kind of file is inspected as by the command line, and that others are refused."""
+    """Pins that every kind of file is inspected with the command line's result, and that other files are refused."""
     scene, model, table = tmp_path / "leaf.toml", tmp_path / "model.json", tmp_path / "trials.csv"
     scene.write_text(quick("leaf").text)
     ub.fit(trials, "logistic-taxel").save(model)
@@ -51,8 +51,8 @@ def suite(folder: Path) -> Path:
 
 
 def test_suites_are_checked_as_by_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that blessing writes the command line's bounds, that the results and both files of them are the command line's, and
-    that a broken bound is a result that names the reach to look at."""
+    """Pins that blessing writes the command line's bounds, that the results and both result files equal the command
+    line's, and that a broken bound is a result and not an error."""
     ours, theirs = suite(tmp_path / "ours"), suite(tmp_path / "theirs")
     broken = ub.check(ours, progress=False)
     verdicts = {bound["name"]: bound["verdict"] for bound in broken["suites"][0]["scenes"][0]["bounds"]}
@@ -74,7 +74,7 @@ def test_suites_are_checked_as_by_the_command_line(tmp_path: Path, command) -> N
 
 
 def test_an_interrupted_suite_is_not_blessed(tmp_path: Path) -> None:
-    """Pins that Ctrl-C ends a check, and that it writes neither bounds nor results then."""
+    """Pins that Ctrl-C ends a check, which then writes neither bounds nor results."""
     file = suite(tmp_path / "suite")
 
     def interrupt(done: int, total: int, text: str) -> None:
@@ -86,15 +86,15 @@ def test_an_interrupted_suite_is_not_blessed(tmp_path: Path) -> None:
 
 
 def at(found: dict[str, Any], file: Path) -> dict[str, Any]:
-    """The results of a suite as if it stood in the folder of this file."""
+    """The results of a suite as if its scenes were in the folder of this file."""
     for scene in found["suites"][0]["scenes"]:
         scene["file"] = str(file.parent / Path(scene["file"]).name)
     return found
 
 
 def test_a_study_is_that_of_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that an experiment writes the command line's data, models, trials and tables, byte for byte, also if it was ended by
-    Ctrl-C and goes on, that another experiment does not go on in its folder, and that progress is reported."""
+    """Pins that an experiment that Ctrl-C ended and that was continued writes the command line's data, models, trials
+    and tables, byte for byte, that another experiment cannot continue in its folder, and that progress is reported."""
     folder = tmp_path / "experiment"
     folder.mkdir()
     example = ROOT / "experiments" / "examples" / "three-categories"
@@ -132,7 +132,7 @@ def test_a_study_is_that_of_the_command_line(tmp_path: Path, command) -> None:
     assert len(same) > 10
     with pytest.raises(ub.InputError, match="another run"):
         ub.reproduce(tmp_path / "ours", quick=True)
-    # A campaign that was run alone, as on another machine, is taken as it is.
+    # The result of a campaign that was run by itself, as on another machine, is used and not computed again.
     _core.run_campaign(tmp_path / "ours", 1, experiment=experiment)
     [kept] = (tmp_path / "ours" / "campaigns").glob("seed-*.json")
     before = kept.read_bytes(), kept.stat().st_mtime_ns

@@ -1,4 +1,4 @@
-"""Trials and models of them."""
+"""Trials, and models fitted to them."""
 
 import pickle
 from pathlib import Path
@@ -10,7 +10,7 @@ import underbrush as ub
 
 
 def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that trials from Python are those that the command line writes, and that both write the same table."""
+    """Pins that trials from Python equal those that the command line writes, and that both write the same table."""
     options = ["--labels", "environment", "--min-samples", 20]
     command("trials", data.path, *options, "--out", tmp_path / "cli.csv")
     trials.save(tmp_path / "python.csv")
@@ -22,7 +22,8 @@ def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Tri
 
 
 def test_trials_are_a_sequence(trials: ub.Trials) -> None:
-    """Pins length, indices, slices, lists of numbers and truth values, and that padded rows are the sequences."""
+    """Pins the length of trials, indexing by numbers, slices, lists and truth values, and that padded rows hold the
+    sequences."""
     assert len(trials) == len(trials.categories) == len(trials.reaches) == len(trials.lengths)
     long = trials[trials.lengths > 50]
     assert 0 < len(long) < len(trials) and all(len(trial) > 50 for trial in long)
@@ -44,8 +45,8 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
 
 @pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
 def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins, for every classifier, that the model file, the scores and the evaluation from Python are bit for bit those of the
-    command line; and that a saved and a pickled model give the same scores."""
+    """Pins for every classifier that the model file, the scores and the evaluation from Python equal those of the
+    command line, bit for bit, and that a saved and a pickled model give the same scores."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
     trials.save(table)
     command("train", table, "--classifier", name, "--out", file)
@@ -62,7 +63,7 @@ def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tm
 
 
 def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that options of hidden Markov models and thresholds arrive: the model files are the same."""
+    """Pins that options of hidden Markov models and thresholds give the command line's model file."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
     trials.save(table)
     options = ["--states", 5, "--recipe", "modern", "--features", "force,motion", "--max-samples", 60]
@@ -136,7 +137,7 @@ def test_the_papers_thresholds_are_for_their_scores(trials: ub.Trials, tmp_path:
             ub.evaluate(trials, options, decision="paper")
     with pytest.raises(ub.InputError, match="forward scores"):
         model.with_score("forward").classify(trials, decision="paper")
-    # A model's own thresholds are for its own kind of score.
+    # A model's own thresholds apply only to its own kind of score.
     chosen = ub.fit(trials, states=5, false_positive_rate=0.1)
     with pytest.raises(ub.InputError, match="other kind of score"):
         chosen.with_score("forward").classify(trials)

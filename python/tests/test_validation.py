@@ -8,7 +8,7 @@ import underbrush as ub
 
 
 def test_checks_pass_and_can_fail() -> None:
-    """Pins that a check passes, and that with a tolerance of 0 it fails."""
+    """Pins that a check passes and that it fails with a tolerance of 0, and that bad names and scales are refused."""
     name = next(name for name in ub.checks() if "leaf" in name)
     (passed,) = ub.validate([name])
     assert passed["name"] == name and passed["verdict"] == "pass" and passed["comparisons"]

@@ -26,20 +26,21 @@ def benchmark(
 ) -> dict[str, Any]:
     """Judge a model or a controller on frozen scenes, as ``underbrush benchmark`` does.
 
-    ``benchmarks/incidental-contact-1.md`` has the rules and the table. Reaches are made once and kept in the folder for the next
-    model. The same call continues after Ctrl-C.
+    ``benchmarks/incidental-contact-1.md`` has the rules and the table. Reaches are made once and kept in the folder for
+    the next model. After Ctrl-C, the same call continues.
 
     Parameters
     ----------
     track : {"verdicts", "transfer", "reaching"}
-        What contacts are; the same with another arm, speed or sensor than in training; or how a controller reaches.
+        What is judged: verdicts on contacts; verdicts with another arm, speed or sensor than in training; or how a
+        controller reaches.
     out : path
         Folder for the reaches, and for the rows as JSON files.
     model : path, optional
         The model to judge, of any kind; for verdicts and transfer.
     controller : str, callable or class, optional
-        The controller to judge, as for :func:`generate`; for reaching. Reaches of a controller of your own are found again by
-        its name, so give it another name when you have changed it.
+        The controller to judge, as for :func:`generate`; for reaching. Reaches of a controller of your own are found
+        again by its name, so give it another name when you have changed it.
     verdicts : path, optional
         A touch model that tells the controller what the skin touches.
     quick : bool
@@ -57,7 +58,7 @@ def benchmark(
     Raises
     ------
     InputError
-        If the model is bad, or does not go with the track.
+        If the model is bad, or an argument does not belong to the track.
     """
     with Bar("reaches").shown(progress) as shown:
         row: dict[str, Any] = _core.benchmark(
@@ -71,7 +72,7 @@ def entry(
     controller: ControllerLike | None,
     verdicts: str | os.PathLike[str] | None,
 ) -> dict[str, Any]:
-    """What is judged, as the native functions take it."""
+    """The arguments that say what is judged, as the native functions take them."""
     return {
         "model": None if model is None else Path(model).absolute(),
         "controller": controller,

@@ -1,4 +1,4 @@
-"""Map-style data sets, as ``torch.utils.data.DataLoader`` takes them. They need no torch."""
+"""Map-style data sets for ``torch.utils.data.DataLoader``. They do not need torch themselves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class TrialDataset:
     trials : Trials
         Trials with categories.
     categories : list of str, optional
-        The categories in the order of their numbers; those of the trials, sorted, by default.
+        The categories in the order of their numbers; by default those of the trials, sorted.
     features : str or list of str
         Features of each sample.
     samples : int, optional

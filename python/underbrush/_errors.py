@@ -9,13 +9,13 @@ class InputError(ValueError):
     Attributes
     ----------
     file : str or None
-        The file, or what else is wrong (an argument, a data set).
+        The file, or what else the error is about (an argument, a data set).
     line : int or None
         Line in the file, from 1.
     field : str or None
         The field, column, key, option or argument.
     found, allowed, remedy : str or None
-        What was found there, what is allowed, and what to do. ``None`` where the message says all of it in one sentence.
+        What was found there, what is allowed, and what to do. ``None`` if the message says all of this in one sentence.
     """
 
     def __init__(
@@ -41,11 +41,11 @@ class InputError(ValueError):
 
 
 class RunError(RuntimeError):
-    """A run that failed although its input was good, as by a fault inside the physics engine."""
+    """A run that failed although its input was good, for example because of a fault inside the physics engine."""
 
 
 class StorageError(RunError, OSError):
-    """A file that could not be read or written, as on a full disk. The same call may succeed later."""
+    """A file that could not be read or written, for example on a full disk. The same call may succeed later."""
 
 
 InputError.__module__ = "underbrush"

@@ -1,4 +1,4 @@
-"""Classifiers of scikit-learn where underbrush expects one of its own."""
+"""Makes scikit-learn's classifiers usable where underbrush expects its own."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from . import _core
 
 
 class FixedWindow:
-    """Any classifier of scikit-learn, where underbrush expects one of its own: in ``evaluate`` and in online streams.
+    """Any scikit-learn classifier, for use where underbrush expects its own: in ``evaluate`` and in online streams.
 
-    It sees the first ``samples`` samples of a trial as one row. Shorter trials, and contacts under way, are continued with
-    their last sample.
+    It sees the first ``samples`` samples of a trial as one row. Shorter trials, and contacts in progress, are padded
+    with their last sample.
 
     Parameters
     ----------
     estimator : classifier
-        With ``fit``, and ``predict_proba`` or ``predict``.
+        A classifier with ``fit``, and with ``predict_proba`` or ``predict``.
     samples : int
         Length of the window.
     features : str or list of str
@@ -43,7 +43,7 @@ class FixedWindow:
         return np.asarray(rows)
 
     def fit_trials(self, trials: _core.Trials) -> FixedWindow:
-        """A copy that is fitted to trials with categories. Blocks and outliers are left out."""
+        """Return a copy that is fitted to trials with categories. Blocks and outliers are left out."""
         names = trials.categories
         kept = [place for place, name in enumerate(names) if name is not None and name not in ("block", "outlier")]
         chosen = trials[kept]

@@ -26,7 +26,7 @@ def generate(
     """Simulate many reaches and write them as a data set in the LeRobotDataset v3.0 layout.
 
     The same scenes, seed and version give the same bytes, for any number of threads. Ctrl-C ends the reaches that are
-    running; finished ones are kept, and ``resume=True`` continues.
+    running. Finished reaches are kept, and ``resume=True`` continues.
 
     Parameters
     ----------
@@ -93,10 +93,10 @@ def generate_shared(
 ) -> _core.Dataset | None:
     """Simulate part I of N of a data set into a folder that all parts share, as ``underbrush generate --shared`` does.
 
-    All parts have the same arguments but ``shard``. They may run at the same time, on machines that share a file system
-    with locks. The part that finishes last makes the set there, byte for byte that of :func:`generate` without ``shard``,
-    and returns it; others return ``None``. A part that was interrupted goes on when it is run again. Other parameters
-    are those of :func:`generate`.
+    All parts have the same arguments except ``shard``. They may run at the same time, on machines that share a file
+    system with locks. The part that finishes last makes the set there, byte for byte the set of :func:`generate`
+    without ``shard``, and returns it; the others return ``None``. A part that was interrupted continues when it is run
+    again. The other parameters are those of :func:`generate`.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ _WIDTH = 30
 
 
 class Bar:
-    """A progress bar on standard error; nothing if that is no terminal.
+    """A progress bar on standard error, which is not shown if standard error is not a terminal.
 
     Parameters
     ----------

@@ -22,16 +22,16 @@ def check(
     progress: Progress | bool = True,
     jobs: int | None = None,
 ) -> dict[str, Any]:
-    """Run regression suites and hold what they find against the bounds in their files, as ``underbrush check`` does.
+    """Run regression suites and compare the results with the bounds in their files, as ``underbrush check`` does.
 
     Parameters
     ----------
     suites : path, or list of paths
         Suite files; ``docs/suites.md`` describes them.
     seed : int, optional
-        Instead of each file's: other draws of the same scenes.
+        A seed instead of each file's own, for other draws of the same scenes.
     bless : bool
-        Write bounds into the files, from what is found.
+        Write bounds into the files, computed from the results.
     out : path, optional
         A folder for ``junit.xml`` and ``results.json``.
     progress : bool or callable
@@ -74,10 +74,10 @@ def reproduce(
     progress: Progress | bool = True,
     jobs: int | None = None,
 ) -> dict[str, Any]:
-    """Run an experiment, the paper's if no other is given, as ``underbrush reproduce`` does.
+    """Run an experiment, by default the paper's, as ``underbrush reproduce`` does.
 
-    The folder gets the data set, trials, ``model.json``, ``summary.json`` and ``report/index.html``. Finished stages are cached
-    there: the same call continues after Ctrl-C.
+    The folder gets the data set, trials, ``model.json``, ``summary.json`` and ``report/index.html``. Finished stages
+    are cached there, so the same call continues after Ctrl-C.
 
     Parameters
     ----------
@@ -88,9 +88,9 @@ def reproduce(
     quick : bool
         Fewer reaches.
     seed : int, optional
-        Instead of the experiment's.
+        A seed instead of the experiment's own.
     campaigns : int
-        Number of campaigns, of this seed and the next ones.
+        Number of campaigns. They have this seed and the following ones.
     fresh : bool
         Remove what another run has left in the folder, and start again.
     progress : bool or callable

@@ -26,7 +26,7 @@ def fit(
     outlier_prior: float = 0.05,
     jobs: int | None = None,
 ) -> _core.Model:
-    """Fit a classifier to trials, as ``underbrush train`` does, to the last bit.
+    """Fit a classifier to trials. The result equals that of ``underbrush train``, bit for bit.
 
     Parameters
     ----------
@@ -37,11 +37,11 @@ def fit(
     features : str or list of str, optional
         Features of each sample, such as ``"force,motion"``.
     recipe : {"authors", "modern"}, optional
-        The options that are not given.
+        Supplies the options that are not given.
     states, topology, initial, score, iterations, tolerance, variance_floor, max_samples : optional
         Options of hidden Markov models; see ``docs/classifiers.md``.
     start : Model, optional
-        Hidden Markov models that are trained further.
+        Hidden Markov models to train further.
     false_positive_rate : float, optional
         Choose thresholds by cross-validation and store them in the model.
     outlier_prior : float

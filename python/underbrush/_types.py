@@ -15,7 +15,7 @@ SceneLike: TypeAlias = Scene | str | os.PathLike[str]
 """A scene, the name of one that ships, or the path of a scene file."""
 
 Control: TypeAlias = Callable[[ControllerInput], ArrayLike]
-"""A controller: from what it knows to equilibrium angles, rad."""
+"""A controller: a function of what it knows that returns equilibrium angles, rad."""
 
 ControllerLike: TypeAlias = str | Control | Callable[[Arm], Control]
 """The name of a controller that ships, a function, or a class that is called with the arm at the start of every reach."""
@@ -32,7 +32,7 @@ class FittedClassifier(Protocol):
 
     @property
     def categories(self) -> list[str]:
-        """Different names in alphabetical order: the order of the scores."""
+        """Different names in alphabetical order, which is the order of the scores."""
 
     def scores(self, trials: Trials) -> NDArray[np.float64]:
         """Log-probabilities or log-likelihoods, nats: (trials, categories)."""

@@ -1,10 +1,10 @@
 """Data sets and campaigns on many machines with Ray.
 
-A set is divided into parts that depend on nothing but the call and the version of the package. Each part is one Ray task, which writes
-its part to storage that all nodes share and returns only a manifest. A part may be run twice, as after a lost node: both have the same
-bytes, and the second to finish is thrown away. The driver then merges the parts into the set that one process would have made,
-byte for byte. Campaigns of an experiment are tasks of their own: each leaves its result in the folder of the run, and the driver takes
-it from there.
+A set is divided into parts that depend on nothing but the call and the version of the package. Each part is one Ray
+task, which writes to storage that all nodes share and returns only a manifest. A part may be run twice, for example
+after a node was lost. Both runs give the same bytes, and the second to finish is thrown away. The driver then merges
+the parts into the set that one process would have made, byte for byte. Campaigns of an experiment are also tasks: each
+leaves its result in the folder of the run, and the driver takes it from there.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ._types import ControllerLike, SceneLike
 
 
 def _ray() -> Any:
-    """Ray, which is only needed when something is run."""
+    """The module of Ray, which is imported only when something is run."""
     try:
         import ray
     except ImportError as error:
@@ -36,7 +36,7 @@ def _ray() -> Any:
 
 
 class Manifest(TypedDict):
-    """What a task returns: how many reaches or campaigns it has done, and where and how long it ran."""
+    """What a task returns: how many reaches or campaigns it has done, where it ran, and for how long."""
 
     done: int
     node: str
@@ -59,8 +59,9 @@ def generate(
 ) -> _core.Dataset:
     """Simulate many reaches on the nodes of a Ray cluster, and write them as one data set.
 
-    The same scenes, seed and version give the same bytes as :func:`underbrush.generate`, however the parts were spread over nodes. Lost nodes
-    and I/O errors are retried; other errors end the call at once. Finished parts are kept, and the same call goes on from them.
+    The same scenes, seed and version give the same bytes as :func:`underbrush.generate`, however the parts were spread
+    over nodes. Parts that fail because of a lost node or an I/O error are tried again; other errors end the call at
+    once. Finished parts are kept, and the same call continues from them.
 
     Parameters
     ----------
@@ -79,9 +80,10 @@ def generate(
     verdicts : path, optional
         A touch model, on storage that all nodes see.
     address : str, optional
-        Of the cluster, such as ``"auto"``; a cluster that this process is connected to, or else a local one, by default.
+        Address of the cluster, such as ``"auto"``; by default the cluster that this process is connected to, or else a
+        local one.
     retries : int
-        How often a part is tried again after its node was lost or an I/O error.
+        How often a part is tried again after its node was lost or an I/O error occurred.
     keep_parts : bool
         Keep ``<out>.parts`` after the merge.
     progress : bool or callable
@@ -124,22 +126,22 @@ def reproduce(
 ) -> dict[str, Any]:
     """Run many campaigns of an experiment on the nodes of a Ray cluster, and write its report.
 
-    The results are those of :func:`underbrush.reproduce` with the same number of campaigns. The first campaign, with everything that
-    the report shows of a single one, runs on this machine after the others. Finished campaigns are kept, and the same call goes on
-    from them.
+    The results are those of :func:`underbrush.reproduce` with the same number of campaigns. The first campaign, from
+    which the report takes everything that it shows of a single one, runs on this machine after the others. Finished
+    campaigns are kept, and the same call continues from them.
 
     Parameters
     ----------
     out : path
         The folder to write, on storage that all nodes see under this path.
     campaigns : int
-        Number of campaigns, of the seed and the next ones.
+        Number of campaigns. They have the seed and the following ones.
     experiment : path, optional
         An experiment file that all nodes see under this path; by default the paper's.
     quick : bool
         Fewer reaches.
     seed : int, optional
-        Instead of the experiment's.
+        A seed instead of the experiment's own.
     address, retries : optional
         As for :func:`generate`.
     progress : bool or callable
@@ -185,7 +187,8 @@ def benchmark(
 ) -> dict[str, Any]:
     """Judge a model or a controller on frozen scenes, with the reaches made on the nodes of a Ray cluster.
 
-    The row is that of :func:`underbrush.benchmark`, byte for byte. Sets that are in the folder already are not made again.
+    The row equals that of :func:`underbrush.benchmark`, byte for byte. Sets that are in the folder already are not made
+    again.
 
     Parameters
     ----------
@@ -194,7 +197,7 @@ def benchmark(
     out : path
         The folder to write, on storage that all nodes see under this path.
     model, controller, verdicts, quick : optional
-        As for :func:`underbrush.benchmark`. Models lie on storage that all nodes see.
+        As for :func:`underbrush.benchmark`. Models must be on storage that all nodes see.
     parts : int, optional
         Number of tasks for each set; by default four for each processor of the cluster.
     address, retries : optional
@@ -210,7 +213,7 @@ def benchmark(
     Raises
     ------
     InputError
-        If the model is bad, or does not go with the track.
+        If the model is bad, or an argument does not belong to the track.
     """
     _connect(address)
     folder = Path(out).absolute()
@@ -247,14 +250,14 @@ def _in_parts(
 
 
 def _connect(address: str | None) -> None:
-    """Connects this process to a cluster, unless it is."""
+    """Connects this process to a cluster, unless it is connected to one already."""
     ray = _ray()
     if not ray.is_initialized():
         ray.init(address=address, log_to_driver=False, include_dashboard=False)
 
 
 def _watch(waiting: list[Any], total: int, shown: Progress | None) -> None:
-    """Waits for all tasks, and tells how many of the total are done. If one fails for good, the others are ended."""
+    """Waits for all tasks, and reports how many of the total are done. If one fails for good, the others are ended."""
     ray = _ray()
     count, done = len(waiting), 0
     nodes: set[str] = set()
@@ -272,7 +275,7 @@ def _watch(waiting: list[Any], total: int, shown: Progress | None) -> None:
 
 
 def _answers(tasks: list[Any]) -> list[Manifest]:
-    """What finished tasks returned, or the exception of the first that failed, as it was raised there."""
+    """What finished tasks returned. If one failed, its exception is raised here as it was raised there."""
     ray = _ray()
     try:
         return list(ray.get(tasks))
@@ -293,7 +296,7 @@ def _run_part(make: Callable[..., object], folder: str, part: int, count: int) -
         try:
             make(own, shard=(part, count), jobs=1)
             try:
-                # One step: another run of the same part either has finished, or finds this one.
+                # Renaming is one step: another run of this part has either finished before, or will find this result.
                 own.rename(final)
             except OSError:
                 if not final.exists():
@@ -304,7 +307,7 @@ def _run_part(make: Callable[..., object], folder: str, part: int, count: int) -
 
 
 def _run_campaign(folder: str, number: int, options: dict[str, Any]) -> Manifest:
-    """Runs one of the further campaigns on this node, unless it is finished."""
+    """Runs one campaign, not the first, on this node, unless it is finished."""
     start = time.monotonic()
     _core.run_campaign(folder, number, jobs=1, **options)
     return _manifest(1, start)

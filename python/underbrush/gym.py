@@ -1,13 +1,15 @@
 """``underbrush/Reach-v0`` for Gymnasium: a reach through clutter, single and vectorized.
 
-An observation is a dictionary of float32 arrays with what a robot could know: joint angles, velocities, equilibrium angles
-and torques, the positions of end effector and goal, and the tactile image of each patch of skin. What it could not know is in
-``info`` only. An episode is one reach, drawn anew from the scene; it ends when its goals are reached or a force exceeds the
-controller's stop force, and is cut off when a goal takes longer than ``time_limit_s``.
+An observation is a dictionary of float32 arrays with what a robot could know: joint angles, velocities, equilibrium
+angles and torques, the positions of end effector and goal, and the tactile image of each patch of skin. What a robot
+could not know is only in ``info``. An episode is one reach, drawn anew from the scene. It terminates when its goals are
+reached or a force exceeds the controller's stop force, and it is truncated when a goal takes longer than
+``time_limit_s``.
 
-The reward of a step is ``progress_per_m`` times the way by which the hand came closer to the goal, m, minus
-``force_per_n_s`` times the largest force that a taxel senses above ``free_force_n``, N s, minus ``time_per_s`` times its
-duration, s; ``reached`` is added for each goal reached, and ``aborted`` taken off for exceeding the stop force.
+The reward of a step is ``progress_per_m`` times the distance, m, by which the hand came closer to the goal, minus
+``force_per_n_s`` times the largest force that a taxel senses above ``free_force_n``, N, times the duration of the step,
+s, minus ``time_per_s`` times this duration. ``reached`` is added for each goal reached, and ``aborted`` is subtracted
+if the stop force is exceeded.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ def _spaces(environments: _core.Environments) -> tuple[spaces.Space[Any], spaces
 
 
 class _Parts:
-    """Where the parts of an observation are in a row of numbers. Found once, as a step must take little time of its own."""
+    """Where the parts of an observation are in a row of numbers. Computed once, to save time in every step."""
 
     def __init__(self, environments: _core.Environments) -> None:
         # In the order of the space, which sorts its keys.
@@ -64,13 +66,13 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     scene : Scene, name or path
         What the arm reaches through.
     action : {"equilibrium", "waypoint"}
-        An action is the change of every joint's equilibrium angle in a step, as a share of ``largest_change_rad``; or where the
-        end effector should go next, from where it is, as a share of ``largest_waypoint_m`` along each axis, to which the
-        scene's controller drives it.
+        What an action is. ``"equilibrium"``: the change of every joint's equilibrium angle in a step, as a share of
+        ``largest_change_rad``. ``"waypoint"``: where the end effector should go next, relative to its position, as a
+        share of ``largest_waypoint_m`` along each axis; the scene's controller drives it there.
     frames_per_step : int, optional
         Frames of 10 ms in a step; 4 by default.
     largest_change_rad, largest_waypoint_m : float, optional
-        What an action of 1 means.
+        The change or the distance for an action of 1.
     goals : int, optional
         Goals of an episode; 1 by default.
     time_limit_s : float, optional
@@ -93,7 +95,7 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._ended = True
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode: reach 0 of a seed if one is given, else the next reach."""
+        """Begin an episode: reach 0 of the seed if one is given, otherwise the next reach."""
         super().reset(seed=seed)
         rows, found = self._environments.reset([seed])
         self._ended = False
@@ -119,7 +121,7 @@ def _info(found: dict[str, Any]) -> dict[str, Any]:
 
 
 class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
-    """Many arms that step at once in one native call, without the interpreter's lock.
+    """Many arms that are stepped together in one native call, without the interpreter's lock.
 
     Environment i gives the numbers that :class:`ReachEnv` gives with the seed plus i, for any number of threads. The step
     after the end of an episode begins the next one; its action is ignored.
@@ -127,7 +129,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
     Parameters
     ----------
     num_envs : int
-        How many.
+        Number of environments.
     jobs : int, optional
         Number of threads; all cores by default.
     scene, **options
@@ -152,7 +154,7 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode of every environment, or of those of ``options["reset_mask"]``."""
+        """Begin an episode in every environment, or in those that ``options["reset_mask"]`` selects."""
         if seed is None or isinstance(seed, int):
             seeds = [None if seed is None else seed + index for index in range(self.num_envs)]
         else:

@@ -40,7 +40,7 @@ def log(reach: _core.Reach, *, recording: rr.RecordingStream | None = None, enti
     * ``skin/PATCH``: the taxels at their places, coloured by the force that they sense, from grey at 0 N to red at 5 N;
     * ``image/PATCH``: the sensed forces of a patch with a grid, N, whenever they change;
     * ``force/PATCH``: the largest sensed force of the patch, N, as a plot;
-    * ``goal``: the goal, from the moment at which the arm starts towards it;
+    * ``goal``: the goal, from the moment when the arm starts towards it;
     * ``about``: scene, controller, seed and outcome.
 
     Parameters
@@ -74,7 +74,7 @@ def log(reach: _core.Reach, *, recording: rr.RecordingStream | None = None, enti
             number = body["owner"]["object"]
             place = f"{entity}/objects/{number:02}-{objects[number]['kind']}"
             color = _OBJECTS.get(str(objects[number]["category"]), _OTHER_OBJECT)
-        # Links and objects may be of several bodies.
+        # A link or an object may have several bodies.
         counts[place] = counts.get(place, 0) + 1
         _log_body(f"{place}/{counts[place]}", body, color, reach.time_s, recording)
     for patch in reach.skin.patches:
@@ -100,7 +100,7 @@ def _log_body(
     time_s: NDArray[np.float64],
     recording: rr.RecordingStream | None,
 ) -> None:
-    """Logs the shapes of a body once, and its poses."""
+    """Logs the shapes of a body once, and its poses over time."""
     import rerun as rr
 
     for number, part in enumerate(body["parts"]):
@@ -122,7 +122,7 @@ def _log_body(
 
 
 def _shape(shape: dict[str, Any], color: tuple[int, int, int]) -> Any:
-    """A shape as one of Rerun's."""
+    """A shape as a Rerun archetype."""
     import rerun as rr
 
     (kind, sizes), solid = *shape.items(), rr.components.FillMode.Solid
@@ -132,7 +132,7 @@ def _shape(shape: dict[str, Any], color: tuple[int, int, int]) -> Any:
     if kind == "cylinder":
         return rr.Cylinders3D(radii=[sizes["radius_m"]], lengths=[sizes["length_m"]], colors=[color], fill_mode=solid)
     if kind == "capsule":
-        # Rerun's capsules begin at their origin, ours are centred.
+        # Rerun's capsules begin at their origin; ours are centred on it.
         begin = [0.0, 0.0, -sizes["length_m"] / 2]
         return rr.Capsules3D(
             radii=[sizes["radius_m"]], lengths=[sizes["length_m"]], translations=[begin], colors=[color], fill_mode=solid
@@ -144,11 +144,11 @@ def _shape(shape: dict[str, Any], color: tuple[int, int, int]) -> Any:
 
 
 def _hull(points: NDArray[np.float64]) -> NDArray[np.uint32]:
-    """The triangles of the hull of some points: those with all points on one side. Hulls have a few dozen points."""
+    """The triangles of the convex hull of points: those with all points on one side. Hulls have a few dozen points."""
     found = []
     for a, b, c in combinations(range(len(points)), 3):
         normal = np.cross(points[b] - points[a], points[c] - points[a])
-        # A billionth of the size of the hull, so that rounding does not open it.
+        # A tolerance of a billionth of the hull's size, so that rounding leaves no holes in it.
         distance = (points - points[a]) @ normal
         most = 1e-9 * np.abs(points).max() * float(np.linalg.norm(normal))
         if most > 0 and (distance.max() <= most or distance.min() >= -most):

@@ -1,4 +1,4 @@
-"""The classifiers as estimators of scikit-learn.
+"""The classifiers as scikit-learn estimators.
 
 ``fit(X, y)`` takes rows of equal width: a trial is a row of forces, N, at 100 Hz, and NaN is a missing sample, such as the
 padding of a shorter trial (:meth:`Trials.padded` makes such rows). Missing samples are left out, and later ones move up.
@@ -31,7 +31,7 @@ __all__ = [
     "NearestNeighboursClassifier",
 ]
 
-# Blocks and outliers are never fitted, so labels of these names get another inside.
+# Blocks and outliers are never fitted, so labels with these names get another name internally.
 _MARK = "label "
 
 
@@ -57,7 +57,8 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     features: str | Sequence[str] | None
 
     def _options(self) -> dict[str, Any]:
-        """The options of the classifier: its parameters. The option `score` is `score_kind`, as there is a method `score`."""
+        """The options of the classifier, from its parameters. `score_kind` is the option `score`, which is a method
+        here."""
         options = dict(self.get_params(deep=False))
         if "score_kind" in options:
             options["score"] = options.pop("score_kind")
@@ -67,7 +68,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         tags = super().__sklearn_tags__()
         # Missing samples.
         tags.input_tags.allow_nan = True
-        # The tests of scikit-learn judge by clouds of points, whose two columns are no course of a force in time.
+        # scikit-learn's checks use clouds of points. Their two columns are not a force over time.
         tags.classifier_tags.poor_score = True
         return tags
 
@@ -77,9 +78,9 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         Parameters
         ----------
         X : array (trials, samples)
-            One trial a row; NaN is a missing sample. The feature is force, N, unless ``features`` names another.
+            One trial per row; NaN is a missing sample. The feature is force, N, unless ``features`` names another.
         y : array (trials,)
-            Their categories.
+            The categories of the trials.
         """
         rows, labels = validate_data(
             self, X, y, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self
@@ -99,7 +100,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         sequences : list of arrays (samples,) or (samples, features)
             One for each trial.
         y : array (trials,)
-            Their categories.
+            The categories of the trials.
         groups : array (trials,), optional
             The reach of each trial. Fitting does not use it.
         """
@@ -156,7 +157,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Logarithm of :meth:`predict_proba`."""
         scores = self._scored(X)
         best = scores.max(axis=1, keepdims=True)
-        # A trial that no class admits is equally likely for all.
+        # A trial that is impossible in every class is equally likely for all.
         scores = np.where(np.isfinite(best), scores - np.where(np.isfinite(best), best, 0.0), 0.0)
         return np.asarray(scores - np.log(np.exp(scores).sum(axis=1, keepdims=True)))
 
@@ -195,7 +196,7 @@ class HiddenMarkovClassifier(_TrialClassifier):
     features : str or list of str
         Features of each sample: ``"force"``, ``"force,motion"``.
     recipe : {"authors", "modern"}
-        The options that are ``None``.
+        Supplies the options that are ``None``.
     topology : {"left-right", "ergodic"}, optional
     initial : {"uniform", "first-state"}, optional
     score_kind : {"viterbi", "forward"}, optional
@@ -237,7 +238,7 @@ class HiddenMarkovClassifier(_TrialClassifier):
 
 
 class _Baseline(_TrialClassifier):
-    """A classifier whose only parameter is its features; ``None`` for its own."""
+    """A classifier whose only parameter is its features. ``None`` chooses the classifier's default features."""
 
     def __init__(self, features: str | Sequence[str] | None = "force") -> None:
         self.features = features

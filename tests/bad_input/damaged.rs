@@ -46,7 +46,7 @@ fn truncated_recording() {
     refused_when_truncated(&std::fs::read(&file).unwrap(), &file);
 }
 
-/// Pins the same for a table of trials.
+/// Pins that a table of trials truncated at any length is refused by every command that reads it.
 #[test]
 fn truncated_trials() {
     let folder = tempfile::tempdir().unwrap();
@@ -54,7 +54,7 @@ fn truncated_trials() {
     refused_when_truncated(&std::fs::read(fixture().table_parquet()).unwrap(), &file);
 }
 
-/// Pins that a footer with any damaged byte is either read or refused as bad input, without the message of a panic,
+/// Pins that a footer with any damaged byte is either read or refused as bad input, without showing a panic message,
 /// and that some of this damage does make the Parquet decoder panic.
 #[test]
 fn a_changed_footer_never_shows_a_panic() {
@@ -75,7 +75,7 @@ fn a_changed_footer_never_shows_a_panic() {
     let mut panics = 0;
     for place in whole.len() - 8 - length..whole.len() {
         let mut bytes = whole.clone();
-        // In the encoding of the footer odd numbers are negative: negative lengths and offsets.
+        // The footer encodes negative numbers as odd ones, so this gives negative lengths and offsets.
         bytes[place] = if bytes[place] == 1 { 3 } else { 1 };
         std::fs::write(&file, bytes).unwrap();
         let answer = underbrush!["inspect", file];

@@ -26,7 +26,7 @@ fn refuses_text(text: &str, line: Option<usize>, parts: &[&str]) {
     assert_empty(outputs.path());
 }
 
-/// The fixture's model with one value changed.
+/// Demands that the fixture's model with one value changed is refused.
 fn refuses(place: &str, value: Value, parts: &[&str]) {
     let mut model: Value = serde_json::from_str(&std::fs::read_to_string(fixture().model()).unwrap()).unwrap();
     *model.pointer_mut(place).unwrap() = value;

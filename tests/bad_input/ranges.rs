@@ -17,11 +17,10 @@ const VALUES: [&str; 11] = [
 ];
 
 /// One key: its text with `V` in place of the value; the field that an error names and, after `|`, others that it may
-/// name if the value contradicts the rest of the files; a valid value; and those of [`VALUES`] that lie within its
-/// range.
+/// name if the value contradicts the rest of the files; a valid value; and the [`VALUES`] that lie within its range.
 struct Key(&'static str, &'static str, &'static str, &'static str);
 
-/// Keys of a scene: a section of a scene file.
+/// Keys of scene files, each with the section that it stands in.
 #[rustfmt::skip]
 const SCENE: &[Key] = &[
     Key("[workspace]\nx_m = [V, 2.0]\n", "workspace.x_m", "0.2", "0 -1 1e-300"),
@@ -200,7 +199,7 @@ fn try_all(key: &Key, read: &dyn Fn(&str) -> Result<(), InputError>) {
         match read(&text(value)) {
             Ok(()) => assert!(is_within, "{} was accepted", text(value)),
             Err(error) => {
-                // A value within the range may only be refused for its effect on something else.
+                // A value within the range may be refused only because it contradicts something else.
                 let mut names = fields.split('|').skip(usize::from(is_within));
                 let named = names.any(|field| error.field.contains(field));
                 assert!(named, "{}: the error names {:?}: {error}", text(value), error.field);
@@ -220,8 +219,8 @@ fn write(path: &Path, text: &str) -> PathBuf {
     path.to_path_buf()
 }
 
-/// Pins that every number in every file is refused outside its range, with file and field, and read within it, and
-/// that no number makes the program panic.
+/// Pins that every number in every file is accepted within its range, that it is refused outside it with an error that
+/// names file and field, and that no number makes the program panic.
 #[test]
 fn every_number_has_a_range() {
     let folder = tempfile::tempdir().unwrap();
@@ -284,7 +283,7 @@ fn every_number_has_a_range() {
     assert!(keys >= 84, "{keys} keys");
 }
 
-/// Pins that a fault in a line of a megabyte gives an error of a few lines, in every kind of file.
+/// Pins that the error about a line of one megabyte is short, in scene files and in tables.
 #[test]
 fn faults_in_long_lines_are_shown_shortly() {
     let folder = tempfile::tempdir().unwrap();

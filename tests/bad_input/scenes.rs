@@ -159,8 +159,8 @@ fn reversed_range() {
     );
 }
 
-/// Pins that a reach needs at least one goal, and that the error has the line in the section of the goals, although
-/// groups have a `count` too.
+/// Pins that a reach needs at least one goal, and that the error shows the line in `[goals]`, although groups of
+/// objects also have a `count`.
 #[test]
 fn no_goals() {
     let text = format!("{HEAD}{LEAF}[goals]\ncount = 0\n");
@@ -179,7 +179,8 @@ fn overlapping_trunks() {
     );
 }
 
-/// Pins that a scene without room reports how many objects found a place, and leaves no data set behind.
+/// Pins that more objects than there is room for, or than a scene may have, are refused, and that no data set is left
+/// behind.
 #[test]
 fn more_trunks_than_room() {
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 9000\n");

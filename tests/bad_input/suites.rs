@@ -15,8 +15,8 @@ reaches = 2
 goals_reached = { at_least = 0.5 }
 "#;
 
-/// Demands that a suite is refused with the line and these words, and that no result is left behind. Nothing is run
-/// before.
+/// Demands that a suite is refused with this line and these words, that its file is unchanged, and that no result is
+/// left behind.
 #[track_caller]
 fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
@@ -37,14 +37,14 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     assert_empty(outputs.path());
 }
 
-/// The suite with one text in place of another.
+/// Demands that the suite with one text replaced by another is refused.
 #[track_caller]
 fn refuses_change(from: &str, to: &str, line: usize, parts: &[&str]) {
     assert_eq!(SUITE.matches(from).count(), 1, "{from}");
     refuses(&SUITE.replace(from, to), Some(line), parts);
 }
 
-/// Pins that unknown keys, metrics and categories are refused with those that exist, at their line.
+/// Pins that unknown keys, metrics and categories are refused with their line and the names that exist.
 #[test]
 fn unknown_names() {
     refuses_change(
@@ -75,7 +75,7 @@ fn unknown_names() {
     refuses_change("at_least", "at_leest", 6, &["goals_reached", "expected a bound"]);
 }
 
-/// Pins that a metric of a category needs one, and that others take none.
+/// Pins that a metric by category needs a category, and that other metrics take none.
 #[test]
 fn categories_where_they_do_not_belong() {
     refuses_change(
@@ -126,7 +126,7 @@ fn numbers_out_of_range() {
 }
 
 /// Pins that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a
-/// touch model takes no options but its own.
+/// touch model takes only its own options.
 #[test]
 fn models_that_do_not_fit() {
     refuses_change(

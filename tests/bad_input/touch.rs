@@ -70,8 +70,8 @@ fn broken_models() {
     }
 }
 
-/// Pins that wrong types, unknown keys and text that is cut off are refused with their line, and the format of touch
-/// models.
+/// Pins that wrong types, unknown keys and truncated text are refused with their line, and that the error names the
+/// format of touch models.
 #[test]
 fn broken_text() {
     let text = std::fs::read_to_string(model()).unwrap();
@@ -124,7 +124,7 @@ fn a_touch_model_is_no_model_of_trials() {
     assert_empty(outputs.path());
 }
 
-/// Pins that options of the other kind of classifier are refused by name, and none is ignored.
+/// Pins that options of the other kind of classifier are refused by name and not ignored.
 #[test]
 fn options_that_do_not_apply() {
     let outputs = tempfile::tempdir().unwrap();

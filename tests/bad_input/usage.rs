@@ -106,7 +106,7 @@ fn scenes_that_do_not_go_together() {
     chosen.success();
 }
 
-/// Pins that senseless numbers are refused with the name of the option.
+/// Pins that numbers that make no sense are refused with the name of the option.
 #[test]
 fn numbers_out_of_range() {
     let fixture = fixture();
@@ -171,7 +171,7 @@ fn unknown_names() {
     prior.refused(&["moss"]);
 }
 
-/// Pins that a program without push and pull says how to get them, whatever they are given.
+/// Pins that a program built without `push` and `pull` says how to get them, whatever arguments they are given.
 #[cfg(not(feature = "cloud"))]
 #[test]
 fn push_and_pull_say_how_to_get_them() {

@@ -9,9 +9,9 @@ use crate::support::underbrush;
 /// The frozen scenes as files.
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benchmarks/incidental-contact-1/scenes");
 
-/// Pins that a row is the same to the byte at any number of threads and from parts that were made elsewhere, that it is
-/// what `--json` prints, and that the scenes beside the benchmark's description are those that the program has built
-/// in.
+/// Pins that a row is the same, byte for byte, for any number of threads and from parts that were made elsewhere, that
+/// `--json` prints this row, and that the scene files beside the benchmark's description are the ones built into the
+/// program.
 #[test]
 fn a_row_does_not_depend_on_who_made_the_reaches() {
     let folder = tempfile::tempdir().unwrap();
@@ -80,7 +80,7 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     );
     let after = fs::metadata(merged.join("meta/info.json")).unwrap().modified().unwrap();
     assert_eq!(before, after, "the set was made again");
-    // The same share by another way.
+    // The share of goals reached, computed from what `inspect` prints.
     let goals = underbrush!["inspect", merged, "--json"].json();
     let reached = goals["goals"]["reached"].as_f64().unwrap();
     let all = printed["figures"]["reaching"]["goals"].as_f64().unwrap();
@@ -88,8 +88,8 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     assert_eq!(printed["complete"], false);
 }
 
-/// Pins that the accuracy after one sample is that of `evaluate` on trials that were cut to one sample, and that the
-/// numbers of contacts are those of these trials.
+/// Pins that the accuracy after one sample equals the accuracy that `evaluate` finds on trials cut to one sample, and
+/// that there are as many contacts as such trials.
 #[test]
 fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,7 +153,7 @@ fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     assert!(verdicts["moments"][9]["samples"].is_null());
 }
 
-/// Pins that what does not go with a track is refused, and that the message says what to give.
+/// Pins that options that do not belong to a track are refused, and that the message names the option that is needed.
 #[test]
 fn what_does_not_go_with_a_track_is_refused() {
     underbrush!["benchmark", "verdicts"].refused(&["--model <MODEL>"]);

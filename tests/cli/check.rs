@@ -41,7 +41,7 @@ fn suite(folder: &Path) -> PathBuf {
     file
 }
 
-/// A text with one part replaced, which it must hold once.
+/// A text with one part replaced. The text must contain the part exactly once.
 fn replaced(text: &str, from: &str, to: &str) -> String {
     assert_eq!(text.matches(from).count(), 1, "{from} in {text}");
     text.replace(from, to)
@@ -62,9 +62,10 @@ fn broken(answer: &Answer) -> Vec<String> {
     names
 }
 
-/// Pins what suites are for. A blessed suite passes again, and on other draws of the same scenes, as after a harmless
-/// change of the program. A leaf that is a fifth stiffer or softer breaks the bound on its force, and an allowed force
-/// that is a fifth higher or lower the one on the trunk's force. After blessing, the changed scenes pass.
+/// Pins that suites tell a harmless change from a real one. A blessed suite passes again, also on other draws of the
+/// same scenes, which stand for a harmless change of the program. A leaf that is a fifth stiffer or softer breaks the
+/// bound on its force, and an allowed force that is a fifth higher or lower breaks the bound on the trunk's force.
+/// After the changed scenes are blessed, they pass.
 #[test]
 fn a_harmless_change_passes_and_a_real_one_does_not() {
     let folder = tempfile::tempdir().unwrap();
@@ -97,7 +98,7 @@ fn a_harmless_change_passes_and_a_real_one_does_not() {
     assert!(text.contains("# proportional to the leaf's stiffness"), "{text}");
 }
 
-/// Two reaches of the fixture's trunks with a model, one bound that holds and one that cannot.
+/// Three reaches of the fixture's trunks with a model, two bounds that hold and one that cannot.
 fn small(folder: &Path) -> PathBuf {
     std::fs::copy(fixture().trunk_scene(), folder.join("trunks & posts.toml")).unwrap();
     std::fs::copy(fixture().model(), folder.join("model.json")).unwrap();
@@ -109,7 +110,7 @@ fn small(folder: &Path) -> PathBuf {
     file
 }
 
-/// Pins that a suite can have a touch model, whose verdict that nothing presses has metrics of its own.
+/// Pins that a suite can have a touch model, and that its verdict `nothing` has metrics of its own.
 #[test]
 fn touch_models_judge_suites() {
     let folder = tempfile::tempdir().unwrap();
@@ -137,7 +138,7 @@ fn touch_models_judge_suites() {
     assert!((0.0..=1.0).contains(&found("spurious_called_nothing")));
 }
 
-/// Elements of a document with their attributes.
+/// The elements of an XML document with their attributes.
 fn elements(document: &str) -> Vec<(String, Vec<(String, String)>)> {
     let events = EventReader::from_str(document).into_iter();
     let start = |event| match event {
@@ -150,8 +151,8 @@ fn elements(document: &str) -> Vec<(String, Vec<(String, String)>)> {
     events.filter_map(|event| start(event.unwrap())).collect()
 }
 
-/// Pins that a broken bound gives exit status 1 with the reach to look at, and that the command that is shown runs and
-/// finds the value there.
+/// Pins that a broken bound gives exit status 1 and names the reach to look at, and that the command shown for this
+/// reach runs and gives the reported value.
 #[test]
 fn a_broken_bound_names_a_reach() {
     let folder = tempfile::tempdir().unwrap();

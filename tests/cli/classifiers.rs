@@ -21,7 +21,7 @@ fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// Demands that at the last sample of each trial of a recording the model's online scores are those that `score`
+/// Demands that the model's online scores at the last sample of each trial of a recording equal those that `score`
 /// prints, bit for bit.
 pub(super) fn online_ends_where_score_does(model: &Path, recording: &Path, trials: &[underbrush_recording::Trial]) {
     let scores = table::scores(&underbrush!["score", model, recording].success());
@@ -44,7 +44,7 @@ pub(super) fn online_ends_where_score_does(model: &Path, recording: &Path, trial
 }
 
 /// Pins that every classifier of the list is trained, inspected, scored, evaluated and run online from its model file,
-/// and that its verdicts are its best scores.
+/// and that each verdict is the category with the best score.
 #[test]
 fn every_classifier_is_a_model_like_any_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,8 +78,8 @@ fn every_classifier_is_a_model_like_any_other() {
     }
 }
 
-/// Pins that features are a list for hidden Markov models, too: models of force and contact area are trained, score,
-/// and run online; a table without the column is refused, by feature, trial and remedy.
+/// Pins that hidden Markov models also take a list of features: models of force and contact area are trained, scored
+/// and run online, and a table without the column is refused with the trial, the feature and a remedy.
 #[test]
 fn markov_models_of_force_and_area() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +106,8 @@ fn markov_models_of_force_and_area() {
     underbrush!["score", model, bare].refused(&["trial 4", "the feature area", "region_taxels", "fill the columns"]);
 }
 
-/// Pins that lists of features that make no sense are refused, and say which features there are.
+/// Pins that lists of features that make no sense are refused, and that the error about an unknown feature lists the
+/// known ones.
 #[test]
 fn bad_lists_of_features() {
     let folder = tempfile::tempdir().unwrap();
@@ -121,7 +122,7 @@ fn bad_lists_of_features() {
     assert!(!out.exists());
 }
 
-/// Pins that thresholds are chosen, stored and used for a classifier that is no hidden Markov model.
+/// Pins that thresholds are chosen, stored and used for a classifier that is not a hidden Markov model.
 #[test]
 fn thresholds_of_another_classifier() {
     let folder = tempfile::tempdir().unwrap();
@@ -167,7 +168,7 @@ fn thresholds_of_another_classifier() {
     assert_ne!(own, of("argmax"));
 }
 
-/// Pins that what only hidden Markov models have is refused for other classifiers, by the option's name.
+/// Pins that options that only hidden Markov models have are refused by name for other classifiers.
 #[test]
 fn options_of_markov_models_are_refused_for_others() {
     let folder = tempfile::tempdir().unwrap();

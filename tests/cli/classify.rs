@@ -7,8 +7,8 @@ use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{call, table, underbrush};
 
 /// Pins that the verdict of `classify` on each trial is the category with the largest log-likelihood in the output of
-/// `score`, with the model's own kind of score, for a data set and for its table, and that the true category is that
-/// of the table.
+/// `score`, with the model's own kind of score, and that both commands give the same output for a data set and for its
+/// table.
 #[test]
 fn the_verdict_is_the_best_score() {
     let fixture = fixture();
@@ -63,7 +63,7 @@ fn lines(text: &str) -> Vec<Value> {
 }
 
 /// Pins that after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
-/// bit, for both kinds of score, and that each sample is answered in its own frame and nothing else is.
+/// bit, for both kinds of score, and that each sample is answered in its own frame and nothing else is answered.
 #[test]
 fn online_ends_where_batch_does() {
     let model = fixture().model();
@@ -128,8 +128,8 @@ fn frames_on_standard_input_are_answered_alike() {
     assert!(piped == underbrush!["classify", model, recording, "--online"].success());
 }
 
-/// Pins that a prior of almost 1 decides trials of a single sample, and that a margin larger than any trial's makes
-/// all uncertain.
+/// Pins that a prior of almost 1 decides trials of a single sample, and that a margin larger than any trial's makes all
+/// verdicts uncertain.
 #[test]
 fn priors_and_rules_change_verdicts() {
     let fixture = fixture();
@@ -149,7 +149,7 @@ fn priors_and_rules_change_verdicts() {
     assert_eq!(count(&doubtful, "uncertain"), even.len());
 }
 
-/// Pins that names that CSV has to quote survive `score` and `classify`.
+/// Pins that category names that must be quoted in CSV survive `score` and `classify`.
 #[test]
 fn names_are_quoted_in_csv() {
     let folder = tempfile::tempdir().unwrap();

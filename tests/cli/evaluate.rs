@@ -18,8 +18,8 @@ fn data_set_and_tables_are_judged_alike() {
     assert_eq!(figures[1], figures[2]);
 }
 
-/// Pins that the counts by true category are those of the table, that recall follows from the confusion matrix, and
-/// that the intervals contain it.
+/// Pins that the counts by true category agree with the table, that recall follows from the confusion matrix, and that
+/// the intervals contain it.
 #[test]
 fn the_confusion_matrix_counts_each_trial_once() {
     let trials = read_trials(fixture().table_csv()).unwrap();
@@ -56,7 +56,8 @@ fn the_confusion_matrix_counts_each_trial_once() {
     }
 }
 
-/// Pins that the text output is a table with recall, precision and intervals, and that accuracy does not stand alone.
+/// Pins that the text output is a table with recall, precision and intervals, and that the accuracy comes with the
+/// majority baseline and the balanced accuracy.
 #[test]
 fn text_names_the_figures() {
     let text = underbrush![

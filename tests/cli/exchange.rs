@@ -8,11 +8,11 @@ use underbrush_recording::disk::{Dataset, read_trials};
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::underbrush;
 
-/// Reach, taxel, and time (µs) and force (N) of all samples: what an import can know of a trial. Times that follow from
-/// the rate may differ by rounding, so they are whole microseconds.
+/// What an import can know about a trial: reach, taxel, and the time (µs) and force (N) of every sample. Times that are
+/// computed from the rate may differ by rounding, so they are rounded to whole microseconds.
 type Known = (Option<u64>, Option<u32>, Vec<(i64, f64)>);
 
-/// What an import can know of these trials.
+/// What an import can know about these trials.
 fn known(trials: &[Trial]) -> Vec<Known> {
     let samples = |trial: &Trial| {
         trial
@@ -36,8 +36,8 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
 }
 
 /// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
-/// labelled by the scene, that a classifier can be trained on them and classifies them, and that each reach is replayed
-/// with its verdicts, but not with those of a model that needs the motion, which was not imported.
+/// labelled by the scene; that a classifier can be trained on these trials and classifies them; and that `replay`
+/// writes each reach with verdicts, but refuses a model that needs motion, which was not imported.
 #[test]
 fn trials_through_hdf5_are_those_of_the_data_set() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +119,8 @@ fn trials_through_mcap_are_those_of_the_recording() {
     );
 }
 
-/// Pins that other inputs and outputs are refused by name, and that the mapping's line is shown.
+/// Pins that inputs and formats that cannot be exchanged are refused by name, and that an error in the mapping shows
+/// its line.
 #[test]
 fn what_cannot_be_exchanged_is_refused() {
     let folder = tempfile::tempdir().unwrap();

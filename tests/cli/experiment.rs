@@ -9,8 +9,8 @@ fn example() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/examples/three-categories")
 }
 
-/// Copies the example with fewer reaches and smaller models; its arm by its full path. Five reaches of a scene have
-/// contacts in more than the two that two folds need.
+/// Copies the example with fewer reaches and smaller models, and names its arm by the full path. Of five reaches of a
+/// scene, more than two have contacts; two folds need at least two.
 fn tiny(folder: &Path) -> PathBuf {
     let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/arms/panda/panda.toml");
     for entry in std::fs::read_dir(example()).unwrap() {
@@ -28,7 +28,7 @@ fn tiny(folder: &Path) -> PathBuf {
 }
 
 /// Pins the example of a Panda and three categories, made small, from scenes to report: trials of all three labels, a
-/// confusion matrix of three categories, every classifier and setting of the file, and no word of the paper.
+/// confusion matrix of three categories, every classifier and setting of the file, and no mention of the paper.
 #[test]
 fn an_experiment_with_another_arm_and_three_categories_runs() {
     let folder = tempfile::tempdir().unwrap();
@@ -63,7 +63,7 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
         "{page}"
     );
     assert!(!page.contains("the paper's experiment"));
-    // The reaches that figures link to can be replayed, and nothing else is promised.
+    // The replay pages hold exactly the reaches that figures link to.
     let mut files = 0;
     for name in ["replay.html", "replay-engineered.html", "replay-training.html"] {
         let address = format!("href=\"{name}#reach=");
@@ -82,11 +82,11 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
         );
     }
     assert!(files > 0);
-    // The same folder goes on only with the same experiment.
+    // A folder can be continued only with the same experiment.
     underbrush!["reproduce", "--out", &out, "--quick"].refused(&["another run"]);
 }
 
-/// Pins that a mistake in an experiment file is reported with its line, key and what is allowed.
+/// Pins that a mistake in an experiment file is reported with its key, the value found and a remedy.
 #[test]
 fn a_mistake_in_an_experiment_file_is_shown() {
     let folder = tempfile::tempdir().unwrap();
@@ -100,7 +100,7 @@ fn a_mistake_in_an_experiment_file_is_shown() {
     assert!(!out.exists());
 }
 
-/// Pins that the schema of experiment files is printed and that its keys are those of the example.
+/// Pins that the schema of experiment files is printed and has the main keys of the example.
 #[test]
 fn the_schema_has_the_keys_of_the_example() {
     let schema: serde_json::Value = serde_json::from_str(&underbrush!["schema", "experiment"].success()).unwrap();

@@ -17,7 +17,7 @@ fn scattered(number: u64) -> u64 {
     mixed ^ (mixed >> 31)
 }
 
-/// Writes `whole` with one bit flipped. Returns which.
+/// Writes `whole` to a file with one bit flipped, and returns which bit.
 fn flip(path: &Path, whole: &[u8], number: u64) -> String {
     let bit = scattered(number) % (8 * whole.len() as u64);
     let mut flipped = whole.to_vec();
@@ -26,8 +26,8 @@ fn flip(path: &Path, whole: &[u8], number: u64) -> String {
     format!("{}, bit {bit}", path.display())
 }
 
-/// Pins that of 200 bits flipped in the files of a data set, `trials` and `inspect` read none without an error, and
-/// `generate --from`, which needs only the provenance, none of the provenance's.
+/// Pins that `trials` and `inspect` report an error for each of 200 bits flipped in the files of a data set, and that
+/// `generate --from`, which needs only the provenance, reports one for each bit flipped there.
 #[test]
 #[ignore = "takes minutes: the program is called four hundred times"]
 fn no_flipped_bit_of_a_set_is_read_without_a_word() {
@@ -59,7 +59,8 @@ fn no_flipped_bit_of_a_set_is_read_without_a_word() {
     underbrush!["inspect", set].success();
 }
 
-/// Pins the same for a recording and for a table of trials in Parquet.
+/// Pins that `inspect` reports an error for each of 200 bits flipped in a recording, and in a table of trials in
+/// Parquet.
 #[test]
 #[ignore = "takes minutes: the program is called four hundred times"]
 fn no_flipped_bit_of_a_file_is_read_without_a_word() {

@@ -34,8 +34,7 @@ fn classify(model: &Path, options: &[&str], stdin: &str) -> Answer {
     call(arguments, stdin)
 }
 
-/// Pins that each answer, also that to an invalid line, comes while stdin stays open and before the next line is
-/// written.
+/// Pins that each line, even an invalid one, is answered while stdin stays open and before the next line is written.
 #[test]
 fn each_line_is_answered_before_the_next_is_sent() {
     let folder = tempfile::tempdir().unwrap();
@@ -67,9 +66,9 @@ fn each_line_is_answered_before_the_next_is_sent() {
     assert!(robot.wait().unwrap().success());
 }
 
-/// Pins that a stream continues after any invalid line and keeps the history of every contact: the answers to the
-/// valid lines are those of the stream without the invalid ones. A model of force needs neither ground truth nor
-/// poses nor joints.
+/// Pins that a stream continues after any invalid line and keeps the history of every contact: the answers to the valid
+/// lines equal those of a stream without the invalid lines. A model of force needs neither ground truth nor poses nor
+/// joints.
 #[test]
 fn bad_lines_are_answered_and_change_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -192,7 +191,8 @@ fn strict_ends_at_the_first_bad_line() {
     }
 }
 
-/// Pins that a model that uses motion needs only the pose of its own patch, and answers as for the file.
+/// Pins that a model that uses motion needs only the pose of its own patch, and gives the same answers as for the
+/// recording.
 #[test]
 fn motion_needs_a_pose() {
     let folder = tempfile::tempdir().unwrap();
@@ -223,8 +223,8 @@ fn motion_needs_a_pose() {
     assert!(classify(&model, &[], &stdin).success() == underbrush!["classify", model, recording, "--online"].success());
 }
 
-/// Pins that the skin of a stream is that of the given data set, recording, arm file or skin file, and Cody's only by
-/// default.
+/// Pins that the skin of a stream comes from the given data set, recording, arm file or skin file, and is Cody's only
+/// by default.
 #[test]
 fn the_skin_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -240,7 +240,7 @@ fn the_skin_is_told() {
         let text = classify(&fixture().model(), &[&skin], line).success();
         let answers: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(answers[0]["taxels"][0]["taxel"], 68, "{skin}: {text}");
-        // The flipper has 69 taxels. As the only patch it need not be named.
+        // The flipper has 69 taxels. It is the only patch, so it need not be named.
         assert_eq!(answers[1]["error"]["field"], "taxels[0].taxel", "{skin}: {text}");
         assert_eq!(answers[1]["error"]["allowed"], "a taxel of patch flipper: 0 to 68");
     }

@@ -22,9 +22,9 @@ fn expected(first_n: f64, second_n: f64) -> [f64; 2] {
     odds.map(|own| own - sum)
 }
 
-/// Pins that a network is scored, classified and evaluated like any other model: scores are those of its formula,
-/// verdicts its best scores, the accuracy the share of those that are true, and the online scores of a contact end at
-/// those of its trial.
+/// Pins that a network is scored, classified and evaluated like any other model: its scores follow from its formula,
+/// each verdict is the category with the best score, the accuracy is the share of right verdicts, and the last online
+/// scores of a contact are the scores of its trial.
 #[test]
 fn a_network_is_a_model_like_any_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -46,7 +46,7 @@ fn a_network_is_a_model_like_any_other() {
     for row in &verdicts {
         let trial = row["trial"].parse().unwrap();
         let own = &forces_n[&trial];
-        // A contact of one sample is padded with it.
+        // A contact of one sample is padded by repeating this sample.
         let expected = expected(own[0], *own.get(1).unwrap_or(&own[0]));
         for (category, expected) in ["leaf", "trunk"].into_iter().zip(expected) {
             let found = scores[&(category.to_owned(), trial)];
@@ -72,7 +72,7 @@ fn a_network_is_a_model_like_any_other() {
 }
 
 /// Pins that a network that fails while it runs ends every command with exit status 2 and an error that names its file,
-/// what it gave or where it failed, and a remedy; online the frames before are answered.
+/// what it gave or where it failed, and a remedy, and that online the frames before the failure are answered.
 #[test]
 fn a_network_that_fails_while_it_runs_is_an_error() {
     let folder = tempfile::tempdir().unwrap();

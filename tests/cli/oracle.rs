@@ -72,19 +72,20 @@ fn one_feature() {
     check("10-states-force-left-right");
 }
 
-/// Pins the same for fully connected models.
+/// Pins the scores of initial and trained models with 10 fully connected states over force.
 #[test]
 fn one_feature_ergodic() {
     check("10-states-force-ergodic");
 }
 
-/// Pins the same for force and motion with full covariances.
+/// Pins the scores of initial and trained models with 10 left-to-right states over force and motion, with full
+/// covariances.
 #[test]
 fn two_features() {
     check("10-states-force-and-motion-left-right");
 }
 
-/// Pins the same for 5 and for 20 states.
+/// Pins the scores of initial and trained models with 5 and with 20 left-to-right states over force.
 #[test]
 fn few_and_many_states() {
     check("5-states-force-left-right");

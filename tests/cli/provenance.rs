@@ -158,7 +158,7 @@ fn options_beside_from_are_refused() {
     assert!(!out.exists());
 }
 
-/// A copy of a data set with another plan and the same reaches.
+/// Writes a copy of a data set with another plan and the same reaches.
 fn with_plan(from: &Path, to: &Path, change: impl Fn(&mut DatasetPlan)) {
     let set = Dataset::open(from).unwrap();
     let mut plan = set.plan();

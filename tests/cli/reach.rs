@@ -40,8 +40,8 @@ fn a_reach_is_that_of_its_campaign() {
     assert!(in_set == read_recording(file).unwrap());
 }
 
-/// Pins that goals reached, true contact, contacts and peak force in the JSON output are those of the recording, and
-/// that the picture is an SVG.
+/// Pins that goals reached, true contact, contacts and peak force in the JSON output agree with the recording, and that
+/// the picture is an SVG.
 #[test]
 fn the_report_agrees_with_the_recording() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,10 +1,11 @@
-//! `underbrush replay`, as far as it needs no browser.
+//! `underbrush replay`: what can be tested without a browser.
 
 use super::touch;
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
-/// Pins that the chosen reaches of a data set are written with verdicts as one file, whose size is what is reported.
+/// Pins that the chosen reaches of a data set are written with verdicts to one file, and that the size of this file is
+/// reported.
 #[test]
 fn reaches_are_written_as_one_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -34,7 +35,7 @@ fn reaches_are_written_as_one_file() {
 }
 
 /// Pins that options that do not fit together, missing files, files of another kind and numbers outside the list are
-/// refused with what is wrong, and that nothing is written then.
+/// refused with the reason, and that nothing is written.
 #[test]
 fn bad_usage_is_refused() {
     let folder = tempfile::tempdir().unwrap();

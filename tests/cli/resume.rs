@@ -45,8 +45,8 @@ fn staged(out: &Path) -> Vec<PathBuf> {
     staged
 }
 
-/// Pins that a killed run leaves a set that is refused as unfinished, can only be continued with --resume, and then
-/// ends in the bytes of an uninterrupted run. A truncated staged reach is run again.
+/// Pins that a killed run leaves a set that is refused as unfinished, can only be continued with --resume, and then has
+/// the same bytes as after an uninterrupted run. A truncated staged reach is run again.
 #[test]
 fn a_killed_run_resumes_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();

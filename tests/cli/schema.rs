@@ -63,14 +63,15 @@ fn the_schema_lists_the_metrics_of_a_suite() {
     );
 }
 
-/// Pins that an unknown kind of file is refused with the kinds that there are.
+/// Pins that an unknown kind of file is refused with the known kinds.
 #[test]
 fn an_unknown_kind_is_refused() {
     underbrush!["schema", "robot"].refused(&["robot", "scene", "arm", "skin", "model"]);
 }
 
-/// Pins, by a judge that shares no code with schema or reader, that the model file of every classifier follows the
-/// schema, and that a file with a missing or wrong entry does not. The reader must judge all of them alike.
+/// Pins that the model file of every classifier follows the schema, and that a file with a missing or wrong entry does
+/// not. The validator shares no code with the schema or the reader, and the reader must accept and refuse the same
+/// files.
 #[test]
 fn model_files_follow_their_schema() {
     let schema = schema("model");
@@ -110,7 +111,7 @@ fn model_files_follow_their_schema() {
                 Some(entry) => *entry = value,
                 None => broken[&place[1..]] = value,
             }
-            // A feature may be named as on the command line, too.
+            // A feature may also have the name that it has on the command line.
             let expected = place == "/features/0";
             let judged = [is_valid(&broken), reads(&broken)];
             assert_eq!(judged, [expected; 2], "{} with another {place}", kind.name);

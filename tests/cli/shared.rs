@@ -23,7 +23,7 @@ fn arguments(scene: &Path, out: &Path, shard: &str) -> Vec<PathBuf> {
     [&["generate".into(), scene.into()], &options[..], &places].concat()
 }
 
-/// Starts a part and does not wait for it.
+/// Starts a part without waiting for it.
 fn start(scene: &Path, out: &Path, shard: &str) -> Child {
     Command::new(env!("CARGO_BIN_EXE_underbrush"))
         .args(arguments(scene, out, shard))
@@ -120,7 +120,7 @@ fn what_does_not_belong_into_the_folder_is_refused() {
     assert_eq!(first["finished"], false);
     part("2", "5", "2/2", "--shared", &shared).refused(&["another plan", "provenance.seed was 4, now 5"]);
     part("3", "4", "2/2", "--shared", &shared).refused(&["another plan", "reaches was 2, now 3"]);
-    // Without --shared, the folder is taken for that of one process or of one part.
+    // Without --shared, the folder is taken for the folder of one process or of one part.
     part("2", "4", "2/2", "--resume", &shared).refused(&["another plan", "shard"]);
     part("2", "4", "3/3", "--shared", &shared).refused(&["part 3/3 has no reach"]);
     part("2", "4", "1/2", "--shared", folder.path()).refused(&["is not empty and holds no data set"]);

@@ -50,7 +50,7 @@ fn generate_can_be_interrupted_and_resumed() {
     for (name, number) in [("INT", 2), ("TERM", 15)] {
         let set = folder.path().join(name);
         let first = set.join("incomplete/reach-000000.json");
-        // Far more reaches than are finished together with the first.
+        // Far more reaches than can be finished before the signal arrives.
         let output = interrupted(&generate(&set, "200"), name, || first.exists()).unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.signal(), Some(number), "{stderr}");
@@ -62,7 +62,7 @@ fn generate_can_be_interrupted_and_resumed() {
         assert!(first.exists() && set.join("incomplete/reach-000000.bin").exists());
         assert_eq!(unfinished(&set), Vec::<PathBuf>::new());
     }
-    // The same with few reaches, until the end.
+    // Again with few reaches, and resumed until the set is complete.
     let [whole, resumed] = ["whole", "resumed"].map(|name| folder.path().join(name));
     let first = resumed.join("incomplete/reach-000000.json");
     if let Some(output) = interrupted(&generate(&resumed, "4"), "TERM", || first.exists()) {
@@ -73,7 +73,7 @@ fn generate_can_be_interrupted_and_resumed() {
     assert_same_trees(&whole, &resumed);
 }
 
-/// A table so long that it can be observed while it is written.
+/// A table so long that the test can see it being written.
 fn long_table(folder: &Path) -> PathBuf {
     let path = folder.join("long.csv");
     let rows = (0..400_000).map(|row| format!("{},{},0.25\n", row / 100, f64::from(row) / 100.0));

@@ -37,7 +37,7 @@ fn an_error_that_cannot_be_shown_keeps_its_status() {
     for stderr in [closed(), full()] {
         assert_eq!(call(&arguments, stderr).status.code(), Some(2));
     }
-    // What the parser of options says goes another way.
+    // Errors of the option parser are printed by other code.
     for stderr in [closed(), full()] {
         assert_eq!(
             call(&["reach".into(), "--seed".into(), "x".into()], stderr)

@@ -50,8 +50,8 @@ fn classify_follows_the_thresholds_in_the_model() {
     }
     let table_csv = fixture().table_csv();
     let scores = table::scores(&underbrush!["score", path, table_csv, "--by", "viterbi"].success());
-    // The few trials of this test may all lie outside the band of the model: one that cuts them in half and quarters
-    // does not.
+    // The few trials of this test may all lie outside the model's band, so a band from the lower quartile of their
+    // margins to the median replaces it.
     let mut margins: Vec<f64> = scores
         .iter()
         .filter(|((model, _), _)| model == "leaf")
@@ -116,8 +116,8 @@ fn given_models_are_evaluated_with_their_thresholds() {
     underbrush!["evaluate", table_csv, "--model", path, "--folds", "3"].refused(&["--model", "--folds"]);
 }
 
-/// Pins that a rate that is too small for the number of trials reports how many trials it takes, and that a rate of 0
-/// is refused.
+/// Pins that a rate that is too small for the number of trials is refused with the number that it takes, and that a
+/// rate of 0 is refused.
 #[test]
 fn rates_that_the_data_cannot_hold_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -140,7 +140,7 @@ fn rates_that_the_data_cannot_hold_are_refused() {
 }
 
 /// Pins the warning of `train`: if both categories give the same forces, thresholds that hold the rate leave nearly
-/// every held-out trial uncertain. It does not warn if they are easy to tell apart.
+/// every held-out trial uncertain. There is no warning if the categories are easy to tell apart.
 #[test]
 fn thresholds_that_decide_nothing_are_warned_of() {
     let folder = tempfile::tempdir().unwrap();

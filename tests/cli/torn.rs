@@ -17,7 +17,7 @@ fn copy() -> (TempDir, PathBuf) {
     (folder, set)
 }
 
-/// Demands that a damaged set is refused by name by everything that reads it, and that no output appears.
+/// Demands that every command that reads a data set refuses a damaged one with these words, and that no output appears.
 #[track_caller]
 fn refused_everywhere(set: &Path, parts: &[&str]) {
     let outputs = tempfile::tempdir().unwrap();
@@ -38,7 +38,7 @@ fn a_whole_copy_is_sound() {
     assert!(underbrush!["inspect", set].success().contains("sound"));
 }
 
-/// Pins that a set without meta/info.json is refused by its name.
+/// Pins that a set without meta/info.json is refused with its path.
 #[test]
 fn without_info_it_is_no_data_set() {
     let (_folder, set) = copy();

@@ -9,7 +9,7 @@ use underbrush_recording::{Frame, Recording, TaxelReading};
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{table, underbrush};
 
-/// Whether a taxel senses more than the threshold that the program takes where none is given.
+/// Whether a taxel senses more than the program's default threshold.
 fn is_in_contact(reading: &TaxelReading) -> bool {
     reading.sensed_force_n > TrialOptions::default().threshold_n
 }
@@ -36,7 +36,7 @@ fn csv_and_parquet_hold_the_same_rows() {
 }
 
 /// Pins that the force of each row is the sensed force of its taxel at that time, that each sensed force of the patch
-/// is in exactly one row, and that the category is that of an object that the taxel touched.
+/// is in exactly one row, and that the category is the category of an object of the reach.
 #[test]
 fn rows_are_what_the_taxels_sensed() {
     let fixture = fixture();

@@ -1,4 +1,4 @@
-//! The page about arm and skin files, and the arm that it works through.
+//! The page about arm and skin files, and the arm that it builds as an example.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -91,7 +91,7 @@ fn listed<'a>(page: &'a str, heading: &str) -> BTreeSet<String> {
 }
 
 /// Pins that `docs/arms.md` lists every key of arm and skin files with its type, unit, range, default and meaning as
-/// the reader of the files has them, and no other key.
+/// the program that reads the files has them, and no other key.
 #[test]
 fn the_page_lists_every_key() {
     let page = std::fs::read_to_string(docs().join("arms.md")).unwrap();

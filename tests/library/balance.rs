@@ -8,7 +8,7 @@ use sweep::Sweep;
 #[path = "../../benches/peers/sweep.rs"]
 mod sweep;
 
-/// Mean torques, Nm, of springs and dampers and of contact forces between the second and third second of the sweep.
+/// Mean torques, Nm, of springs and dampers, and of contact forces, from 2 s to 3 s of the sweep.
 ///
 /// The forearm then moves at its fastest through the leaves, and contact points come and go in every frame.
 fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {
@@ -27,8 +27,8 @@ fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {
     (springs, contacts)
 }
 
-/// Pins that only real contact forces are counted: on the move through leaves, as at rest, contacts balance the
-/// joints' springs and dampers, after subtracting the torques of the same sweep without leaves.
+/// Pins that only real contact forces are counted: while the arm moves through leaves, contacts balance the joints'
+/// springs and dampers, as they do at rest, after the torques of the same sweep without leaves are subtracted.
 ///
 /// The tolerance is 5 %. The leaves push the arm off its free motion by some hundredths of a radian, which changes the
 /// driving torques by a few per cent; these are a fifth of the leaves' torque. Counting old impulses gave 16 %.

@@ -20,7 +20,7 @@ use crate::support::scenes::{LEAVES_AT_FOREARM, TRUNKS_AT_FOREARM};
 
 const POST: Category = Category::new("post", 9).unwrap();
 
-/// Simulated reaches into leaves and into trunks, the trunks called posts.
+/// Simulated reaches into leaves and into trunks. The category of the trunks is changed to `post`.
 fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
     let scene = |name: &str, text: &str, reaches| {
         let scene = Scene::parse(format!("{name}.toml"), text.to_owned());

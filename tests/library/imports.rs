@@ -24,7 +24,7 @@ use tokens::references;
 /// A module's path below the crate's root: `["arm", "skin"]`; empty for `lib.rs` and `main.rs`.
 type Module = Vec<String>;
 
-/// The sources of one crate, by module: where they stand and their text.
+/// The sources of one crate, by module: path and text of each file.
 type Sources = BTreeMap<Module, (PathBuf, String)>;
 
 /// Every crate's folder of sources, with the crate's name.

@@ -1,4 +1,4 @@
-//! The example with a controller of its own.
+//! The example `own_controller`.
 
 #[path = "../../examples/own_controller.rs"]
 #[allow(dead_code, reason = "the example's own `main`")]

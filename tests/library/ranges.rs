@@ -9,7 +9,7 @@ use underbrush_sim::scene::Scene;
 use underbrush_sim::sensor::Sensor;
 use underbrush_sim::simulation::{Setup, Simulation};
 
-/// A trunk, a leaf with its foam, and a roll around the forearm, close enough to be pressed within some frames.
+/// A trunk and two leaves with their foam, near the forearm.
 const AROUND: &str = r#"summary = "One of each, near the arm"
 
 [goals]
@@ -28,10 +28,11 @@ count = 2
 segments = 2
 "#;
 
-/// Simulates some frames while the elbow pushes outwards, and demands finite numbers from engine, skin and sensor.
+/// Simulates ten frames while the elbow pushes outwards, and demands finite numbers from engine, skin and sensor.
 #[track_caller]
 fn stays_finite(plan: &ReachPlan, what: &str) {
-    // Extreme values may leave no room, or give leaves that cannot carry their own weight; that is a proper error.
+    // Extreme values may leave no room, or give leaves that cannot carry their own weight. An error is right then, and
+    // the arm is simulated alone.
     let clutter = plan.draw(0).unwrap_or(Clutter {
         objects: Vec::new(),
         goals: Vec::new(),
@@ -71,8 +72,8 @@ fn run(plan: &ReachPlan, clutter: Clutter, what: &str) {
     }
 }
 
-/// Pins that both ends of every range in a scene are read, and that ten simulated frames with them give only finite
-/// numbers.
+/// Pins that both ends of the ranges of numbers in a scene file are accepted, and that ten simulated frames with them
+/// give only finite numbers.
 #[test]
 fn ends_of_a_scene_s_ranges_can_be_simulated() {
     let roll = "[[objects.foam_roll]]\ncount = 1\nplace = { x_m = 0.25, y_m = 0.1 }\n";
@@ -125,7 +126,8 @@ fn ends_of_a_scene_s_ranges_can_be_simulated() {
     }
 }
 
-/// Pins the same for the ranges of an arm's files.
+/// Pins that both ends of the ranges of numbers in an arm's files are accepted, and that ten simulated frames with them
+/// give only finite numbers.
 #[test]
 fn ends_of_an_arm_s_ranges_can_be_simulated() {
     let cody = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody");

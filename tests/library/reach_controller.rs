@@ -33,8 +33,8 @@ impl Controller for Gradient {
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         assert_eq!(self.frames, 5 * self.calls + 1, "every frame is seen, before control");
         assert_eq!(self.seen_angle_rad, input.joint_angle_rad);
-        // Over a control period of 50 ms the mean velocity lies near the one at its end: of the same sign where the
-        // joint moves at all.
+        // Over a control period of 50 ms, the mean velocity is close to the velocity at the end, and has the same sign
+        // unless the joint hardly moves.
         if let Some(last) = &self.last_angle_rad {
             for (joint, last) in last.iter().enumerate() {
                 let mean_rad_per_s = (input.joint_angle_rad[joint] - last) * RATE_HZ;
@@ -92,7 +92,7 @@ fn a_users_controller_runs_a_reach() {
     assert_eq!(plan.run(0, &mut |_, _| {}).unwrap(), recording);
 }
 
-/// Returns so many equilibrium angles, whatever the arm.
+/// Returns this many equilibrium angles, whatever the arm.
 struct Miscounting(usize);
 
 impl Controller for Miscounting {
@@ -112,8 +112,8 @@ impl Controller for Miscounting {
     }
 }
 
-/// Pins that a controller that returns too few or too many equilibrium angles ends the reach by an error that names it,
-/// the number of angles and the number of joints.
+/// Pins that a controller that returns too few or too many equilibrium angles ends the reach with an error that names
+/// the controller, the number of angles and the number of joints.
 #[test]
 fn a_wrong_number_of_angles_is_an_error() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/leaf.toml");

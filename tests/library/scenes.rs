@@ -52,8 +52,8 @@ fn all_that_the_readers_are_told_of_are_there() {
     }
 }
 
-/// Pins that each scene finds room in six draws, that no two objects overlap except what stands in or passes through
-/// foam, and that nothing touches the arm in the first frame, with every object in the solver.
+/// Pins that the objects of each scene find room in six draws, that no two of them overlap except what stands in or
+/// passes through foam, and that nothing touches the arm in the first frame, with every object in the solver.
 #[test]
 fn every_scene_draws_and_stands_free() {
     let draws: Vec<(PathBuf, u64)> = scenes()
@@ -74,8 +74,8 @@ fn every_scene_draws_and_stands_free() {
     });
 }
 
-/// Whether two footprints are apart: no point on the edge of either lies within the other. A different method than
-/// the program's own test of axes.
+/// Whether two footprints are apart: no point on the edge of either lies within the other. The program itself compares
+/// projections onto axes.
 fn apart(a: &PlacedObject, b: &PlacedObject) -> bool {
     let foam = |placed: &PlacedObject| placed.object.foam_top().is_some();
     if foam(a) != foam(b) {
@@ -122,10 +122,8 @@ fn contacts_at_start(plan: &ReachPlan) -> usize {
     simulation.step(&plan.arm.start_posture_rad()).contacts.len()
 }
 
-/// Pins that the arm truly touches only leaves or foam in leaf scenes and only trunks or foam in trunk scenes, and
-/// that in the five scenes of a category it does touch that category. Pins that in 1,000 draws of every scene each
-/// goal is 6 cm or more from every trunk, roll and bottle, from its surface as an upright cylinder, and that every one
-/// of these draws finds its goals.
+/// Pins that every one of 1,000 draws of each scene finds its goals, and that each goal is 6 cm or more from the
+/// surface of every trunk, roll and bottle, taken as an upright cylinder.
 #[test]
 fn goals_are_clear_of_trunks_and_rolls() {
     let nearest: Vec<(PathBuf, f64)> = scenes()
@@ -174,6 +172,8 @@ fn distance_to_cylinder([x, y, z]: [f64; 3], foot: [f64; 3], [radius, height, _]
     beside.hypot(above)
 }
 
+/// Pins that the arm truly touches only leaves or foam in engineered leaf scenes and only trunks or foam in engineered
+/// trunk scenes, and that in the five scenes of a category it does touch that category.
 #[test]
 fn engineered_scenes_touch_their_own_category() {
     for (prefix, own) in [("leaf-", Category::LEAF), ("trunk-", Category::TRUNK)] {

@@ -1,12 +1,12 @@
-//! Judges JSON values by a JSON Schema, for the keywords that this project's schemas use. It shares no code with
-//! schemars, which makes the schemas, nor with serde, which reads the files.
+//! Validates JSON values against a JSON Schema, for the keywords that this project's schemas use. It shares no code
+//! with schemars, which makes the schemas, nor with serde, which reads the files.
 //!
 //! It is written here because the validators on crates.io turn on features of crates under the physics engine, so that
 //! the tests would compile the engine a second time.
 
 use serde_json::Value;
 
-/// The places where a value breaks the schema, each with the keyword.
+/// The places where a value violates the schema, each with the keyword.
 pub fn faults(schema: &Value, value: &Value) -> Vec<String> {
     let mut found = Vec::new();
     check(schema, schema, value, "", &mut found);
@@ -109,7 +109,8 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
     }
 }
 
-/// Pins that the judge finds each kind of fault, and stops at a keyword that it does not know instead of passing it.
+/// Pins that the validator finds each kind of fault, and panics at a keyword that it does not know instead of ignoring
+/// it.
 #[test]
 fn the_judge_finds_faults() {
     use serde_json::json;

@@ -54,7 +54,7 @@ pub fn call(arguments: Vec<OsString>, stdin: &str) -> Answer {
     let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_underbrush"))
         .args(arguments)
         .write_stdin(stdin)
-        // No call takes half a minute. A program that hangs must fail the test.
+        // No call takes half a minute. The limit makes a test fail if the program hangs.
         .timeout(Duration::from_secs(300))
         .output()
         .unwrap();

@@ -82,8 +82,8 @@ fn verdicts_follow_from_the_probabilities() {
     assert!(seen > 0, "the reach has contacts");
 }
 
-/// Pins that frames on standard input give the lines of the recording, byte for byte and with any number of threads,
-/// that only times, forces and the pose of the patch are needed, and that a line without the pose is refused.
+/// Pins that frames on standard input give the same lines as the recording, byte for byte and for any number of
+/// threads, that only times, forces and the pose of the patch are needed, and that a line without the pose is refused.
 #[test]
 fn frames_on_standard_input_are_answered_alike() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,7 +120,7 @@ fn frames_on_standard_input_are_answered_alike() {
         &line(false, &frames[0]),
     );
     assert_eq!(lines(&without.success())[0]["error"]["field"], "patch_pose_world");
-    // After a reset the same frames are answered alike.
+    // After a reset the same frames get the same answers.
     let first: String = frames.iter().take(50).map(|frame| line(true, frame)).collect();
     let twice = format!("{first}{{\"reset\":true}}\n{first}");
     let twice = call(vec!["classify".into(), model().into(), "-".into()], &twice).success();
@@ -128,7 +128,7 @@ fn frames_on_standard_input_are_answered_alike() {
     assert_eq!(twice[..50], twice[51..]);
 }
 
-/// Pins that each option of the decision changes the verdicts as it says.
+/// Pins that each option of the decision changes the verdicts as described.
 #[test]
 fn the_decision_can_be_chosen() {
     let folder = tempfile::tempdir().unwrap();

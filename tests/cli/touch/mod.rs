@@ -1,4 +1,4 @@
-//! The commands with the classifier `touch`; `train`, `inspect` and `schema` in this file.
+//! The commands with the classifier `touch`. The tests of `train`, `inspect` and `schema` are in this file.
 
 mod classify;
 mod evaluate;

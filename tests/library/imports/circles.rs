@@ -56,7 +56,7 @@ fn defining_module(references: &BTreeMap<&Module, References>, path: &[String], 
             continue;
         }
         let imported = references.get(&module).and_then(|found| found.imports.get(segment));
-        // Two modules that re-export each other would go on for ever.
+        // Without a limit, two modules that re-export each other would be followed for ever.
         if let Some(imported) = imported.filter(|_| depth < 10) {
             let onward = [&imported[..], &path[index + 1..]].concat();
             return defining_module(references, &onward, depth + 1);

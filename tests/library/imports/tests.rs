@@ -21,7 +21,7 @@ fn named(files: &[(&str, &str)]) -> Vec<String> {
         .collect()
 }
 
-/// Pins that every way in which a module can name another of its crate is read.
+/// Pins that every way in which a module can name another module of its crate is read.
 #[test]
 fn every_style_of_import_is_read() {
     for text in [
@@ -55,7 +55,8 @@ fn every_style_of_import_is_read() {
     }
 }
 
-/// Pins what is no dependency between siblings: tests, comments, texts, other crates, and a parent with its own parts.
+/// Pins that these are not read as dependencies between siblings: tests, comments, strings, other crates, and a parent
+/// and its own submodules.
 #[test]
 fn what_is_no_import_is_not_read() {
     for text in [

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What a file says of other modules of its crate.
+/// What a file says about other modules of its crate.
 #[derive(Default)]
 pub(super) struct References {
     /// Absolute paths that the file names, in `use` declarations and in code.
@@ -73,7 +73,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a tree of imports behind the path `before`: `a::{b, c as d}`.
+    /// Reads a tree of imports after the path `before`: `a::{b, c as d}`.
     fn read_use(&mut self, module: &Module, before: &mut Vec<String>, tokens: &[TokenTree]) {
         for tree in tokens
             .split(|token| is_punct(token, ','))
@@ -132,7 +132,7 @@ impl Reader<'_> {
     }
 }
 
-/// The identifiers from `at` on that `::` joins, and where they end.
+/// The identifiers joined by `::` that begin at `at`, and the index after them.
 fn path(tokens: &[TokenTree], mut at: usize) -> (Vec<String>, usize) {
     let mut segments = Vec::new();
     while let Some(TokenTree::Ident(segment)) = tokens.get(at) {
@@ -147,7 +147,7 @@ fn path(tokens: &[TokenTree], mut at: usize) -> (Vec<String>, usize) {
     (segments, at)
 }
 
-/// Where an item that begins at `at` ends: behind its body or its semicolon.
+/// The index after an item that begins at `at`: after its body or its semicolon.
 fn end_of_item(tokens: &[TokenTree], at: usize) -> usize {
     let end = (at..tokens.len()).find(|index| match &tokens[*index] {
         TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,

@@ -1,11 +1,11 @@
 //! Cantilevers under small loads (Timoshenko, *Strength of Materials*).
 
-/// Deflection, m, of a clamped beam where a load across it acts, `height_m` from the clamp: P a³ / 3 E I.
+/// Deflection, m, of a clamped beam at a transverse load that acts `height_m` from the clamp: P a³ / 3 E I.
 pub fn beam_deflection_m(load_n: f64, height_m: f64, flexural_rigidity_n_m2: f64) -> f64 {
     load_n * height_m.powi(3) / (3.0 * flexural_rigidity_n_m2)
 }
 
-/// The first root of cos β cosh β = −1, times the length the first mode's wave number of a clamped beam.
+/// The first root β of cos β cosh β = −1: the wave number of a clamped beam's first mode times its length.
 pub const FIRST_ROOT: f64 = 1.875_104_068_711_961;
 
 /// First natural frequency, rad/s, of a clamped beam: β² √(E I / ρA L⁴).

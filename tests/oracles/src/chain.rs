@@ -1,11 +1,11 @@
-//! A cantilever as a chain of rigid pieces, with hinges at the nodes of Gauss-Legendre quadrature over its length and
-//! of compliance w L / E I, w being a node's weight (sum 1).
+//! A cantilever as a chain of rigid pieces. Its hinges are at the nodes of Gauss-Legendre quadrature over its length
+//! and have the compliance w L / E I, where w is the weight of the node (the weights sum to 1).
 //!
-//! A load P across the tip bends hinge k by P (L − x_k) w_k L / E I, and the tip moves by that times L − x_k: the sum
-//! over the hinges is the quadrature of the beam's P ∫ (L − x)² dx / E I. The integrand is a polynomial of degree 2,
-//! and n nodes integrate up to degree 2n − 1 exactly, so the chain's tip deflects by P L³ / 3 E I for every n from 2
-//! on. Under a load at a < L the integrand is (a − x)² below a and 0 above, which is no polynomial: there the chain has
-//! an error, and [`deflection_m`] gives the chain's own deflection.
+//! A transverse load P at the tip bends hinge k by P (L − x_k) w_k L / E I, and the tip moves by this angle times
+//! L − x_k. The sum over the hinges is the quadrature of the beam's P ∫ (L − x)² dx / E I. The integrand is a
+//! polynomial of degree 2, and n nodes integrate up to degree 2n − 1 exactly. The chain's tip therefore deflects by P
+//! L³ / 3 E I for every n ≥ 2. Under a load at a < L the integrand is (a − x)² below a and 0 above, which is not a
+//! polynomial. In this case the chain has an error, and [`deflection_m`] gives the chain's own deflection.
 
 use std::f64::consts::PI;
 
@@ -33,8 +33,8 @@ const TABLE: [(u32, &[(f64, f64)]); 3] = [
     ),
 ];
 
-/// The hinges of a chain of unit length, lowest first: places and weights. `None` for numbers of hinges that are not in
-/// the table; 2, 4 and 8 are.
+/// The hinges of a chain of unit length, lowest first: places and weights. `None` if `count` is not in the table, which
+/// has 2, 4 and 8.
 pub fn hinges(count: u32) -> Option<Vec<(f64, f64)>> {
     let (_, half) = TABLE.iter().find(|(known, _)| *known == count)?;
     let mirrored = half.iter().rev().map(|(node, weight)| (-node, *weight));
@@ -42,8 +42,8 @@ pub fn hinges(count: u32) -> Option<Vec<(f64, f64)>> {
     Some(whole.map(|(node, weight)| ((1.0 + node) / 2.0, weight / 2.0)).collect())
 }
 
-/// Deflection, m, where a small load across the chain acts, `height_m` from the clamp: Σ P (a − x_k)² w_k L / E I over
-/// the hinges below the load. `None` as for [`hinges`].
+/// Deflection, m, of a chain at a small transverse load that acts `height_m` from the clamp: Σ P (a − x_k)² w_k L / E I
+/// over the hinges below the load. `None` as for [`hinges`].
 pub fn deflection_m(load_n: f64, height_m: f64, length_m: f64, flexural_rigidity_n_m2: f64, count: u32) -> Option<f64> {
     let deflection_m = |(place, weight): (f64, f64)| {
         let lever_m = (height_m - place * length_m).max(0.0);
@@ -52,14 +52,14 @@ pub fn deflection_m(load_n: f64, height_m: f64, length_m: f64, flexural_rigidity
     Some(hinges(count)?.into_iter().map(deflection_m).sum())
 }
 
-/// How far the tip of a chain with `count` hinges may be from that of a strip that is bent far, in lengths, to leading
-/// order, in either direction.
+/// How far the tip of a chain with `count` hinges may be from the tip of a strip under a large deflection, in strip
+/// lengths, to leading order, across or along the strip.
 ///
 /// The slope of the chain is a staircase about the strip's slope θ(s). Its error e has two effects on the tip,
 /// (∫ sin θ ds, ∫ cos θ ds). The first, linear in e, is the error of the quadrature, which falls faster than any power
 /// of n. The second is −½ ∫ sin θ e² ds sideways and −½ ∫ cos θ e² ds along the strip. Over a piece of length h about a
-/// node e runs from −κ h / 2 to κ h / 2, κ = θ′, so the mean of e² is κ² h² / 12; and near s the nodes are h = π √(s (1
-/// − s)) / n apart, in lengths. Sine and cosine are at most 1, so both are at most (π² / 24 n²) ∫ s (1 − s) κ² ds.
+/// node e runs from −κ h / 2 to κ h / 2, κ = θ′, so the mean of e² is κ² h² / 12; and near s the nodes are h = π √(s
+/// (1 − s)) / n apart, in lengths. Sine and cosine are at most 1, so both are at most (π² / 24 n²) ∫ s (1 − s) κ² ds.
 pub fn far_bending_error(bending: f64, count: u32) -> f64 {
     PI * PI / 24.0 / f64::from(count).powi(2) * bending
 }
@@ -69,9 +69,8 @@ pub fn arc_bending(angle_rad: f64) -> f64 {
     angle_rad * angle_rad / 6.0
 }
 
-/// ∫ s (1 − s) κ² ds of a strip of unit length under a tip load; `load` is P L² / E I. As the slope obeys
-/// κ′ = −load · cos θ, the curvature is the load times the lever that is left, load · (z(1) − z(s)), z being the height
-/// over the clamp.
+/// ∫ s (1 − s) κ² ds of a strip of unit length under a tip load; `load` is P L² / E I. Because κ′ = −load · cos θ, the
+/// curvature is the load times the remaining lever arm, load · (z(1) − z(s)), where z is the height above the clamp.
 pub fn tip_load_bending(load: f64) -> f64 {
     let heights = elastica::heights_under_tip_load(load);
     let spacing = 1.0 / (heights.len() - 1) as f64;
@@ -103,8 +102,8 @@ mod tests {
         assert!(hinges(5).is_none());
     }
 
-    /// Pins that a load on the tip bends the chain exactly as the beam, for any number of hinges, and that one below
-    /// the tip does not.
+    /// Pins that a load at the tip bends the chain exactly like the beam, for any number of hinges, and that a load
+    /// below the tip does not.
     #[test]
     fn tip_load_is_exact() {
         let beam = |height_m| beam_deflection_m(0.7, height_m, 0.02);
@@ -119,7 +118,7 @@ mod tests {
         }
     }
 
-    /// Pins that hinges above the load bend nothing: by hand, two hinges and a load at half the height,
+    /// Pins that hinges above the load do not bend. By hand, for two hinges and a load at half the height:
     /// (1/2 − (1 − 1/√3)/2)² / 2 = 1/24, which for two hinges is the beam's own 1/24.
     #[test]
     fn load_below_the_tip_bends_what_is_below_it() {
@@ -157,8 +156,9 @@ mod tests {
         tip
     }
 
-    /// Pins the leading error of far bending: chains in equilibrium under a tip load, and chains bent by an end moment,
-    /// have at most one and a half times this error, and at least a third of it in one of the two directions.
+    /// Pins the leading error under large deflections: chains in equilibrium under a tip load, and chains bent by an
+    /// end moment, have at most one and a half times this error, and at least a third of it in one of the two
+    /// directions.
     #[test]
     fn far_bending_error_bounds_chains() {
         let holds = |errors: [f64; 2], bound: f64| {

@@ -9,18 +9,19 @@ pub struct Tip {
     pub shortening: f64,
 }
 
-/// Steps of the Runge-Kutta integration: its error, (1/2000)⁴, is far under every tolerance.
+/// Steps of the Runge-Kutta integration: its error, (1/2000)⁴, is far below every tolerance.
 const STEPS: u32 = 2000;
 
-/// Tip under a load P across the straight strip that keeps its direction; `load` is P L² / E I.
+/// Tip under a load P at the tip that acts across the straight strip and keeps its direction; `load` is P L² / E I.
 ///
 /// The slope obeys θ″ = −(P L² / E I) cos θ with θ(0) = 0 and no moment at the tip, θ′(1) = 0. The moment at the clamp
-/// is found by bisection: without one the tip's is negative, with P L it is positive (shooting).
+/// is found by shooting with bisection: if it is 0, the moment at the tip comes out negative, and if it is P L,
+/// positive.
 pub fn under_tip_load(load: f64) -> Tip {
     integrate(load, curvature_at_clamp(load), |_| ()).0
 }
 
-/// Heights over the clamp of points at equal distances along a strip under a tip load, from clamp to tip, in lengths.
+/// Heights above the clamp of points at equal distances along a strip under a tip load, from clamp to tip, in lengths.
 pub fn heights_under_tip_load(load: f64) -> Vec<f64> {
     let mut heights = vec![0.0];
     integrate(load, curvature_at_clamp(load), |height| heights.push(height));
@@ -40,7 +41,7 @@ fn curvature_at_clamp(load: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Tip and its curvature for a curvature at the clamp; `see` is given the height after each step.
+/// The tip and the curvature there, for a given curvature at the clamp; `see` is given the height after each step.
 fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) {
     let step = 1.0 / f64::from(STEPS);
     // (θ, θ′, ∫ sin θ, ∫ cos θ)
@@ -65,8 +66,9 @@ fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) 
 
 /// Relative error of P L³ / 3 E I for a small tip load, to leading order: (4 / 35) (P L² / E I)².
 ///
-/// With α = P L² / E I the slope is θ = α (s − s²/2) + O(α³). The load's lever is the height ∫ cos θ ds, so the
-/// curvature lacks −½ α ∫ θ² from s on and the sideways way lacks θ³/6; added up, that is (4 / 105) α³ of α / 3.
+/// With α = P L² / E I the slope is θ = α (s − s²/2) + O(α³). The load's lever arm is the height ∫ cos θ ds. The linear
+/// theory therefore has too much curvature by ½ α ∫ θ² from s on and too much sideways displacement by θ³/6. Together
+/// these are (4 / 105) α³, compared with α / 3.
 pub fn small_load_error(load: f64) -> f64 {
     4.0 / 35.0 * load * load
 }
@@ -84,8 +86,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins the table of Mattiasson ("Numerical results from large deflection beam and frame problems analysed by
-    /// means of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3, and one value between.
+    /// Pins the table of Mattiasson ("Numerical results from large deflection beam and frame problems analysed by means
+    /// of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3, and one smaller value.
     #[test]
     fn tip_load_gives_the_published_table() {
         let published = [
@@ -125,7 +127,8 @@ mod tests {
         assert_relative_eq!(missing, small_load_error(0.05), max_relative = 1e-2);
     }
 
-    /// Pins the arc: a moment of 2π E I / L closes the circle, π makes a half circle of diameter 2 L / π.
+    /// Pins the arc: a moment of 2π E I / L closes the circle, and one of π E I / L makes a half circle of diameter
+    /// 2 L / π.
     #[test]
     fn end_moment_makes_a_circle() {
         let closed = under_end_moment(std::f64::consts::TAU);

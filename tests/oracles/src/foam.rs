@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-/// Force, N, of a bar of modulus E, area A and height H pressed in by `depth_m`: E A δ / H.
+/// Force, N, of a bar of modulus E, area A and height H that is compressed by `depth_m`: E A δ / H.
 pub fn bar_force_n(modulus_pa: f64, area_m2: f64, height_m: f64, depth_m: f64) -> f64 {
     modulus_pa * area_m2 * depth_m / height_m
 }
@@ -18,7 +18,7 @@ pub fn sag_m(density_kg_per_m3: f64, gravity_m_per_s2: f64, height_m: f64, modul
 pub struct StandardLinearSolid {
     /// Instantaneous stiffness k₀ (any unit of force over displacement).
     pub stiffness: f64,
-    /// Share of it that relaxes away.
+    /// Share of this stiffness that relaxes away.
     pub relaxing_share: f64,
     /// Relaxation time τ at constant displacement, s.
     pub relaxation_time_s: f64,

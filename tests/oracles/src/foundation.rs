@@ -8,7 +8,8 @@ pub fn sphere_force_n(stiffness_n_per_m3: f64, radius_m: f64, depth_m: f64) -> f
     PI * stiffness_n_per_m3 * radius_m * depth_m * depth_m
 }
 
-/// Force, N, of a cylinder pressed `depth_m` across another, radii R₁ and R₂: π k √(R₁ R₂) d².
+/// Force, N, of a cylinder pressed `depth_m` into another that crosses it at a right angle, with radii R₁ and R₂: π
+/// k √(R₁ R₂) d².
 pub fn crossed_cylinders_force_n(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64) -> f64 {
     PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt() * depth_m * depth_m
 }
@@ -37,12 +38,12 @@ pub fn segment_area_m2(radius_m: f64, depth_m: f64) -> f64 {
     radius_m * radius_m * (1.0 - depth_m / radius_m).acos() - (radius_m - depth_m) * half_chord
 }
 
-/// Depth, m, at which two bodies that part as x²/2R₁ + y²/2R₂ press with `force_n`.
+/// Depth, m, at which two bodies whose gap grows as x²/2R₁ + y²/2R₂ press with `force_n`.
 pub fn depth_m(stiffness_n_per_m3: f64, radii_m: [f64; 2], force_n: f64) -> f64 {
     (force_n / (PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt())).sqrt()
 }
 
-/// Pressure, Pa, at `place_m` of the contact plane between bodies that part as x²/2R₁ + y²/2R₂:
+/// Pressure, Pa, at `place_m` of the contact plane between bodies whose gap grows as x²/2R₁ + y²/2R₂:
 /// k (d − x²/2R₁ − y²/2R₂) where that is positive.
 pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, place_m: [f64; 2]) -> f64 {
     let gap = place_m[0].powi(2) / (2.0 * radii_m[0]) + place_m[1].powi(2) / (2.0 * radii_m[1]);
@@ -54,18 +55,19 @@ pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, pla
 pub struct Bounce {
     /// Largest depth, m.
     pub depth_m: f64,
-    /// Time until then, s.
+    /// Time from first contact to the largest depth, s.
     pub deepest_at_s: f64,
-    /// Speed afterwards, m/s.
+    /// Speed after the rebound, m/s.
     pub speed_m_per_s: f64,
-    /// Time for which it touches, s.
+    /// Duration of the contact, s.
     pub duration_s: f64,
 }
 
-/// The bounce of a mass that meets the layer at `speed_m_per_s`. `volume_m3` is the overlap's volume at a depth, and
-/// the layer's loss is Kelvin-Voigt's with the time τ: a column of overlap h presses with k (h + τ dh/dt), never less
-/// than 0. While the body sinks in, that is k (V(d) + τ V'(d) ḋ). While it rises, only columns with h + τ ḋ > 0 press,
-/// and these are the overlap at the depth d + τ ḋ. Integrated by the classical Runge-Kutta method.
+/// The bounce of a mass that meets the layer at `speed_m_per_s`. `volume_m3` gives the volume of the overlap at a
+/// depth. The layer's loss is that of a Kelvin-Voigt material with the time τ: a column of overlap h presses with
+/// k (h + τ dh/dt), but never with less than 0. While the body sinks in, the force is k (V(d) + τ V'(d) ḋ). While it
+/// rises, only columns with h + τ ḋ > 0 press, and their force is k V(d + τ ḋ). Integrated by the classical Runge-Kutta
+/// method.
 pub fn bounce(
     mass_kg: f64,
     stiffness_n_per_m3: f64,
@@ -116,7 +118,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins volume and area against their first terms, π R d² and (4/3) √(2R) d^1.5, and a whole half of ball and disc.
+    /// Pins volume and area against their first terms, π R d² and (4/3) √(2R) d^1.5, and against half a ball and half a
+    /// disc.
     #[test]
     fn caps_and_segments() {
         let (radius, depth) = (0.03_f64, 1e-6_f64);
@@ -165,8 +168,8 @@ mod tests {
         );
     }
 
-    /// Pins the bounce without loss of a ball, ½ m v² = π k R d³ / 3, which returns all of its speed, and of a punch,
-    /// half a period of an oscillator.
+    /// Pins the bounce without loss of a ball, whose depth follows from ½ m v² = π k R d³ / 3 and which keeps its
+    /// speed, and of a flat punch, which lasts half a period of an oscillator.
     #[test]
     fn bounces_without_loss_keep_their_energy() {
         let (mass, stiffness, radius, speed) = (0.2, 3e7, 0.03, 0.3_f64);
@@ -182,7 +185,8 @@ mod tests {
         );
     }
 
-    /// Pins the loss of a punch against the damped oscillator's: at the moment at which the force vanishes.
+    /// Pins depth and speed of a flat punch with loss against the damped oscillator, which leaves at the moment when
+    /// the force vanishes.
     #[test]
     fn a_punch_with_loss_rebounds_as_the_oscillator() {
         let (mass, stiffness, loss_time) = (0.5, 3e7 * 4e-4, 0.002);

@@ -3,7 +3,7 @@
 /// Natural logarithm of Σ over all paths of π(s₁) b₁(s₁) Π a(s_{t−1}, s_t) b_t(s_t). `initial` has one probability per
 /// state, `transition` one row per state, `log_density` one row per sample with one entry per state.
 ///
-/// The number of paths is states^samples: for a handful of each.
+/// The number of paths is states^samples, so this is only for a handful of each.
 pub fn log_sum_over_paths(initial: &[f64], transition: &[Vec<f64>], log_density: &[Vec<f64>]) -> f64 {
     let states = initial.len();
     let samples = log_density.len();
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins the example of Rabiner's tutorial form, by hand: two states, two samples, four paths.
+    /// Pins an example in the form of Rabiner's tutorial, computed by hand: two states, two samples, four paths.
     #[test]
     fn four_paths_by_hand() {
         let initial = [0.6, 0.4];

@@ -12,7 +12,7 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// Of an inertia (kg m² or kg), a stiffness (Nm/rad or N/m) and a damping (Nm s/rad or N s/m).
+    /// The oscillator of an inertia (kg m² or kg), a stiffness (Nm/rad or N/m) and a damping (Nm s/rad or N s/m).
     pub fn new(inertia: f64, stiffness: f64, damping: f64) -> Self {
         Oscillator {
             frequency_rad_per_s: (stiffness / inertia).sqrt(),
@@ -47,8 +47,9 @@ impl Oscillator {
         1.0 - (-decay * time_s).exp() * ((damped * time_s).cos() + decay / damped * (damped * time_s).sin())
     }
 
-    /// A mass that meets a spring with loss at `speed`, and leaves it when k (x + τ dx/dt), with the loss time τ, has
-    /// fallen to zero: the largest displacement and the speed of leaving, for x = v/ω_d e^(−ζω₀t) sin ω_d t.
+    /// The rebound of a mass that meets a spring with loss at `speed` and leaves it when k (x + τ dx/dt), with the loss
+    /// time τ, falls to zero. Returns the largest displacement and the speed on leaving, for x = v/ω_d e^(−ζω₀t)
+    /// sin ω_d t.
     pub fn rebound(&self, speed: f64, loss_time_s: f64) -> (f64, f64) {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
         let damped = self.damped_frequency_rad_per_s();
@@ -70,7 +71,7 @@ impl Oscillator {
     }
 
     /// The oscillator that implicit Euler with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the
-    /// factor 1 / (1 − s Δt) per step, which is that of an oscillator, too.
+    /// factor 1 / (1 − s Δt) per step, which is also the factor of an oscillator.
     pub fn under_implicit_euler(&self, step_s: f64) -> Oscillator {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
         let (real, imaginary) = (1.0 + decay * step_s, self.damped_frequency_rad_per_s() * step_s);
@@ -112,8 +113,8 @@ mod tests {
         }
     }
 
-    /// Pins the rebound: with hardly any loss the speed returns and the depth is v/ω₀; with loss, energy and a fine
-    /// integration.
+    /// Pins the rebound: with hardly any loss, the speed returns and the depth is v/ω₀; with loss, both agree with a
+    /// fine numerical integration.
     #[test]
     fn a_rebound_keeps_what_the_loss_leaves() {
         let elastic = Oscillator::new(0.5, 1e4, 1e-6);
@@ -145,7 +146,8 @@ mod tests {
         );
     }
 
-    /// Pins the implicit Euler map against running one: successive factors of the free vibration.
+    /// Pins the oscillator that implicit Euler simulates against steps of implicit Euler: period and decay of the free
+    /// vibration.
     #[test]
     fn implicit_euler_is_an_oscillator_of_its_own() {
         let (w, z, step) = (EXAMPLE.frequency_rad_per_s, EXAMPLE.damping_ratio, 0.01);

@@ -20,9 +20,9 @@ pub fn in_series(stiffness_n_per_m: &[f64]) -> f64 {
 ///
 /// On rigid ground the moment is W r. Here the cylinder stands on a segment of its base, of width w, once it is tilted
 /// by θ. Near the rim the chord at the distance y from it is 2 √(2 r y), so the pressure k θ (w − y) carries W = k θ
-/// (8/15) √(2 r) w^(5/2) at 3 w / 7 from the rim. The centre of mass at height z moves over by z θ. What remains, W (r
-/// − 3 w / 7 − z θ), is largest at w = (35 z W / (6 k (8/15) √(2 r)))^(2/7), where it is W (r − 3 w / 5). Terms of the
-/// order w² / r are left out.
+/// (8/15) √(2 r) w^(5/2) at 3 w / 7 from the rim. The centre of mass at height z moves sideways by z θ. What remains,
+/// W (r − 3 w / 7 − z θ), is largest at w = (35 z W / (6 k (8/15) √(2 r)))^(2/7), where it is W (r − 3 w / 5). Terms of
+/// the order w² / r are left out.
 pub fn tipping_moment_nm(weight_n: f64, radius_m: f64, center_height_m: f64, stiffness_n_per_m3: f64) -> f64 {
     let segment = 8.0 / 15.0 * (2.0 * radius_m).sqrt() * stiffness_n_per_m3;
     let width_m = (35.0 * center_height_m * weight_n / (6.0 * segment)).powf(2.0 / 7.0);
