@@ -15,7 +15,7 @@ data = ub.generate(["leaf", "trunk"], reaches=2, out=Path(tempfile.mkdtemp()) / 
 trials = data.trials(labels="environment", min_samples=20)
 
 # %%
-# Theirs among ours: the folds, the baselines and the intervals of underbrush.
+# A scikit-learn classifier, evaluated with the folds, baselines and intervals of underbrush.
 forest = FixedWindow(RandomForestClassifier(100, random_state=0), samples=20)
 compared: list[tuple[str, ub.Options | FixedWindow]] = [("hidden Markov models", ub.Options()), ("random forest", forest)]
 for name, classifier in compared:
@@ -23,7 +23,7 @@ for name, classifier in compared:
     print(f"{name}: accuracy {found['accuracy']:.3f}, balanced {found['balanced_accuracy']:.3f}")
 
 # %%
-# Ours among theirs: an estimator of scikit-learn.
+# A classifier of underbrush as an estimator of scikit-learn.
 rows, y, groups = trials.padded(samples=100), np.array(trials.categories), np.array(trials.reaches)
 print(cross_val_score(HiddenMarkovClassifier(states=5), rows, y, groups=groups, cv=GroupKFold(2)))
 

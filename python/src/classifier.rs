@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::feature::MOTION;
 use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::trial::TrialOptions;
@@ -199,7 +200,9 @@ impl PyModel {
             decision: self.deciding(decision)?,
         };
         let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
-        Ok(Online::of_contacts(classifier, self.categories(), skin))
+        let patch = skin.layout.chosen_patch(options.patch.as_deref());
+        let needs_pose_of = patch.filter(|_| self.model.classifier.features().contains(&MOTION));
+        Ok(Online::of_contacts(classifier, self.categories(), skin, needs_pose_of))
     }
 
     fn __repr__(&self) -> String {

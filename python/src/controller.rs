@@ -167,19 +167,34 @@ fn maker(object: &Bound<'_, PyAny>, stop: &Arc<Stop>) -> Result<MakeController, 
             } else {
                 Ok(bound.clone())
             };
-            let callable = made.map_err(|error| stop.raise(error)).ok();
-            let rate = callable
-                .as_ref()
-                .and_then(|own| own.getattr("rate_hz").ok()?.extract::<f64>().ok());
+            let rated = made.and_then(|own| Ok((rate_hz(&own)?, own)));
+            let (rate, callable) = rated.map_err(|error| stop.raise(error)).ok().unzip();
             let controller: Box<dyn Controller> = Box::new(PythonController {
                 name: name_of(callable.as_ref().unwrap_or(bound)),
-                rate_hz: rate.filter(|rate| *rate > 0.0).unwrap_or(RATE_HZ),
+                rate_hz: rate.unwrap_or(RATE_HZ),
                 callable: callable.map(Bound::unbind),
                 stop: Arc::clone(&stop),
             });
             controller
         })
     }))
+}
+
+/// How often a Python controller wants to be called, Hz: its attribute `rate_hz`, or [`RATE_HZ`] if it has none.
+///
+/// # Errors
+/// [`Failure::Input`] as an exception, for anything but a positive number.
+fn rate_hz(controller: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let Some(value) = controller.getattr_opt("rate_hz")? else {
+        return Ok(RATE_HZ);
+    };
+    match value.extract::<f64>() {
+        Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
+        _ => {
+            let found = value.repr()?.to_string();
+            Err(Failure::argument("rate_hz of the controller", found, "a number above 0, Hz", "correct it").into())
+        }
+    }
 }
 
 /// Adds the class of this file.

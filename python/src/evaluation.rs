@@ -30,6 +30,9 @@ struct Results {
     by_samples: Option<Vec<AccuracyBySamples>>,
 }
 
+/// Number of folds if it is not given.
+const FOLDS: usize = 2;
+
 /// How trials are grouped into folds.
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {
     let by = match group {
@@ -45,14 +48,14 @@ fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Fa
 
 /// Cross-validate a classifier; or evaluate a model, or a classifier fitted to other trials, on trials with ground truth.
 #[pyfunction]
-#[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = 2, group = None, train = None, decision = None,
+#[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = None, group = None, train = None, decision = None,
                                        by_samples = false, jobs = None))]
 #[allow(clippy::too_many_arguments, reason = "options by name")]
 fn evaluate_trials<'py>(
     py: Python<'py>,
     trials: &Trials,
     classifier: &Bound<'py, PyAny>,
-    folds: usize,
+    folds: Option<usize>,
     group: Option<&str>,
     train: Option<&Trials>,
     decision: Option<&Bound<'py, PyAny>>,
@@ -60,7 +63,14 @@ fn evaluate_trials<'py>(
     jobs: Option<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let list = &trials.list;
+    let of_folds = [
+        ("folds", folds.is_some()),
+        ("group", group.is_some()),
+        ("by_samples", by_samples),
+    ];
     if let Ok(model) = classifier.cast::<PyModel>() {
+        refuse("a fitted model", &of_folds)?;
+        refuse("a fitted model", &[("train", train.is_some())])?;
         let decision = model.get().deciding(decision)?;
         let model = &model.get().model;
         let judged = pool::detached(py, jobs, || Ok(evaluate(model.classifier.as_ref(), list, &decision)?))?;
@@ -72,6 +82,8 @@ fn evaluate_trials<'py>(
     };
     let decision = self::decision(decision, None, misfit)?;
     if !classifier.hasattr("fit_trials")? && classifier.hasattr("scores")? {
+        refuse("a fitted classifier", &of_folds)?;
+        refuse("a fitted classifier", &[("train", train.is_some())])?;
         let raised = Arc::new(Stop::default());
         let fitted = PythonClassifier::of(classifier, &raised)?;
         let judged = pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?));
@@ -79,7 +91,10 @@ fn evaluate_trials<'py>(
     }
     let (estimator, raised) = estimator_of(classifier)?;
     let estimator: &dyn Estimator = estimator.as_ref();
-    let own = self::folds(trials, folds, group)?;
+    if train.is_some() {
+        refuse("train", &of_folds)?;
+    }
+    let own = self::folds(trials, folds.unwrap_or(FOLDS), group)?;
     let judged = pool::detached(py, jobs, || match train {
         Some(train) => {
             let fitted: Box<dyn Classifier> = estimator.fit(&train.all())?;
@@ -98,6 +113,25 @@ fn evaluate_trials<'py>(
         }
     });
     json::to_python(py, &judged.map_err(|failure| raised.reason(failure))?)
+}
+
+/// Refuses arguments that would have no effect.
+///
+/// # Errors
+/// [`Failure::Input`] for the first that is given.
+fn refuse(with: &str, arguments: &[(&str, bool)]) -> Result<(), Failure> {
+    match arguments.iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((name, _)) => {
+            let allowed = "only for cross-validation, or train for a classifier to fit";
+            Err(Failure::argument(
+                *name,
+                format!("given with {with}"),
+                allowed,
+                "leave it out",
+            ))
+        }
+    }
 }
 
 fn without_folds(evaluation: Evaluation) -> Results {

@@ -29,6 +29,8 @@ pub struct Options {
     pub classifier: &'static str,
     features: Option<underbrush_classifier::feature::FeatureSet>,
     recipe: Option<Recipe>,
+    /// The first given option that models which are trained further keep.
+    kept: Option<&'static str>,
 }
 
 impl Options {
@@ -75,6 +77,16 @@ impl Options {
     ) -> Result<Self, Failure> {
         let kind = registry::find(classifier).ok_or_else(|| unknown(classifier))?;
         let features = self::features(features)?;
+        let kept = [
+            ("classifier", kind.name != HMM),
+            ("features", features.is_some()),
+            ("recipe", recipe.is_some()),
+            ("states", states.is_some()),
+            ("topology", topology.is_some()),
+            ("initial", initial.is_some()),
+            ("max_samples", max_samples.is_some()),
+        ];
+        let kept = kept.into_iter().find(|(_, given)| *given).map(|(option, _)| option);
         if kind.name != HMM {
             let given = [
                 ("recipe", recipe.is_some()),
@@ -100,6 +112,7 @@ impl Options {
                 classifier: kind.name,
                 features,
                 recipe: None,
+                kept,
             });
         }
         let mut own = match recipe {
@@ -127,6 +140,7 @@ impl Options {
             classifier: kind.name,
             features,
             recipe: Some(own),
+            kept,
         })
     }
 
@@ -147,6 +161,19 @@ fn fit(
     outlier_prior: f64,
     jobs: Option<usize>,
 ) -> Result<PyModel, Failure> {
+    if let (Some(_), Some(option)) = (start, options.kept) {
+        let allowed = "only the training options, because the start models keep the others";
+        return Err(Failure::argument(option, "given with start", allowed, "leave it out"));
+    }
+    if start.is_some() && false_positive_rate.is_some() {
+        let allowed = "only without start, because thresholds are chosen on models that are fitted anew";
+        return Err(Failure::argument(
+            "false_positive_rate",
+            "given with start",
+            allowed,
+            "leave it out",
+        ));
+    }
     let estimator = || options.estimator();
     let decision = || -> Result<_, Failure> {
         let Some(false_positive_rate) = false_positive_rate else {

@@ -18,6 +18,15 @@ pub struct PyFrame {
     pub layout: Arc<SkinLayout>,
 }
 
+/// The pose of a patch whose pose was not given. No rotation has this quaternion.
+const NO_POSE: Pose = Pose {
+    position: DVec3::ZERO,
+    orientation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+};
+
+/// How far the length of a given quaternion may be from 1. Choice: enough for one written with three digits.
+const QUATERNION_TOLERANCE: f64 = 2e-3;
+
 /// The pose from its seven numbers.
 pub fn pose_of(numbers: &[f64]) -> Pose {
     Pose {
@@ -27,6 +36,11 @@ pub fn pose_of(numbers: &[f64]) -> Pose {
 }
 
 impl PyFrame {
+    /// Whether the frame has the pose of a patch.
+    pub fn has_pose(&self, patch: usize) -> bool {
+        self.frame.patch_pose_world[patch].orientation != NO_POSE.orientation
+    }
+
     /// One number for each taxel of a patch.
     fn of_taxels<T: Clone>(
         &self,
@@ -79,11 +93,23 @@ impl PyFrame {
                 });
             }
         }
-        let mut poses = vec![Pose::IDENTITY; layout.patches.len()];
+        let mut poses = vec![NO_POSE; layout.patches.len()];
         for (name, value) in patch_poses.into_iter().flatten() {
             let name: String = name.extract()?;
             let index = patch_index(&layout, Some(&name))?;
-            poses[index] = pose_of(&array::finite(&value, &name, &[Some(7)])?.0);
+            let pose = pose_of(&array::finite(&value, &name, &[Some(7)])?.0);
+            let length = pose.orientation.length();
+            if (length - 1.0).abs() > QUATERNION_TOLERANCE {
+                let found = format!("a quaternion of length {length} for the patch {name}");
+                let allowed = "x, y, z in metres, and a quaternion x, y, z, w of length 1";
+                return Err(Failure::argument(
+                    "patch_poses",
+                    found,
+                    allowed,
+                    "normalize the quaternion",
+                ));
+            }
+            poses[index] = pose;
         }
         if !time_s.is_finite() {
             return Err(Failure::argument(

@@ -7,6 +7,7 @@ use underbrush_recording::disk::{Dataset, DiskError, Shards};
 
 use crate::dataset::PyDataset;
 use crate::failure::Failure;
+use crate::pool::guarded;
 
 /// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes,
 /// byte for byte.
@@ -31,12 +32,12 @@ use crate::failure::Failure;
 #[pyfunction]
 #[pyo3(signature = (parts, out, *, resume = false))]
 fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf, resume: bool) -> Result<PyDataset, Failure> {
-    let merged = py.detach(|| match Shards::open(parts)?.merge(&out, resume, || ()) {
+    let merge = || match Shards::open(parts)?.merge(&out, resume, || ()) {
         // With `resume`, this means that the set has the same plan.
-        Err(DiskError::Finished { .. }) if resume => Dataset::open(&out),
-        merged => merged,
-    });
-    Ok(PyDataset::new(merged?))
+        Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
+        merged => Ok(merged?),
+    };
+    Ok(PyDataset::new(py.detach(|| guarded(merge))?))
 }
 
 /// Adds the function of this file.

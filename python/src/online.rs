@@ -23,6 +23,8 @@ pub struct Online {
     state: Mutex<Kind>,
     categories: Vec<String>,
     layout: Arc<SkinLayout>,
+    /// The patch whose pose the classifier needs, because it uses motion.
+    needs_pose_of: Option<usize>,
     /// What a Python classifier raised.
     raised: Option<Arc<Stop>>,
 }
@@ -33,9 +35,15 @@ enum Kind {
 }
 
 impl Online {
-    /// Verdicts of a classifier of trials.
-    pub fn of_contacts(classifier: OnlineClassifier, categories: Vec<String>, skin: &Skin) -> Self {
+    /// Verdicts of a classifier of trials. `needs_pose_of` is the patch whose pose it needs, if it uses motion.
+    pub fn of_contacts(
+        classifier: OnlineClassifier,
+        categories: Vec<String>,
+        skin: &Skin,
+        needs_pose_of: Option<usize>,
+    ) -> Self {
         Online {
+            needs_pose_of,
             state: Mutex::new(Kind::Contacts(Box::new(classifier))),
             categories,
             layout: Arc::clone(&skin.layout),
@@ -45,7 +53,9 @@ impl Online {
 
     /// Verdicts of a touch model.
     pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
+        let patch = classifier.model().options().patch.as_deref();
         Online {
+            needs_pose_of: skin.layout.chosen_patch(patch),
             categories: classifier.model().categories().to_vec(),
             state: Mutex::new(Kind::Touch(Box::new(classifier))),
             layout: Arc::clone(&skin.layout),
@@ -90,6 +100,16 @@ impl Online {
                 "a frame of another skin",
                 allowed,
                 "make a classifier for it",
+            ));
+        }
+        if let Some(patch) = self.needs_pose_of.filter(|patch| !frame.has_pose(*patch)) {
+            let name = &self.layout.patches[patch].name;
+            let allowed = "a frame with this pose, because the classifier uses motion";
+            return Err(Failure::argument(
+                "frame",
+                format!("no pose of the patch {name}"),
+                allowed,
+                format!("make it with patch_poses={{{name:?}: …}}"),
             ));
         }
         let mut state = self.lock()?;
@@ -157,7 +177,7 @@ fn online(
     let categories = underbrush_classifier::estimator::Classifier::categories(&own);
     Ok(Online {
         raised: Some(own.raised()),
-        ..Online::of_contacts(made, categories, skin)
+        ..Online::of_contacts(made, categories, skin, None)
     })
 }
 

@@ -11,13 +11,13 @@ use crate::failure::Failure;
 pub fn bytes_of(recording: &Recording) -> Result<Vec<u8>, Failure> {
     let file = Temporary::new()?;
     write_recording(file.path(), recording)?;
-    std::fs::read(file.path()).map_err(|error| Failure::Run(error.to_string()))
+    std::fs::read(file.path()).map_err(|error| Failure::Storage(error.to_string()))
 }
 
 /// The recording in the bytes of a file.
 pub fn recording_of(bytes: &[u8]) -> Result<Recording, Failure> {
     let file = Temporary::new()?;
-    std::fs::write(file.path(), bytes).map_err(|error| Failure::Run(error.to_string()))?;
+    std::fs::write(file.path(), bytes).map_err(|error| Failure::Storage(error.to_string()))?;
     Ok(read_recording(file.path())?)
 }
 
@@ -29,7 +29,7 @@ impl Temporary {
     fn new() -> Result<Self, Failure> {
         tempfile::tempdir()
             .map(Temporary)
-            .map_err(|error| Failure::Run(error.to_string()))
+            .map_err(|error| Failure::Storage(error.to_string()))
     }
 
     /// The path of the file in it.

@@ -89,7 +89,7 @@ pub fn controller_kind(name: &str) -> Result<ControllerKind, Failure> {
 /// A drawing of a simulation in its present state.
 pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> Picture {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
-    let frame = simulation.frame(&plan.arm.start_posture_rad(), 0, goal);
+    let frame = simulation.frame(0, goal);
     let categories: Vec<_> = simulation
         .clutter()
         .objects

@@ -25,17 +25,12 @@ pub struct PySimulation {
     plan: ReachPlan,
     layout: Arc<SkinLayout>,
     index: u64,
-    state: Mutex<State>,
-}
-
-struct State {
-    simulation: Simulation,
-    equilibrium_rad: Vec<f64>,
+    state: Mutex<Simulation>,
 }
 
 impl PySimulation {
     /// The state, unless another thread is using it.
-    fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
+    fn lock(&self) -> Result<MutexGuard<'_, Simulation>, Failure> {
         match self.state.try_lock() {
             Ok(state) => Ok(state),
             // After a panic of the engine, the state may be one from the middle of a frame, so the simulation cannot go
@@ -55,19 +50,12 @@ impl PySimulation {
         Ok(array::finite(value, "equilibrium_rad", &[Some(joints)])?.0)
     }
 
-    fn frame(&self, state: &State) -> PyFrame {
-        let goal = state.simulation.clutter().goals.first().copied().unwrap_or(DVec3::ZERO);
+    fn frame(&self, simulation: &Simulation) -> PyFrame {
+        let goal = simulation.clutter().goals.first().copied().unwrap_or(DVec3::ZERO);
         PyFrame {
-            frame: state.simulation.frame(&state.equilibrium_rad, 0, goal),
+            frame: simulation.frame(0, goal),
             layout: Arc::clone(&self.layout),
         }
-    }
-}
-
-impl State {
-    fn step(&mut self, equilibrium_rad: Vec<f64>) {
-        self.simulation.step(&equilibrium_rad);
-        self.equilibrium_rad = equilibrium_rad;
     }
 }
 
@@ -81,14 +69,10 @@ impl PySimulation {
             guarded(|| {
                 let plan = ReachPlan::new(scene, None, seed)?;
                 let simulation = plan.simulation(index)?;
-                let equilibrium_rad = plan.arm.start_posture_rad();
                 Ok(PySimulation {
                     layout: Arc::new(plan.arm.skin.layout.clone()),
                     index,
-                    state: Mutex::new(State {
-                        simulation,
-                        equilibrium_rad,
-                    }),
+                    state: Mutex::new(simulation),
                     plan,
                 })
             })
@@ -101,9 +85,9 @@ impl PySimulation {
         py.detach(|| {
             guarded(|| {
                 // Locked in here, so that a panic of the engine marks the state as unusable.
-                let mut state = self.lock()?;
-                state.step(angles);
-                Ok(self.frame(&state))
+                let mut simulation = self.lock()?;
+                simulation.step(&angles);
+                Ok(self.frame(&simulation))
             })
         })
     }
@@ -116,25 +100,22 @@ impl PySimulation {
 
     /// The present state as bytes, for `restore`.
     fn save<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
-        Ok(PyBytes::new(py, &self.lock()?.simulation.save()?))
+        Ok(PyBytes::new(py, &self.lock()?.save()?))
     }
 
     /// Continue, bit for bit, from a state that was saved by a simulation of the same scene, seed and index.
     fn restore(&self, state: &[u8]) -> Result<(), Failure> {
-        Ok(self.lock()?.simulation.load(state)?)
+        Ok(self.lock()?.load(state)?)
     }
 
     /// A copy that continues exactly as this one would.
     fn copy(&self) -> Result<Self, Failure> {
-        let state = self.lock()?;
+        let simulation = self.lock()?.clone();
         Ok(PySimulation {
             plan: self.plan.clone(),
             layout: Arc::clone(&self.layout),
             index: self.index,
-            state: Mutex::new(State {
-                simulation: state.simulation.clone(),
-                equilibrium_rad: state.equilibrium_rad.clone(),
-            }),
+            state: Mutex::new(simulation),
         })
     }
 
@@ -157,8 +138,8 @@ impl PySimulation {
     /// The goals of the reach, m, world frame: (goals, 3).
     #[getter]
     fn goals_world<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        let state = self.lock()?;
-        let goals = &state.simulation.clutter().goals;
+        let simulation = self.lock()?;
+        let goals = &simulation.clutter().goals;
         let numbers: Vec<f64> = goals.iter().flat_map(|goal| goal.to_array()).collect();
         Ok(array::lend(py, numbers, &[goals.len(), 3])?)
     }
@@ -166,21 +147,17 @@ impl PySimulation {
     /// Ground truth: the largest force between one link and one object in the last frame, N.
     #[getter]
     fn largest_contact_force_n(&self) -> Result<f64, Failure> {
-        let state = self.lock()?;
-        Ok(state
-            .simulation
-            .report()
-            .tactile
-            .largest_force()
-            .map_or(0.0, |force| force.force_n))
+        let simulation = self.lock()?;
+        let largest = simulation.report().tactile.largest_force();
+        Ok(largest.map_or(0.0, |force| force.force_n))
     }
 
     /// Draw arm and clutter as they are now.
     fn draw(&self) -> Result<Picture, Failure> {
-        let state = self.lock()?;
-        let time_s = state.simulation.report().time_s();
+        let simulation = self.lock()?;
+        let time_s = simulation.report().time_s();
         let caption = format!("{}: {time_s:.2} s after the start", self.plan.scene.file.summary);
-        Ok(scene::drawn(&self.plan, &state.simulation, &caption))
+        Ok(scene::drawn(&self.plan, &simulation, &caption))
     }
 
     fn _repr_svg_(&self) -> Result<String, Failure> {
@@ -235,11 +212,11 @@ fn step_many(
         // All are locked first: if another thread is using one of them, none has moved.
         let states: Result<Vec<_>, Failure> = simulations.iter().map(|simulation| simulation.lock()).collect();
         let mut states = states?;
-        let mut states: Vec<&mut State> = states.iter_mut().map(|state| &mut **state).collect();
+        let mut states: Vec<&mut Simulation> = states.iter_mut().map(|state| &mut **state).collect();
         let stepped = states.par_iter_mut().zip(angles.par_chunks(joints)).zip(&simulations);
         Ok(stepped
             .map(|((state, angles), simulation)| {
-                state.step(angles.to_vec());
+                state.step(angles);
                 simulation.frame(state)
             })
             .collect())

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
 use underbrush_classifier::touch::{RiskLimits, TouchClassifier, TouchExamples, TouchModel, TouchOptions};
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::{Recording, read_text};
 
 use crate::failure::Failure;
 use crate::json;
@@ -85,15 +85,7 @@ impl PyTouchModel {
     /// Read a model file.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(&path).map_err(|error| {
-            InputError::new(
-                &path,
-                "file",
-                error.to_string(),
-                "a readable model file",
-                "check the path",
-            )
-        })?;
+        let text = read_text(&path, "a readable model file", "check the path")?;
         let model = Arc::new(TouchModel::from_json(&path, &text)?);
         Ok(PyTouchModel { model })
     }

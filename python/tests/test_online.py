@@ -134,8 +134,15 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
 
 
 def test_bad_frames_are_refused(data: ub.Dataset) -> None:
-    """Pins that a frame of another skin, of a wrong shape or with NaN is refused."""
+    """Pins that a frame of another skin, of a wrong shape, with NaN, or without a pose that is needed is refused."""
     model = ub.fit(data.trials(), states=2)
+    assert model.online(data.skin).update(ub.Frame(data.skin, 0.0, {})) == []
+    moving = ub.fit(data.trials(), states=2, features="force,motion")
+    for classifier in (moving, ub.TouchModel.fit(list(data))):
+        with pytest.raises(ub.InputError, match="no pose of the patch forearm"):
+            classifier.online(data.skin).update(ub.Frame(data.skin, 0.0, {}))
+    with pytest.raises(ub.InputError, match="quaternion of length 2"):
+        ub.Frame(data.skin, 0.0, {}, {"forearm": [0, 0, 0, 0, 0, 0, 2]})
     other = ub.Skin._from_json('{"patches": []}')
     with pytest.raises(ub.InputError, match="another skin"):
         model.online(data.skin).update(ub.Frame(other, 0.0, {}))

@@ -73,6 +73,17 @@ def test_a_controller_that_raises_ends_the_reach() -> None:
         ub.reach("leaf", controller="no-such")
     with pytest.raises(ub.InputError, match="ControllerInput"):
         ub.reach("leaf", controller=3)  # type: ignore[arg-type]
+    for rate_hz in (0, -25.0, "fast"):
+
+        class Rated:
+            def __init__(self, rate_hz: object = rate_hz) -> None:
+                self.rate_hz = rate_hz
+
+            def __call__(self, given: ub.ControllerInput) -> np.ndarray:
+                return given.equilibrium_angle_rad
+
+        with pytest.raises(ub.InputError, match="a number above 0, Hz"):
+            ub.reach("leaf", controller=Rated())
 
 
 def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:

@@ -29,6 +29,7 @@ def test_a_saved_state_continues_bit_for_bit() -> None:
     assert [state(copied.step(angles(copied, step))) for step in range(40, 60)] == expected
     other = ub.Simulation("mixed", seed=1)
     other.restore(saved)
+    assert np.array_equal(other.frame_now.equilibrium_angle_rad, angles(first, 39))
     assert [state(other.step(angles(other, step))) for step in range(40, 60)] == expected
     with pytest.raises(ub.InputError, match="another arm, clutter"):
         ub.Simulation("mixed", seed=2).restore(saved)

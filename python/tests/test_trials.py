@@ -92,6 +92,11 @@ def test_bad_options_are_refused(trials: ub.Trials) -> None:
         (lambda: ub.evaluate(trials, ub.Options(), folds=1), "fold"),
         (lambda: ub.evaluate(trials, ub.Options(), group="colour"), "position, reach"),
         (lambda: ub.evaluate(trials, 3), "fit_trials"),  # type: ignore[arg-type]
+        (lambda: ub.evaluate(trials, ub.fit(trials, states=2), folds=2), "folds: found given with a fitted model"),
+        (lambda: ub.evaluate(trials, ub.fit(trials, states=2), train=trials), "train: found given with a fitted model"),
+        (lambda: ub.evaluate(trials, ub.Options(), train=trials, by_samples=True), "by_samples: found given with train"),
+        (lambda: ub.fit(trials, "logistic", start=ub.fit(trials, states=2)), "classifier: found given with start"),
+        (lambda: ub.fit(trials, states=3, start=ub.fit(trials, states=2)), "states: found given with start"),
         (lambda: ub.fit(trials).classify(trials, decision="best"), "argmax"),
         (lambda: ub.fit(trials).classify(trials, decision=(5.0, 1.0)), "thresholds"),
         (lambda: ub.fit(trials, "naive-bayes").with_score("forward"), "hidden Markov"),

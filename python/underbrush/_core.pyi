@@ -483,7 +483,7 @@ def evaluate(
     trials: Trials,
     classifier: Options | Model | TrialClassifier | FittedClassifier,
     *,
-    folds: int = 2,
+    folds: int | None = None,
     group: str | None = None,
     train: Trials | None = None,
     decision: Decision = None,

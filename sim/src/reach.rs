@@ -121,10 +121,7 @@ impl<'a> Reach<'a> {
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
             let ended = monitor.observe(report.end_effector_pose_world.position, force_n);
-            let equilibrium_rad = self.steering.equilibrium_rad();
-            let mut frame = self
-                .simulation
-                .frame(equilibrium_rad, goal.index as u16, goal.position_world);
+            let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
             self.steering.observe(&frame);
             self.steering.control(&self.plan.arm, report, target_world)?;
             let equilibrium_rad = self.steering.equilibrium_rad();

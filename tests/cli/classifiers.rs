@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 use underbrush_classifier::registry::CLASSIFIERS;
 
-use crate::support::fixture::{fixture, recording_with_trials};
+use crate::support::fixture::{fixture, recording_with_trials, table_without_reaches};
 use crate::support::{table, underbrush};
 
 /// Trains a classifier on the fixture's table with the default options, hidden Markov models with three states.
@@ -126,14 +126,7 @@ fn bad_lists_of_features() {
 #[test]
 fn thresholds_of_another_classifier() {
     let folder = tempfile::tempdir().unwrap();
-    let [table, model] = ["trials.csv", "model.json"].map(|name| folder.path().join(name));
-    // Without reaches: the fixture's trunks are touched in one only, which is too few to split by.
-    let columns = ["trial", "category", "time_s", "force_n"];
-    let mut text = columns.join(",");
-    for row in table::rows(&std::fs::read_to_string(fixture().table_csv()).unwrap()) {
-        text += &format!("\n{}", columns.map(|column| row[column].as_str()).join(","));
-    }
-    std::fs::write(&table, text).unwrap();
+    let (table, model) = (table_without_reaches(folder.path()), folder.path().join("model.json"));
     let options = [
         "--classifier",
         "naive-bayes",

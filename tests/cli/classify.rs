@@ -1,5 +1,7 @@
 //! `underbrush classify` and `underbrush score`: batch, online and from standard input.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 use underbrush_recording::disk::read_recording;
 
@@ -7,8 +9,8 @@ use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{call, table, underbrush};
 
 /// Pins that the verdict of `classify` on each trial is the category with the largest log-likelihood in the output of
-/// `score`, with the model's own kind of score, and that both commands give the same output for a data set and for its
-/// table.
+/// `score`, with the model's own kind of score, that the truth is that of the table, and that both commands give
+/// the same output for a data set and for its table.
 #[test]
 fn the_verdict_is_the_best_score() {
     let fixture = fixture();
@@ -27,7 +29,13 @@ fn the_verdict_is_the_best_score() {
     assert_eq!(verdicts, same);
     let rows = table::rows(&verdicts);
     assert_eq!(2 * rows.len(), scores.len());
+    let given = table::rows(&std::fs::read_to_string(fixture.table_csv()).unwrap());
+    let truth: BTreeMap<&str, &str> = given
+        .iter()
+        .map(|row| (row["trial"].as_str(), row["category"].as_str()))
+        .collect();
     for row in rows {
+        assert_eq!(row["truth"], truth[row["trial"].as_str()], "{row:?}");
         let of = |model: &str| scores[&(model.to_string(), row["trial"].parse().unwrap())];
         let best = if of("leaf") > of("trunk") { "leaf" } else { "trunk" };
         assert_eq!(row["verdict"], best, "{row:?}");

@@ -102,7 +102,7 @@ fn a_mistake_in_an_experiment_file_is_shown() {
 
 /// Pins that the schema of experiment files is printed and has the main keys of the example.
 #[test]
-fn the_schema_has_the_keys_of_the_example() {
+fn the_schema_has_the_main_keys() {
     let schema: serde_json::Value = serde_json::from_str(&underbrush!["schema", "experiment"].success()).unwrap();
     for key in ["title", "training", "classifiers", "settings", "published", "trials"] {
         assert!(schema["properties"][key].is_object(), "{key}");

@@ -24,6 +24,7 @@ mod resume;
 mod schema;
 #[cfg(unix)]
 mod shared;
+#[cfg(unix)]
 mod signals;
 #[cfg(target_os = "linux")]
 mod streams;

@@ -1,25 +1,11 @@
 //! Thresholds chosen by `underbrush train`, used by `classify` and `evaluate --model`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::support::fixture::fixture;
+use crate::support::fixture::{fixture, table_without_reaches};
 use crate::support::{table, underbrush};
-
-/// The fixture's trials without their reaches: leaves are touched in one reach only, which is too few to split by.
-fn table_without_reaches(folder: &Path) -> PathBuf {
-    let rows = table::rows(&std::fs::read_to_string(fixture().table_csv()).unwrap());
-    let columns = ["trial", "category", "time_s", "force_n"];
-    let mut lines = vec![columns.join(",")];
-    lines.extend(
-        rows.iter()
-            .map(|row| columns.map(|column| row[column].as_str()).join(",")),
-    );
-    let path = folder.join("without-reaches.csv");
-    std::fs::write(&path, lines.join("\n")).unwrap();
-    path
-}
 
 /// A model with thresholds, and the folder that holds it.
 fn model() -> (tempfile::TempDir, PathBuf, Value) {

@@ -97,7 +97,7 @@ fn an_extra_file_is_named() {
 
 /// Pins that every command also names a changed metadata file of this program.
 #[test]
-fn changed_ground_truth_is_named_by_every_command() {
+fn changed_metadata_is_named_by_every_command() {
     let (_folder, set) = copy();
     let name = "meta/provenance.json";
     let text = std::fs::read_to_string(set.join(name)).unwrap();

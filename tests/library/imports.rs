@@ -1,8 +1,8 @@
-//! Modules of a crate depend one way: reads the imports of every crate of the workspace and looks for circles.
+//! Modules of a crate depend one way: reads the imports of every crate of the workspace and looks for cycles.
 //!
-//! A module is a file together with the folder of its submodules. Two modules form a circle when each needs the other,
+//! A module is a file together with the folder of its submodules. Two modules form a cycle when each needs the other,
 //! directly or through a third, anywhere in their files. A parent may use its submodules and they may use what the
-//! parent itself defines; such a pair is one unit to its neighbours and is not a circle. Names are followed through
+//! parent itself defines; such a pair is one unit to its neighbours and is not a cycle. Names are followed through
 //! re-exports to the module that defines them. Tests (`#[cfg(test)]`, `tests.rs`, `tests/`) may import whatever they
 //! like.
 
@@ -14,11 +14,11 @@ use std::str::FromStr;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-mod circles;
+mod cycles;
 mod tests;
 mod tokens;
 
-use circles::circles;
+use cycles::cycles;
 use tokens::references;
 
 /// A module's path below the crate's root: `["arm", "skin"]`; empty for `lib.rs` and `main.rs`.
@@ -77,9 +77,9 @@ fn modules_depend_one_way() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut complaints = String::new();
     for (name, source_root) in crates(root) {
-        for circle in circles(&read(&source_root)) {
-            writeln!(complaints, "{name}: {circle}").unwrap();
+        for cycle in cycles(&read(&source_root)) {
+            writeln!(complaints, "{name}: {cycle}").unwrap();
         }
     }
-    assert!(complaints.is_empty(), "modules form circles:\n{complaints}");
+    assert!(complaints.is_empty(), "modules form cycles:\n{complaints}");
 }

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use underbrush_recording::Trial;
 use underbrush_recording::disk::read_trials;
 
-use super::{scenes, underbrush};
+use super::{scenes, table, underbrush};
 
 /// Files that tests read but do not change.
 pub struct Fixture {
@@ -108,4 +108,19 @@ pub fn recording_with_trials(scene: &Path, recording: &Path) -> Vec<Trial> {
         "twenty reaches of {} leave the forearm untouched: draw the scene anew",
         scene.display()
     );
+}
+
+/// The fixture's trials without their reaches, in a file in `folder`: one category is touched in a single reach, which is
+/// too few to split by.
+pub fn table_without_reaches(folder: &Path) -> PathBuf {
+    let rows = table::rows(&std::fs::read_to_string(fixture().table_csv()).unwrap());
+    let columns = ["trial", "category", "time_s", "force_n"];
+    let mut lines = vec![columns.join(",")];
+    lines.extend(
+        rows.iter()
+            .map(|row| columns.map(|column| row[column].as_str()).join(",")),
+    );
+    let path = folder.join("without-reaches.csv");
+    std::fs::write(&path, lines.join("\n")).unwrap();
+    path
 }

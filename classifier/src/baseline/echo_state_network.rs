@@ -138,6 +138,9 @@ impl Estimator for EchoStateNetwork {
         let mut target = DMatrix::zeros(size, by_category.len());
         for (category, trials) in by_category.values().enumerate() {
             for trial in trials {
+                if trial.samples.is_empty() {
+                    return Err(FeatureError::Empty { trial: trial.trial }.into());
+                }
                 let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
                 let mut state = DVector::zeros(size);
                 for (index, sample) in trial.samples.iter().enumerate() {

@@ -169,7 +169,7 @@ fn windows_are_padded_with_their_last_sample() {
 
 #[test]
 fn trials_that_cannot_be_fitted_are_refused() {
-    // Pins the errors for trials without categories and for trials that lack the region.
+    // Pins the errors for trials without categories, for trials that lack the region, and for one without samples.
     let mut trials = trials();
     for (name, estimator) in estimators().into_iter().skip(1) {
         let blind: Vec<Trial> = trials
@@ -182,6 +182,11 @@ fn trials_that_cannot_be_fitted_are_refused() {
             .collect();
         let error = estimator.fit(&blind.iter().collect::<Vec<_>>()).err();
         assert_eq!(error, Some(ModelError::NoCategories { trials: 60 }), "{name}");
+        let mut hollow = trials.clone();
+        hollow[7].samples.clear();
+        let error = estimator.fit(&hollow.iter().collect::<Vec<_>>()).err();
+        let empty = FeatureError::Empty { trial: hollow[7].trial };
+        assert_eq!(error, Some(ModelError::Feature(empty)), "{name}");
     }
     trials[0].samples[2].region = None;
     let lacks = |feature: &'static Feature| {

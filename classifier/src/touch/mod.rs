@@ -41,7 +41,6 @@ pub use course::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGIO
 pub use decision::{Touch, TouchDecision};
 pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
-pub use network::Network;
 pub use online::{RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use region::Region;

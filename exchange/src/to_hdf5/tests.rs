@@ -78,6 +78,23 @@ fn every_number_comes_back() {
     }
 }
 
+/// Pins that a scene called like a part does not add its demonstrations to the mask of that part.
+#[test]
+fn a_scene_called_train_has_a_mask_of_its_own() {
+    let (_folder, path) = file("reaches.hdf5");
+    let reaches: Vec<_> = (0..10).map(|index| reach("train", index, 5)).collect();
+    write(&path, &reaches).unwrap();
+    let file = File::open(&path).unwrap();
+    let count = |name: &str| {
+        file.dataset(&format!("mask/{name}"))
+            .unwrap()
+            .read_string()
+            .unwrap()
+            .len()
+    };
+    assert_eq!((count("train"), count("valid"), count("train-scene")), (9, 1, 10));
+}
+
 /// Pins attributes and masks: each demonstration is in either train or valid, and in the mask of its scene.
 #[test]
 fn attributes_and_masks_are_as_robomimic_reads_them() {

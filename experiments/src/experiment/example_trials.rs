@@ -128,3 +128,35 @@ fn median(mut values: Vec<f64>) -> f64 {
         _ => values[middle],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use underbrush_recording::{Sample, Trial};
+
+    use super::medians;
+
+    /// Pins that trials that end before 0.1 s do not count in the force after 0.1 s, and do in the other medians.
+    #[test]
+    fn short_trials_have_no_force_after_100_ms() {
+        let trial = |samples: usize| Trial {
+            trial: 0,
+            category: Some("leaf".into()),
+            reach: None,
+            patch: None,
+            taxel: None,
+            samples: (0..samples)
+                .map(|index| Sample {
+                    time_s: 0.01 * index as f64,
+                    force_n: index as f64,
+                    motion_m: None,
+                    region: None,
+                    touched: Some(true),
+                })
+                .collect(),
+        };
+        let found = medians(&["leaf"], &[trial(5), trial(3), trial(20)]);
+        assert_eq!((found[0].trials, found[0].force_after_100_ms_n), (3, 10.0));
+        assert_eq!(found[0].peak_force_n, 4.0);
+        assert!(medians(&["leaf"], &[trial(5)])[0].force_after_100_ms_n.is_nan());
+    }
+}

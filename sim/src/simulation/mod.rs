@@ -67,6 +67,8 @@ struct State {
     world: World,
     sensor: Sensor,
     report: FrameReport,
+    /// The equilibrium angles of the last frame.
+    equilibrium_angle_rad: Vec<f64>,
     #[serde(skip)]
     buffers: SenseBuffers,
 }
@@ -79,6 +81,7 @@ impl Simulation {
             world: World::new(&model, setup.physics),
             sensor: setup.sensor,
             report: FrameReport::default(),
+            equilibrium_angle_rad: model.arm.start_posture_rad(),
             buffers: SenseBuffers::default(),
         };
         state.write_report(&model);
@@ -109,6 +112,7 @@ impl Simulation {
         let (angles, joints) = (equilibrium_angle_rad.len(), model.arm.joints.len());
         assert_eq!(angles, joints, "{angles} equilibrium angles for {joints} joints");
         state.world.advance_frame(model, equilibrium_angle_rad, observer);
+        state.equilibrium_angle_rad.copy_from_slice(equilibrium_angle_rad);
         state.report.frame += 1;
         state.write_report(model);
         &state.report
@@ -119,16 +123,16 @@ impl Simulation {
         &self.state.report
     }
 
-    /// The present state as a frame of a recording, with these equilibrium angles, rad, one for each joint, and with
-    /// this goal of the end effector, m, world frame.
-    pub fn frame(&self, equilibrium_angle_rad: &[f64], goal_index: u16, goal_position_world: DVec3) -> Frame {
+    /// The present state as a frame of a recording, with the equilibrium angles of the last step and with this goal of
+    /// the end effector, m, world frame.
+    pub fn frame(&self, goal_index: u16, goal_position_world: DVec3) -> Frame {
         let report = self.report();
         let surfaces = self.arm().skin.surfaces.iter();
         Frame {
             time_s: report.time_s(),
             joint_angle_rad: report.joint_angle_rad(),
             joint_velocity_rad_per_s: report.joint_velocity_rad_per_s(),
-            equilibrium_angle_rad: equilibrium_angle_rad.to_vec(),
+            equilibrium_angle_rad: self.state.equilibrium_angle_rad.clone(),
             joint_torque_nm: report.joint_torque_nm(),
             end_effector_pose_world: report.end_effector_pose_world,
             goal_position_world,
@@ -219,6 +223,7 @@ impl State {
             sensor,
             report,
             buffers,
+            ..
         } = self;
         world.arm.read_joints(&world.engine, &mut report.joints);
         world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);

@@ -1,7 +1,7 @@
 //! Saving the state of a simulation, and continuing from it.
 //!
 //! A saved state holds what changes: the engine's bodies, joints and contacts, the objects' relaxing springs, the
-//! sensor with its random streams, and the last report. It does not hold the arm and the clutter; their fingerprint
+//! sensor with its random streams, the last report, and the last equilibrium angles. It does not hold the arm and the clutter; their fingerprint
 //! tells whether a saved state belongs to them.
 
 use super::State;

@@ -1,6 +1,6 @@
 //! The check itself, on crates of a few lines.
 
-use super::circles::{Circle, arrows, circles};
+use super::cycles::{Cycle, arrows, cycles};
 use super::*;
 
 fn sources(files: &[(&str, &str)]) -> Sources {
@@ -78,20 +78,20 @@ fn what_is_no_import_is_not_read() {
     assert_eq!(named(&parent), [""; 0]);
 }
 
-/// Pins that a circle is found wherever it closes: between two files, through a third, deep in folders, and through a
+/// Pins that a cycle is found wherever it closes: between two files, through a third, deep in folders, and through a
 /// re-export; and that a graph without one has none.
 #[test]
-fn circles_are_found_and_named() {
+fn cycles_are_found_and_named() {
     let found = |files: &[(&str, &str)]| -> Vec<String> {
-        let of_circle = |circle: Circle| {
-            circle
+        let of_cycle = |cycle: Cycle| {
+            cycle
                 .modules
                 .iter()
                 .map(|module| module.join("/"))
                 .collect::<Vec<_>>()
                 .join(" ")
         };
-        circles(&sources(files)).into_iter().map(of_circle).collect()
+        cycles(&sources(files)).into_iter().map(of_cycle).collect()
     };
     let root = ("", "");
     assert_eq!(
@@ -134,7 +134,7 @@ fn circles_are_found_and_named() {
         ("c", ""),
     ];
     assert_eq!(found(&one_way), [""; 0]);
-    let text = circles(&sources(&siblings))[0].to_string();
+    let text = cycles(&sources(&siblings))[0].to_string();
     assert!(
         text.contains("a/x needs a/y") && text.contains("names crate::a::y::Y"),
         "{text}"

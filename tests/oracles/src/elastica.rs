@@ -87,11 +87,10 @@ mod tests {
     use approx::assert_relative_eq;
 
     /// Pins the table of Mattiasson ("Numerical results from large deflection beam and frame problems analysed by means
-    /// of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3, and one smaller value.
+    /// of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3.
     #[test]
     fn tip_load_gives_the_published_table() {
         let published = [
-            (0.45, 0.14667, 0.01300),
             (1.0, 0.30172, 0.05643),
             (2.0, 0.49346, 0.16064),
             (3.0, 0.60325, 0.25442),

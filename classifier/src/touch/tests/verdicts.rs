@@ -3,6 +3,7 @@ use std::sync::Arc;
 use underbrush_recording::Category;
 
 use super::*;
+use crate::error::ModelError;
 use crate::evaluate::classify_touch_stream;
 use crate::evaluate::touch::TouchEvaluation;
 use crate::touch::{Touch, TouchClassifier, TouchDecision, TouchExamples, TouchModel, TouchOptions};
@@ -13,6 +14,19 @@ fn examples() -> TouchExamples {
         examples.add(&recording).unwrap();
     }
     examples
+}
+
+/// Pins the errors for a single reach, and for reaches in which nothing known touches the skin.
+#[test]
+fn too_little_to_fit_to_is_refused() {
+    let mut examples = TouchExamples::new(TouchOptions::default());
+    examples.add(&reaches()[0]).unwrap();
+    assert!(matches!(examples.fit(), Err(ModelError::Mismatch { found, .. }) if found.starts_with("1 recordings")));
+    let mut examples = TouchExamples::new(TouchOptions::default());
+    for _ in 0..3 {
+        examples.add(&presses(0, STIFFNESS_N_PER_M[0], 0.0, 0.06)).unwrap();
+    }
+    assert_eq!(examples.fit(), Err(ModelError::NoCategories { trials: 3 }));
 }
 
 /// Pins that soft, stiff and spurious readings are told apart in a new reach, that the model is the same for any number

@@ -1,16 +1,16 @@
-//! The graph of a crate's modules, and the circles in it.
+//! The graph of a crate's modules, and the cycles in it.
 
 use super::tokens::References;
 use super::*;
 
 /// Modules of one folder that need each other, and one import for each arrow between them.
-pub(super) struct Circle {
+pub(super) struct Cycle {
     pub(super) modules: Vec<Module>,
     /// From, to, and the import that shows it.
     arrows: Vec<(Module, Module, String)>,
 }
 
-impl std::fmt::Display for Circle {
+impl std::fmt::Display for Cycle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let names: Vec<String> = self.modules.iter().map(|module| module.join("/")).collect();
         write!(f, "{}", names.join(" ↔ "))?;
@@ -67,7 +67,7 @@ fn defining_module(references: &BTreeMap<&Module, References>, path: &[String], 
 }
 
 /// Every set of sibling modules that can reach each other.
-pub(super) fn circles(sources: &Sources) -> Vec<Circle> {
+pub(super) fn cycles(sources: &Sources) -> Vec<Cycle> {
     let arrows = arrows(sources);
     let reached = |from: &Module| {
         let mut reached = BTreeSet::new();
@@ -81,10 +81,10 @@ pub(super) fn circles(sources: &Sources) -> Vec<Circle> {
         }
         reached
     };
-    let mut circles: Vec<Circle> = Vec::new();
+    let mut cycles: Vec<Cycle> = Vec::new();
     for module in arrows.keys().map(|(from, _)| from).collect::<BTreeSet<_>>() {
         let from_here = reached(module);
-        if !from_here.contains(module) || circles.iter().any(|circle| circle.modules.contains(module)) {
+        if !from_here.contains(module) || cycles.iter().any(|cycle| cycle.modules.contains(module)) {
             continue;
         }
         let back = |other: &&&Module| reached(other).contains(module);
@@ -93,10 +93,10 @@ pub(super) fn circles(sources: &Sources) -> Vec<Circle> {
             .iter()
             .filter(|((from, to), _)| modules.contains(from) && modules.contains(to));
         let arrows = inside.map(|((from, to), import)| (from.clone(), to.clone(), import.clone()));
-        circles.push(Circle {
+        cycles.push(Cycle {
             arrows: arrows.collect(),
             modules,
         });
     }
-    circles
+    cycles
 }
