@@ -85,7 +85,7 @@ pub fn slide(case: &Case, step_s: f64) -> Value {
             orientation: DQuat::from_rotation_arc(DVec3::Z, axis),
         },
         velocity_world: velocity,
-        may_rotate: [false; 3],
+        may_rotate: false,
     });
     let forearm = forearm.expect("a forearm has a volume");
     let mut setup = crate::bodies_and_joints(&mut rig);

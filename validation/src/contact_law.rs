@@ -154,7 +154,7 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
                 surface: soft(stiffness, 0.05),
                 pose_world: Pose::from_position(DVec3::Z * body.height_m),
                 velocity_world: DVec3::ZERO,
-                may_rotate: [false; 3],
+                may_rotate: false,
             });
             let (Some(_), Some(upper)) = (lower, upper) else {
                 return Err(CheckError::Case("a body without volume".into()));

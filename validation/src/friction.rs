@@ -190,7 +190,7 @@ fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
             surface,
             pose_world: Pose::from_position(DVec3::Z * 0.01),
             velocity_world: direction * SPEED_M_PER_S,
-            may_rotate: [true; 3],
+            may_rotate: true,
         });
         let sliding = sliding.ok_or_else(|| CheckError::Case("a box without volume".into()))?;
         for _ in 0..STEPS {
@@ -273,7 +273,7 @@ fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
         surface,
         pose_world: tilt * Pose::from_position(DVec3::Z * 0.02),
         velocity_world: DVec3::ZERO,
-        may_rotate: [may_rotate; 3],
+        may_rotate,
     });
     let down = tilt.transform_vector(DVec3::X);
     (0..(1.0 / OPTIONS.step_s).round() as usize)

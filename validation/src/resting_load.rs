@@ -85,7 +85,7 @@ fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, CheckError> {
         // All three shapes reach 3 cm below their centre.
         pose_world: Pose::from_position(DVec3::Z * 0.03),
         velocity_world: DVec3::ZERO,
-        may_rotate: [true; 3],
+        may_rotate: true,
     });
     let (Some(plate), Some(_)) = (plate, lying) else {
         return Err(CheckError::Case("a body without volume".into()));

@@ -184,7 +184,7 @@ fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
             surface: Surface::hard(0.4),
             pose_world: Pose::from_position(position),
             velocity_world,
-            may_rotate: [true; 3],
+            may_rotate: true,
         })
     };
     let ball = BodyShape::Sphere { radius_m: 0.05 };

@@ -42,8 +42,8 @@ pub struct FreeBody {
     pub pose_world: WorldPose,
     /// The velocity of its origin at the start, m/s.
     pub velocity_world: DVec3,
-    /// About which axes of the world it may rotate.
-    pub may_rotate: [bool; 3],
+    /// Whether it may rotate.
+    pub may_rotate: bool,
 }
 
 /// Bodies and objects in an engine of their own.
@@ -110,12 +110,10 @@ impl Rig {
         engine.insert_collider(shape.mass(free.mass_kg), free.surface, body);
         // Otherwise the engine would not sum up the masses until its first step.
         engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
-        let mut locked = JointAxesMask::empty();
-        for (axis, free) in JointAxesMask::ANG_AXES.iter().zip(free.may_rotate) {
-            if !free {
-                locked |= axis;
-            }
-        }
+        let locked = match free.may_rotate {
+            true => JointAxesMask::empty(),
+            false => JointAxesMask::ANG_AXES,
+        };
         let mut data = GenericJoint::new(locked);
         data.set_local_frame1(parry_pose(&free.pose_world));
         let handle = engine.joints.insert(origin, body, data, true)?;

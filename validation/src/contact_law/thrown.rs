@@ -63,7 +63,7 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         surface: soft(stiffness, loss_time_s),
         pose_world: Pose::from_position(DVec3::Z * 0.07),
         velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
-        may_rotate: [false; 3],
+        may_rotate: false,
     });
     let (Some(_), Some(punch)) = (table, punch) else {
         return Err(CheckError::Case("a body without volume".into()));
@@ -120,7 +120,7 @@ fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             surface: soft(stiffness, loss_time_s),
             pose_world: Pose::from_position(DVec3::Z * body.height_m),
             velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
-            may_rotate: [false; 3],
+            may_rotate: false,
         });
         let (Some(_), Some(upper)) = (lower, upper) else {
             return Err(CheckError::Case("a body without volume".into()));

@@ -18,7 +18,7 @@ pub struct Description {
 /// One body of a tree, and the joint that carries it.
 #[derive(Clone, Debug)]
 pub struct LinkDescription {
-    /// Number of the body on the rig.
+    /// Index of the body in the engine.
     pub body: usize,
     /// Index of its parent in the tree; `None` for the root.
     pub parent: Option<usize>,
