@@ -7,8 +7,9 @@ Describes every touched contact of a forearm taxel by 375 numbers: the course of
 surroundings and on all skin, the path of the taxel, stiffness, and torques and deflections of all joints.
 Gradient-boosted trees and random trees are fitted to the training sets and judge the test sets, as the touch model
 does. Contacts are defined as in the benchmark: they begin when a taxel senses more than 0.03 N, have the category that
-presses in most of their frames, and are judged at the last frame in which anything presses. Prints balanced accuracies
-over contacts, with 95 % intervals over resamples of whole reaches.
+presses in most of their frames, and are judged at the last frame in which anything presses. Contacts that anything
+but a leaf or a trunk ever presses are left out. Prints balanced accuracies over contacts, with 95 % intervals over
+resamples of whole reaches.
 """
 
 import argparse

@@ -4,7 +4,7 @@
 //!     cargo run --release --example verdict_errors -- touch.json DATA…
 //!
 //! Prints one row for each group of taxel frames that an object presses on: how many there are, the shares whose
-//! verdict is right, wrong, uncertain, unknown or nothing, and the mean force of the object on the patch. A leaf counts
+//! verdict is right, another category, uncertain, unknown or nothing, and the mean force of the object on the patch. A leaf counts
 //! as wedged in frames in which it touches a trunk according to the stored poses.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
@@ -28,7 +28,7 @@ const TOUCHES_M: f64 = 4.0 * POSITION_TOLERANCE_M;
 #[derive(Default)]
 struct Group {
     frames: usize,
-    /// Numbers of verdicts: right, wrong, uncertain, unknown, nothing.
+    /// Numbers of verdicts: right, another category, uncertain, unknown, nothing.
     verdicts: [usize; 5],
     force_n: f64,
 }
@@ -50,14 +50,14 @@ fn main() {
     }
     println!(
         "{:44} {:>8} {:>7} {:>7} {:>9} {:>8} {:>8} {:>7}",
-        "pressed by", "frames", "right", "wrong", "uncertain", "unknown", "nothing", "force/N"
+        "pressed by", "frames", "right", "other", "uncertain", "unknown", "nothing", "force/N"
     );
     for (name, group) in &groups {
         let count = group.frames as f64;
-        let [right, wrong, uncertain, unknown, nothing] = group.verdicts.map(|number| 100.0 * number as f64 / count);
+        let [right, other, uncertain, unknown, nothing] = group.verdicts.map(|number| 100.0 * number as f64 / count);
         let force_n = group.force_n / count;
         println!(
-            "{name:44} {:8} {right:7.1} {wrong:7.1} {uncertain:9.1} {unknown:8.1} {nothing:8.1} {force_n:7.2}",
+            "{name:44} {:8} {right:7.1} {other:7.1} {uncertain:9.1} {unknown:8.1} {nothing:8.1} {force_n:7.2}",
             group.frames
         );
     }
