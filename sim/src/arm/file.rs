@@ -107,6 +107,13 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         .get(&file.tip_link)
         .copied()
         .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, chain.known_links()))?;
+    if end_effector_link + 1 != chain.links.len() {
+        let allowed = format!(
+            "the last moving link or one that is fixed to it: {}",
+            chain.links_at_end()
+        );
+        return Err(source.fault_after(0, "tip_link", &file.tip_link, allowed));
+    }
     let skin_source = open(&folder.join(&file.skin))?;
     let skin = skin_file::read_skin(&skin_source, &chain)?;
     let own_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

@@ -164,13 +164,11 @@ impl Arm {
 
     /// The surface of a link. A link that carries skin is covered with it all over; the others are hard.
     pub fn surface(&self, link: usize) -> Surface {
-        let has_skin = self.skin.surfaces.iter().any(|patch| patch.link == link);
+        if !self.skin.surfaces.iter().any(|patch| patch.link == link) {
+            return Surface::hard(self.friction);
+        }
         Surface {
-            compliance_m3_per_n: if has_skin {
-                1.0 / self.skin.stiffness_n_per_m3
-            } else {
-                0.0
-            },
+            compliance_m3_per_n: 1.0 / self.skin.stiffness_n_per_m3,
             loss_time_s: self.skin.loss_time_s,
             friction: self.friction,
         }

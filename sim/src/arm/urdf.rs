@@ -25,6 +25,14 @@ pub(super) struct Chain {
 
 impl Chain {
     /// The names that a file may use for a link, for error messages.
+    /// The names of the last moving link and of the links that are fixed to it.
+    pub(super) fn links_at_end(&self) -> String {
+        let last = self.links.len() - 1;
+        let own = self.frames.iter().filter(|(_, (link, _))| *link == last);
+        let names: Vec<&str> = own.map(|(name, _)| name.as_str()).collect();
+        names.join(", ")
+    }
+
     pub(super) fn known_links(&self) -> String {
         let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
         format!("a link of the chain: {}", names.join(", "))

@@ -2,12 +2,12 @@
 
 use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, Limits};
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
 use crate::object::{Footing, StandsOn};
-use crate::range::{Placement, Quantity};
+use crate::range::{PLACE_M, Placement, Quantity, YAW_DEG};
 use crate::scene::Scene;
 
 /// Clearance between the arm in its start posture and any object, m.
@@ -113,14 +113,14 @@ fn propose(
     random: &mut ChaCha8Rng,
 ) -> Option<(DVec2, f64, Footing)> {
     let workspace = &scene.file.workspace;
-    let anywhere = (-f64::INFINITY, f64::INFINITY);
-    let mut draw = |given: Option<&Quantity>, [low, high]: [f64; 2]| {
+    let mut draw = |given: Option<&Quantity>, [low, high]: [f64; 2], limits: Limits| {
         let quantity = given.cloned().unwrap_or_else(|| Quantity::uniform(low, high));
-        quantity.draw(random, anywhere).unwrap_or(low)
+        quantity.draw(random, (limits.min, limits.max)).unwrap_or(low)
     };
-    let yaw_rad = draw(place.and_then(|place| place.yaw_deg.as_ref()), [-180.0, 180.0]).to_radians();
-    let x = draw(place.and_then(|place| place.x_m.as_ref()), workspace.x_m);
-    let y = draw(place.and_then(|place| place.y_m.as_ref()), workspace.y_m);
+    let yaw_deg = draw(place.and_then(|place| place.yaw_deg.as_ref()), [-180.0, 180.0], YAW_DEG);
+    let yaw_rad = yaw_deg.to_radians();
+    let x = draw(place.and_then(|place| place.x_m.as_ref()), workspace.x_m, PLACE_M);
+    let y = draw(place.and_then(|place| place.y_m.as_ref()), workspace.y_m, PLACE_M);
     let center = DVec2::new(x, y);
     match stands_on {
         StandsOn::Table => {

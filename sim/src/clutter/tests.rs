@@ -255,3 +255,15 @@ fn goals_know_the_arm_and_its_skin() {
         .all(|(large, small)| close(*large, 2.0 * small));
     assert!(doubles && close(wide, 2.0 * radius_m), "{doubled:?} {wide}");
 }
+
+/// Pins that places that are drawn from a normal distribution are within the limits of places.
+#[test]
+fn normal_places_are_within_the_limits() {
+    let text = "[goals]\ncount = 0\n[[objects.trunk]]\ncount = 20\nplace = { x_m = { normal = [4.5, 3.0] } }\n";
+    for index in 0..5 {
+        let clutter = Clutter::draw(&scene("test.toml", text), &arm(), 0, index).unwrap();
+        for placed in &clutter.objects {
+            assert!(placed.foot_world.x.abs() <= 5.0, "{}", placed.foot_world);
+        }
+    }
+}

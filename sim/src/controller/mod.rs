@@ -65,9 +65,9 @@ pub struct ControllerOutput {
 pub enum ControlStatus {
     /// The optimization was solved.
     Solved,
-    /// No change of φ satisfies all bounds: φ stays as it was.
+    /// No change of φ satisfies all bounds: φ stays where the step started.
     Infeasible,
-    /// The optimization failed numerically (NaN in the input, or rounding): φ stays as it was.
+    /// The optimization failed numerically (NaN in the input, or rounding): φ stays where the step started.
     Failed,
 }
 

@@ -123,8 +123,9 @@ impl Environment {
             (self.plan.seed, self.next) = (seed, 0);
         }
         let reach_index = self.next;
-        let simulation = self.plan.simulation(reach_index)?;
+        // Before the draw, so that an impossible draw is not tried again.
         self.next += 1;
+        let simulation = self.plan.simulation(reach_index)?;
         let equilibrium_rad = self.plan.arm.start_posture_rad();
         let goals = simulation.clutter().goals.len().min(self.options.goals as usize);
         let episode = Episode {
@@ -215,6 +216,10 @@ impl Episode {
                 ActionKind::Waypoint => {
                     let offset = glam::DVec3::new(cut(action[0]), cut(action[1]), cut(action[2]));
                     let target = here + offset * options.largest_waypoint_m;
+                    let goals = &self.simulation.clutter().goals;
+                    let goal_world = goals.get(self.goal).copied().unwrap_or_default();
+                    self.steering
+                        .observe(&self.simulation.frame(self.goal as u16, goal_world));
                     self.steering.control(&plan.arm, self.simulation.report(), target)?;
                     self.equilibrium_rad.copy_from_slice(self.steering.equilibrium_rad());
                 }

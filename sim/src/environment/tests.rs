@@ -173,3 +173,18 @@ fn bad_options_are_named() {
     };
     assert_eq!(refused(EnvironmentOptions { reward, ..base() }), "force_per_n_s");
 }
+
+#[test]
+fn an_impossible_draw_is_not_tried_again() {
+    // Pins that after a draw without room for all trunks, the next reset draws the next reach.
+    let text = "summary = \"Tight\"\n[goals]\ncount = 1\nx_m = 0.6\ny_m = { uniform = [-0.3, 0.0] }\nz_m = -0.3\n\
+                [[objects.trunk]]\ncount = 12\ndiameter_m = 0.1\n\
+                place = { x_m = { uniform = [0.35, 0.5] }, y_m = { uniform = [-0.5, 0.1] } }\n";
+    let plan = ReachPlan::new(Scene::parse("tight.toml", text.into()).unwrap(), None, 0).unwrap();
+    let mut environment = Environment::new(plan.clone(), options(ActionKind::Waypoint)).unwrap();
+    let mut row = vec![0.0; environment.observation_size()];
+    let possible: Vec<bool> = (0..12).map(|index| plan.draw(index).is_ok()).collect();
+    assert!(possible.contains(&true) && possible.contains(&false), "{possible:?}");
+    let reset: Vec<bool> = (0..12).map(|_| environment.reset(None, &mut row).is_ok()).collect();
+    assert_eq!(reset, possible);
+}

@@ -90,3 +90,24 @@ fn drawn_objects_are_what_their_group_says() {
         );
     }
 }
+
+/// Pins that a trunk is as high as it says: those lower than their radius are drawn again, or refused if there are no others.
+#[test]
+fn trunks_are_not_lower_than_their_radius() {
+    let plan = |diameter_m: &str| {
+        let text = format!(
+            "summary = \"Stumps\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 1\ndiameter_m = {diameter_m}\n\
+             height_m = {{ uniform = [0.05, 0.1] }}\nplace = {{ x_m = 0.5, y_m = 0.3 }}\n"
+        );
+        ReachPlan::new(Scene::parse("stumps.toml", text).unwrap(), None, 0).unwrap()
+    };
+    let sizes = |index| {
+        let clutter = plan("{ uniform = [0.05, 0.3] }").draw(index).unwrap();
+        let own = clutter.objects[0].object.parameters();
+        (own["diameter_m"], own["height_m"])
+    };
+    for (diameter_m, height_m) in (0..30).map(sizes) {
+        assert!(height_m >= diameter_m / 2.0, "{diameter_m} m thick, {height_m} m high");
+    }
+    assert!(plan("0.3").draw(0).is_err());
+}

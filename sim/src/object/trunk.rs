@@ -49,6 +49,9 @@ const DIAMETER_LIMITS_M: (f64, f64) = (0.005, 0.3);
 /// The arm passes over lower ones, and higher ones only add length above it.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
 
+/// How often a trunk that is lower than its radius is drawn again.
+const DRAWS: usize = 100;
+
 impl Specification for TrunkSpecification {
     fn count(&self) -> u32 {
         self.count
@@ -66,10 +69,25 @@ impl Specification for TrunkSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        Ok(Box::new(Trunk {
-            diameter_m: self.diameter_m.draw(random, DIAMETER_LIMITS_M)?,
-            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
-        }))
+        let mut draw = || -> Result<Trunk, DrawError> {
+            Ok(Trunk {
+                diameter_m: self.diameter_m.draw(random, DIAMETER_LIMITS_M)?,
+                height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
+            })
+        };
+        let mut drawn = draw()?;
+        for _ in 0..DRAWS {
+            // The top is half a ball, which must be above the table.
+            if drawn.height_m >= drawn.diameter_m / 2.0 {
+                return Ok(Box::new(drawn));
+            }
+            drawn = draw()?;
+        }
+        Err(DrawError {
+            draw: self.height_m.draw,
+            low: drawn.diameter_m / 2.0,
+            high: HEIGHT_LIMITS_M.1,
+        })
     }
 
     fn category(&self) -> Category {
@@ -125,7 +143,7 @@ impl Object for Trunk {
     fn structure(&self) -> Structure {
         // A capsule whose upper round end is the top of the trunk; the lower one is under the table.
         let radius_m = self.diameter_m / 2.0;
-        let length_m = (self.height_m - radius_m).max(0.0);
+        let length_m = self.height_m - radius_m;
         let trunk = Body {
             parts: vec![part(
                 BodyShape::Capsule { radius_m, length_m },

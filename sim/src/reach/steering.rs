@@ -47,7 +47,7 @@ impl Steering {
     }
 
     /// Passes a frame to the controller.
-    pub(super) fn observe(&mut self, frame: &Frame) {
+    pub(crate) fn observe(&mut self, frame: &Frame) {
         self.controller.observe(frame);
     }
 

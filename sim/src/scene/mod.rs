@@ -218,16 +218,29 @@ impl Scene {
             "change the value in the scene file",
         );
         let key = field.rsplit('.').next().unwrap_or(field);
-        let group = self.group_lines(field).unwrap_or(0..usize::MAX);
+        // A group without a header is an inline table, or its keys are dotted, before the first header.
+        let group = self.group_lines(field);
+        let top = field.split(['.', '[']).next().unwrap_or(field);
+        let sets = |line: &str| match group {
+            Some(_) => sets_key(line, key),
+            None => sets_key(line, field) || sets_key(line, top),
+        };
+        let range = group.clone().unwrap_or_else(|| self.lines_before_headers());
         let mut lines = self
             .text
             .lines()
             .enumerate()
-            .filter(|(number, line)| group.contains(number) && sets_key(line, key));
+            .filter(|(number, line)| range.contains(number) && sets(line));
         match (lines.next(), lines.next()) {
             (Some((line, _)), None) => fault.at_line(line + 1),
             _ => fault,
         }
+    }
+
+    /// The lines, counted from 0, before the first header.
+    fn lines_before_headers(&self) -> Range<usize> {
+        let first = self.text.lines().position(|line| line.trim_start().starts_with('['));
+        0..first.unwrap_or(usize::MAX)
     }
 
     /// The lines, counted from 0, of the group that contains a field such as `objects.leaf[1].count` or `goals.count`:

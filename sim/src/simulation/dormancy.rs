@@ -51,7 +51,9 @@ impl World {
             let resting = self.mechanisms[index]
                 .as_ref()
                 .is_some_and(|mechanism| mechanism.is_movable() && mechanism.is_at_rest(&self.engine));
+            // The skin still spreads the contacts of this frame, which need the object's collision shapes.
             if resting
+                && !self.contacts().iter().any(|contact| contact.object == index)
                 && !movers
                     .iter()
                     .any(|mover| self.is_near(model, mover, index, SLEEP_MARGIN_M))

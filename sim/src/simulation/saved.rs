@@ -11,6 +11,9 @@ use crate::physics::{ENGINE, PhysicsOptions};
 /// The first bytes of every saved state.
 const MAGIC: &[u8; 16] = b"underbrush state";
 
+/// Raised when what a state holds changes, because its encoding does not describe itself.
+const FORMAT: u32 = 2;
+
 /// Length of a BLAKE3 hash, bytes.
 const HASH: usize = blake3::OUT_LEN;
 
@@ -65,7 +68,7 @@ impl State {
 fn fingerprint(model: &Model, physics: PhysicsOptions) -> [u8; HASH] {
     // `Debug` prints a float with as many digits as tell it from every other.
     let text = format!(
-        "{} {ENGINE} {:?} {} {:?} {:?}",
+        "{} {FORMAT} {ENGINE} {:?} {} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         physics,
         model.dormancy,

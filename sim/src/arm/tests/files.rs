@@ -60,6 +60,8 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_roll\"", "joint.name", "wrist_roll"),
         ("cody.toml", "name = \"wrist_yaw\"", "name = \"wrist_pitch\"", "joint.name", "wrist_pitch"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"hand\"", "tip_link", "hand"),
+        ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"forearm\"", "tip_link", "flipper, flipper_tip"),
+        ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"torso\"", "tip_link", "the last moving link"),
         ("cody.toml", "base_link = \"torso\"", "base_link = \"pelvis\"", "link pelvis", "no such link"),
         ("cody.toml", "base_link = \"torso\"", "base_link = \"flipper\"", "link flipper", "no moving joint"),
         ("cody.toml", "link = \"flipper\"", "link = \"paddle\"", "hull.link", "paddle"),

@@ -1,12 +1,13 @@
-//! Tests of what a frame allocates.
+//! Tests of what a frame allocates, and of which objects are in the engine.
 
 use std::f64::consts::TAU;
 
 use allocation_counter::measure;
+use glam::DVec3;
 
 use crate::reach::ReachPlan;
 use crate::scene::Scene;
-use crate::simulation::Simulation;
+use crate::simulation::{Contact, Simulation};
 
 /// Many leaves and a few trunks, which the arm meets with several links.
 const SCENE: &str = r#"
@@ -105,4 +106,34 @@ fn only_the_engine_allocates_in_a_frame() {
             "frame {frame}: {found:?} for {touching} contacts"
         );
     }
+}
+
+/// Pins that an object that touched the arm in a frame stays in the engine until the next one, even if it rests and the arm
+/// is already far away: the skin still reads its collision shapes.
+#[test]
+fn an_object_that_was_touched_is_not_taken_out() {
+    let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
+    let mut simulation = plan.simulation(0).unwrap();
+    let (model, state) = (&*simulation.model, &mut simulation.state);
+    let world = &mut state.world;
+    let dormant = world.mechanisms.iter().position(Option::is_none).unwrap();
+    world.insert(model, dormant);
+    let touch = Contact {
+        link: 0,
+        object: dormant,
+        body: 0,
+        position_link: DVec3::ZERO,
+        inward_world: DVec3::X,
+        force_world: DVec3::ZERO,
+        moment_world: DVec3::ZERO,
+        penetration_m: 0.0,
+        radius_m: 0.0,
+        slip_world: DVec3::ZERO,
+    };
+    world.contacts.push(touch);
+    world.rest_and_wake(model);
+    assert!(world.mechanisms[dormant].is_some());
+    world.contacts.clear();
+    world.rest_and_wake(model);
+    assert!(world.mechanisms[dormant].is_none());
 }
