@@ -103,7 +103,10 @@ export class Opening {
   async grow(ended: boolean): Promise<number> {
     const { store, panes, timeline, lists, header } = this.views;
     try {
-      if (ended) this.all.splice(0, 1, ...(await this.source.list()));
+      if (ended) {
+        this.all.splice(0, 1, ...(await this.source.list()));
+        lists.fill(this.all);
+      }
       const before = this.#loaded?.reach ?? null;
       const known = before?.frames ?? 0;
       const piece = new Container(await this.source.bytes(0, known));

@@ -28,6 +28,8 @@ test("a table of trials is shown without what it does not know", async () => {
   await seek(page, 20);
   assert.equal(await page.textContent("#title"), "trials, reach 0");
   assert.match(await page.textContent("#facts"), /^a table of contact trials · 1\.2\s*s$/);
+  const row = await page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
+  assert.deepEqual(row, ["0", "trials", "–", "0", "–", "–", "–", "1.2", "–", "–", "–"]);
   const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
   assert.deepEqual(plots, ["force", "taxel"]);
   const text = await page.textContent("body");
