@@ -39,6 +39,8 @@ pub struct Summary {
     pub audit_warnings: Vec<String>,
     /// Whether the reach is still being simulated.
     pub running: bool,
+    /// Whether it is from a table of contact trials. A table has no arm, and nothing says how the reach went.
+    pub table: bool,
 }
 
 /// Where a reach is read from.
@@ -161,6 +163,7 @@ impl Source {
                 peak_force_n,
                 audit_warnings: (self.known.audit_warnings)(&episode.audit, dataset.layout()),
                 running: false,
+                table: false,
             });
             self.places.push(Place::Dataset { input, index });
         }
@@ -213,6 +216,7 @@ pub fn summary(number: usize, recording: &Recording, source: String, known: &Kno
         peak_force_n: forces.fold(0.0, f64::max),
         audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
         running: false,
+        table: recording.joint_names.is_empty(),
     }
 }
 

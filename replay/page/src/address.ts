@@ -48,7 +48,9 @@ export function findTaxel(reach: Reach, name: string | null): number | null {
 
 /** The address of a state. Values that nobody changed are left out. */
 export function writeAddress(state: State, reach: Reach): string {
-  const values = new URLSearchParams({ reach: String(state.reach), t: reach.time[state.frame]!.toFixed(2) });
+  // Four decimals tell frames apart up to thousands a second. Zeros at the end say nothing.
+  const time = Number(reach.time[state.frame]!.toFixed(4));
+  const values = new URLSearchParams({ reach: String(state.reach), t: String(time) });
   if (state.beside !== null) values.set("beside", String(state.beside));
   if (state.colour !== "force") values.set("colour", state.colour);
   if (state.camera !== "free") values.set("view", state.camera);

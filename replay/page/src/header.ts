@@ -7,6 +7,7 @@ import type { State } from "./state.ts";
 
 /** What a reach is called. */
 export function nameOf(reach: Summary): string {
+  if (reach.table) return `${reach.number}: ${reach.scene}, reach ${reach.reach_index}`;
   return `${reach.number}: ${reach.scene}, seed ${reach.seed}, reach ${reach.reach_index}, ${reach.controller}`;
 }
 

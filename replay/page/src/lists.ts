@@ -3,7 +3,7 @@
 import { element, newtons, seconds } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import type { Summary } from "./source.ts";
-import { Table, tabs } from "./table.ts";
+import { type Column, Table, tabs } from "./table.ts";
 import type { Trial, Trials } from "./trials.ts";
 
 function goals(reach: Summary): string {
@@ -15,28 +15,44 @@ function audit(reach: Summary): string {
   return reach.audit_warnings.length === 0 ? "within bounds" : `${reach.audit_warnings.length} exceeded`;
 }
 
+/** A column with a dash, sorted before all values, in the rows of which `known` says no. */
+function ifKnown(known: (reach: Summary) => boolean, { title, text, value, hint }: Column<Summary>): Column<Summary> {
+  const column: Column<Summary> = { title, text: (reach) => (known(reach) ? text(reach) : "–") };
+  if (value !== undefined) column.value = (reach) => (known(reach) ? value(reach) : -1);
+  if (hint !== undefined) column.hint = (reach) => (known(reach) ? hint(reach) : "");
+  return column;
+}
+
+/** How a reach went is not known while it runs. A table of trials never says it. */
+const hasEnded = (reach: Summary) => !reach.running;
+const isSimulated = (reach: Summary) => !reach.table;
+const hasResult = (reach: Summary) => hasEnded(reach) && isSimulated(reach);
+
 export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
+  const controller = ifKnown(isSimulated, { title: "controller", text: (reach) => reach.controller });
+  const outcome = ifKnown(hasResult, { title: "outcome", text: (reach) => reach.outcome.replace("_", " ") });
+  const audited = ifKnown(hasResult, { title: "audit", text: audit, value: (reach) => reach.audit_warnings.length, hint: (reach) => reach.audit_warnings.join("\n") });
   return new Table<Summary>(
     "Reaches",
     ["reach", "reaches"],
     [
       { title: "#", text: (reach) => String(reach.number), value: (reach) => reach.number },
       { title: "scene", text: (reach) => reach.scene, hint: (reach) => reach.source },
-      { title: "seed", text: (reach) => reach.seed, value: (reach) => Number(reach.seed) },
+      ifKnown(isSimulated, { title: "seed", text: (reach) => reach.seed, value: (reach) => Number(reach.seed) }),
       { title: "reach", text: (reach) => String(reach.reach_index), value: (reach) => reach.reach_index },
-      { title: "controller", text: (reach) => reach.controller },
-      { title: "outcome", text: (reach) => reach.outcome.replace("_", " ") },
-      { title: "goals", text: goals, value: (reach) => reach.goal_outcomes.reached },
-      { title: "length / s", text: (reach) => reach.duration_s.toFixed(1), value: (reach) => reach.duration_s },
-      { title: "peak / N", text: (reach) => reach.peak_force_n.toFixed(2), value: (reach) => reach.peak_force_n },
-      { title: "contacts", text: (reach) => String(reach.contacts), value: (reach) => reach.contacts },
-      { title: "audit", text: audit, value: (reach) => reach.audit_warnings.length, hint: (reach) => reach.audit_warnings.join("\n") },
+      controller,
+      outcome,
+      ifKnown(hasResult, { title: "goals", text: goals, value: (reach) => reach.goal_outcomes.reached }),
+      ifKnown(hasEnded, { title: "length / s", text: (reach) => reach.duration_s.toFixed(1), value: (reach) => reach.duration_s }),
+      ifKnown(hasResult, { title: "peak / N", text: (reach) => reach.peak_force_n.toFixed(2), value: (reach) => reach.peak_force_n }),
+      ifKnown(hasResult, { title: "contacts", text: (reach) => String(reach.contacts), value: (reach) => reach.contacts }),
+      audited,
     ],
     [
       { label: "Scene", all: "all", of: (reach) => reach.scene },
-      { label: "Outcome", all: "all", of: (reach) => reach.outcome.replace("_", " ") },
-      { label: "Controller", all: "all", of: (reach) => reach.controller },
-      { label: "Audit", all: "all", of: audit },
+      { label: "Outcome", all: "all", of: outcome.text },
+      { label: "Controller", all: "all", of: controller.text },
+      { label: "Audit", all: "all", of: audited.text },
     ],
     choose,
   );
@@ -85,7 +101,7 @@ export class Lists {
 
   constructor(box: HTMLElement, all: Summary[], choose: (reach: Summary) => void, follow: (trial: Trial) => void) {
     this.#reaches = reachTable(choose);
-    this.#reaches.fill(all);
+    this.fill(all);
     this.#mistakes = trialTable("Mistakes", ["wrong or uncertain trial", "wrong or uncertain trials"], follow);
     this.#trials = trialTable("Contact trials", ["contact trial", "contact trials"], follow);
     this.open = tabs(box, [
@@ -93,6 +109,11 @@ export class Lists {
       { id: "mistakes", title: "Mistakes", content: element("div", {}, this.#noMistakes, this.#mistakes.box), opened: () => this.#mistakes.refresh() },
       { id: "trials", title: "Contact trials", content: this.#trials.box, opened: () => this.#trials.refresh() },
     ]);
+  }
+
+  /** Lists these reaches. */
+  fill(all: Summary[]): void {
+    this.#reaches.fill(all);
   }
 
   load(number: number, reach: Reach, trials: Trials): void {

@@ -81,7 +81,7 @@ export class Opening {
       const object = reach.header.objects[asked?.object ?? -1] === undefined ? null : asked!.object;
       store.set({ reach: number, playing: false, colour, taxel: findTaxel(reach, asked?.taxel ?? null), object });
       header.describe(summary, reach);
-      this.views.seek(reach.frameAt(asked?.time ?? 0));
+      this.views.seek(reach.frameNearest(asked?.time ?? 0));
       store.touch("reach", "frame");
       this.views.wake();
       delete document.body.dataset["failed"];
@@ -103,7 +103,10 @@ export class Opening {
   async grow(ended: boolean): Promise<number> {
     const { store, panes, timeline, lists, header } = this.views;
     try {
-      if (ended) this.all.splice(0, 1, ...(await this.source.list()));
+      if (ended) {
+        this.all.splice(0, 1, ...(await this.source.list()));
+        lists.fill(this.all);
+      }
       const before = this.#loaded?.reach ?? null;
       const known = before?.frames ?? 0;
       const piece = new Container(await this.source.bytes(0, known));
@@ -152,7 +155,7 @@ export class Opening {
     if (number !== store.state.reach) void this.open(number, asked);
     else if (this.#loaded !== null) {
       store.set({ taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
-      if (asked.time !== null) this.views.seek(this.#loaded.reach.frameAt(asked.time));
+      if (asked.time !== null) this.views.seek(this.#loaded.reach.frameNearest(asked.time));
     }
     this.views.wake();
   }

@@ -177,6 +177,13 @@ export class Reach {
     return low;
   }
 
+  /** The frame nearest to a time, s, which may be rounded. */
+  frameNearest(time: number): number {
+    const before = this.frameAt(time);
+    const next = this.time[before + 1] ?? Number.POSITIVE_INFINITY;
+    return next - time < time - this.time[before]! ? before + 1 : before;
+  }
+
   /** The row of a taxel's reading in a frame, or -1. */
   reading(taxel: number, frame: number): number {
     return search(this.readingTaxel, taxel, this.readingStart[frame]!, this.readingStart[frame + 1]!);

@@ -124,7 +124,9 @@ function twoSides(reach: Reach, patch: number): Plan {
   });
   // As large as most can be without touching their neighbours.
   const gaps = flat.map((own) => Math.min(...flat.filter((other) => other !== own && other.back === own.back).map((other) => Math.max(Math.abs(own.x - other.x), Math.abs(own.y - other.y)))));
-  const size = 0.95 * (gaps.sort((a, b) => a - b)[Math.floor(gaps.length / 2)] ?? 0.01);
+  // A taxel alone on its side is infinitely far from others there, and taxels in one place have no gap.
+  const finite = gaps.filter((gap) => Number.isFinite(gap) && gap > 0).sort((a, b) => a - b);
+  const size = 0.95 * (finite[Math.floor(finite.length / 2)] ?? 0.01);
   moveApart(flat, size);
   const width = Math.max(...flat.map(({ x }) => Math.abs(x))) * 2 + 1.6 * size;
   const top = Math.min(...flat.map(({ y }) => y)) - 0.8 * size;

@@ -78,7 +78,7 @@ for (const model of ["model.json", "touch.json"]) test(`only what is new is load
 });
 
 /** Pins that the page of a running reach grows with it, that pause and steps are exact, by mouse and by keyboard, and that the
- * whole reach with its goals is there at the end. */
+ * whole reach with its goals is there at the end, in the list, too, which before says nothing of how the reach went. */
 test("a running reach is shown, paused and stepped", async () => {
   // A reach through leaves takes seconds to simulate, so that it can be paused before it ends.
   const { address, pause, close } = await watch("scenes/leaf.toml", "--seed", "3");
@@ -87,6 +87,8 @@ test("a running reach is shown, paused and stepped", async () => {
   const page = await open(browser, address);
   await ready(page);
   assert.match(await page.locator("#facts").textContent(), /running/);
+  const row = () => page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
+  assert.deepEqual((await row()).slice(5), ["–", "–", "–", "–", "–", "–"]);
   const live = page.locator("#live");
   await page.waitForFunction(() => document.querySelector("#live [role=status]").textContent === "paused after 1 frame");
   const count = await frames(page);
@@ -111,6 +113,13 @@ test("a running reach is shown, paused and stepped", async () => {
   await page.waitForFunction(() => document.querySelector("#live [role=status]").textContent === "The reach has ended.");
   await page.waitForFunction(() => /of \d+ goals reached/.test(document.getElementById("facts").textContent));
   assert.ok((await frames(page)) > count + 12);
+  const facts = await page.locator("#facts").textContent();
+  const [outcome, goals, length, peak, contacts, audit] = (await row()).slice(5);
+  assert.match(outcome, /^(reached|stuck|timed out|aborted)$/);
+  assert.ok(facts.includes(`${goals} goals reached`), `${goals}: ${facts}`);
+  assert.ok(facts.includes(`${length}\u00a0s`) && facts.includes(`peak contact force ${peak}\u00a0N`), `${length}, ${peak}: ${facts}`);
+  assert.match(contacts, /^\d+$/);
+  assert.match(audit, /^(within bounds|\d+ exceeded)$/);
   assert.deepEqual(page.problems, []);
   await page.context().close();
   close();

@@ -12,22 +12,26 @@ before(async () => {
 });
 after(() => finishAll(browser));
 
-/** Rows of a contact of one taxel from sample `first` to `last`, 10 ms apart. */
-function rows(trial, taxel, first, last) {
-  return Array.from({ length: last - first + 1 }, (_, index) => `${trial},towel,0,palm,${taxel},${((first + index) / 100).toFixed(2)},${0.5 + taxel}`);
+const HEAD = "trial,category,reach,patch,taxel,time_s,force_n";
+
+/** Rows of a contact of one taxel from sample `first` to `last`, 10 ms apart unless told. */
+function rows(trial, taxel, first, last, rate_hz = 100) {
+  return Array.from({ length: last - first + 1 }, (_, index) => `${trial},towel,0,palm,${taxel},${((first + index) / rate_hz).toFixed(6)},${0.5 + taxel}`);
 }
 
 /** Pins what the page says of a table: no arm, no goals and no true forces, the taxels by their numbers, and a strip that has the
  * category as long as the contacts last, although frames are wider than pixels. */
 test("a table of trials is shown without what it does not know", async () => {
   const path = file("trials.csv");
-  writeFileSync(path, ["trial,category,reach,patch,taxel,time_s,force_n", ...rows(0, 5, 0, 49), ...rows(1, 2, 100, 119), ""].join("\n"));
+  writeFileSync(path, [HEAD, ...rows(0, 5, 0, 49), ...rows(1, 2, 100, 119), ""].join("\n"));
   const server = await serve(path);
   const page = await open(browser, `${server.address}#reach=0&taxel=palm.5`);
   await ready(page);
   await seek(page, 20);
   assert.equal(await page.textContent("#title"), "trials, reach 0");
   assert.match(await page.textContent("#facts"), /^a table of contact trials · 1\.2\s*s$/);
+  const row = await page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
+  assert.deepEqual(row, ["0", "trials", "–", "0", "–", "–", "–", "1.2", "–", "–", "–"]);
   const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
   assert.deepEqual(plots, ["force", "taxel"]);
   const text = await page.textContent("body");
@@ -38,5 +42,26 @@ test("a table of trials is shown without what it does not know", async () => {
   assert.ok(Math.abs(Number(seconds) - 0.7) < 0.03, truth);
   assert.deepEqual(page.problems, []);
   await page.context().close();
+  server.close();
+});
+
+/** Pins that the address of a frame of a fast table brings back that frame, also where its time is rounded down. */
+test("an address brings back a frame of a fast table", async () => {
+  const path = file("fast.csv");
+  writeFileSync(path, [HEAD, ...rows(0, 1, 0, 29, 300), ""].join("\n"));
+  const server = await serve(path);
+  for (const frame of [7, 8, 10]) {
+    const page = await open(browser, server.address);
+    await ready(page);
+    await seek(page, frame);
+    await page.waitForFunction((time) => location.hash.includes(`t=${time}`), (frame / 300).toFixed(4));
+    const other = await open(browser, `${server.address}${await page.evaluate(() => location.hash)}`);
+    await ready(other);
+    assert.equal(await other.evaluate(() => window.underbrushReplay.state.frame), frame);
+    for (const own of [page, other]) {
+      assert.deepEqual(own.problems, []);
+      await own.context().close();
+    }
+  }
   server.close();
 });

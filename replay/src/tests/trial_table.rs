@@ -100,7 +100,7 @@ fn the_trials_of_the_page_are_those_of_the_table() {
     assert_eq!(found, trials.iter().map(seen).collect::<Vec<_>>());
 }
 
-/// Pins that a table is listed and packed like other reaches.
+/// Pins that a table is listed, as what it is, and packed like other reaches.
 #[test]
 fn a_table_is_a_source() {
     let folder = tempfile::tempdir().unwrap();
@@ -111,7 +111,7 @@ fn a_table_is_a_source() {
         let [line] = source.reaches() else {
             panic!("{:?}", source.reaches());
         };
-        assert_eq!((line.source.as_str(), line.reach_index, line.contacts), (name, 3, 0));
+        assert_eq!((line.source.as_str(), line.reach_index, line.table), (name, 3, true));
         assert!(source.pack(0).unwrap().starts_with(b"ubreplay"));
     }
 }

@@ -1,0 +1,42 @@
+// Where taxels lie on the flat map, without a browser.
+
+import assert from "node:assert/strict";
+import { dirname, resolve } from "node:path";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+
+import { runnerImport } from "vite";
+
+const SOURCE = resolve(dirname(fileURLToPath(import.meta.url)), "../src/unroll.ts");
+const { module: { layOut } } = await runnerImport(SOURCE, { configFile: false });
+
+/** A patch without a grid, of taxels at these places that face these ways. */
+function patch(places, normals) {
+  return {
+    header: { patches: [{ name: "finger", link: "finger", grid: null, first_taxel: 0, taxels: places.length }] },
+    taxelPosition: Float32Array.from(places.flat()),
+    taxelNormal: Float32Array.from(normals.flat()),
+    tip: Float32Array.from([0, 0, 0.1, 0, 0, 0, 1]),
+    patchPose: Float32Array.from([0, 0, 0, 0, 0, 0, 1]),
+  };
+}
+
+/** Pins that the map has a size when a taxel has no neighbour on its side: one taxel, one on each side, one of three
+ * alone on its side, two in one place. */
+test("a taxel without a neighbour has a place on the map", () => {
+  const [front, back] = [[0, 1, 0], [0, -1, 0]];
+  const patches = [
+    patch([[0.01, 0, 0.02]], [front]),
+    patch([[0, 0.01, 0.02], [0, -0.01, 0.03]], [front, back]),
+    patch([[0.01, 0.01, 0.02], [0.02, 0.01, 0.06], [0.01, -0.01, 0.03]], [front, front, back]),
+    patch([[0.01, 0.01, 0.02], [0.01, 0.01, 0.02]], [front, front]),
+  ];
+  for (const reach of patches) {
+    const { cells, width, height } = layOut(reach, 0);
+    assert.equal(cells.length, reach.taxelPosition.length / 3);
+    assert.ok(width > 0.005 && width < 1 && height > 0.005 && height < 1, `${width} by ${height}`);
+    for (const { x, y, size } of cells) {
+      assert.ok(size > 0.005 && x > 0 && x < width && y > 0 && y < height, `${x}, ${y}, ${size} on ${width} by ${height}`);
+    }
+  }
+});
