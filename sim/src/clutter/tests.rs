@@ -259,7 +259,7 @@ fn goals_know_the_arm_and_its_skin() {
 /// Pins that places that are drawn from a normal distribution are within the limits of places.
 #[test]
 fn normal_places_are_within_the_limits() {
-    let text = "[goals]\ncount = 0\n[[objects.trunk]]\ncount = 20\nplace = { x_m = { normal = [4.5, 3.0] } }\n";
+    let text = "[goals]\ncount = 1\nx_m = 0.3\ny_m = 0.0\nz_m = 0.0\n[[objects.trunk]]\ncount = 20\nplace = { x_m = { normal = [4.5, 3.0] } }\n";
     for index in 0..5 {
         let clutter = Clutter::draw(&scene("test.toml", text), &arm(), 0, index).unwrap();
         for placed in &clutter.objects {

@@ -96,7 +96,7 @@ fn drawn_objects_are_what_their_group_says() {
 fn trunks_are_not_lower_than_their_radius() {
     let plan = |diameter_m: &str| {
         let text = format!(
-            "summary = \"Stumps\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 1\ndiameter_m = {diameter_m}\n\
+            "summary = \"Stumps\"\n[goals]\ncount = 1\nx_m = 0.5\ny_m = -0.3\nz_m = -0.3\n[[objects.trunk]]\ncount = 1\ndiameter_m = {diameter_m}\n\
              height_m = {{ uniform = [0.05, 0.1] }}\nplace = {{ x_m = 0.5, y_m = 0.3 }}\n"
         );
         ReachPlan::new(Scene::parse("stumps.toml", text).unwrap(), None, 0).unwrap()
