@@ -41,6 +41,23 @@ pub enum EvaluateError {
         /// Number of the trial in its table.
         trial: u64,
     },
+    /// A fold by reach holds all trials of a category, which is a minority in all of its reaches.
+    #[error(
+        "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; use more reaches; an evaluation \
+         can also use fewer folds or group by position",
+        left.join(", "),
+        all.join(", ")
+    )]
+    FewCategories {
+        /// The fold that is tested, from 1.
+        fold: usize,
+        /// Number of folds.
+        folds: usize,
+        /// The categories that are left.
+        left: Vec<String>,
+        /// All categories.
+        all: Vec<String>,
+    },
     /// A fold leaves no trial of a category that is long enough to fit on.
     #[error(
         "without fold {fold}, no trial of category {category} has the {samples} samples required for \
