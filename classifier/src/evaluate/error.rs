@@ -22,8 +22,9 @@ pub enum EvaluateError {
     },
     /// A category is too small to be in every fold.
     #[error(
-        "category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data{}",
-        if *unit == "reaches" { ", or group by position" } else { "" }
+        "category {category} has {}, fewer than the {folds} folds; {}",
+        counted(*found, unit),
+        remedy(*folds, unit)
     )]
     TooFew {
         /// The category.
@@ -74,4 +75,24 @@ pub enum EvaluateError {
     /// There is nothing to evaluate on.
     #[error("none of the trials has a category; use trials with ground truth")]
     NoTruth,
+}
+
+fn counted(found: usize, unit: &str) -> String {
+    match (found, unit) {
+        (1, "reaches") => "1 reach".into(),
+        (1, "trials") => "1 trial".into(),
+        _ => format!("{found} {unit}"),
+    }
+}
+
+/// Thresholds are chosen on two folds if there is little data, and only an evaluation lets the user choose the folds.
+fn remedy(folds: usize, unit: &str) -> String {
+    let data = match folds {
+        ..=2 => "use more data",
+        _ => "use fewer folds or more data",
+    };
+    match unit {
+        "reaches" => format!("{data}; an evaluation can also group by position"),
+        _ => data.into(),
+    }
 }

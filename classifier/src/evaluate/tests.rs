@@ -192,6 +192,41 @@ fn a_category_in_one_fold_only_is_refused() {
     assert!(result.predictions.iter().all(|prediction| prediction.scores.len() == 2));
 }
 
+/// Pins that the remedy for a category that is too small is possible wherever the error occurs: there are never fewer
+/// than two folds, and those for thresholds cannot be chosen.
+#[test]
+fn the_remedy_for_a_small_category_is_possible() {
+    let text = |found: usize, unit: &'static str, folds: usize| {
+        let category = "leaf".into();
+        let error = EvaluateError::TooFew {
+            category,
+            found,
+            unit,
+            folds,
+        };
+        error.to_string()
+    };
+    assert_eq!(
+        text(1, "reaches", 2),
+        "category leaf has 1 reach, fewer than the 2 folds; use more data; an evaluation can also group by position"
+    );
+    assert_eq!(
+        text(1, "trials", 2),
+        "category leaf has 1 trial, fewer than the 2 folds; use more data"
+    );
+    assert_eq!(
+        text(3, "trials", 5),
+        "category leaf has 3 trials, fewer than the 5 folds; use fewer folds or more data"
+    );
+    let few = trials(3, 9);
+    let error = HeldOut::of(&few, &recipe(), Folds::for_thresholds(&few)).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("category leaf has 1 reach, fewer than the 2 folds")
+    );
+}
+
 /// Pins order, folds and figures against a cross-validation assembled by hand from two fits.
 #[test]
 fn cross_validation_tests_each_trial_once_on_the_other_fold() {
