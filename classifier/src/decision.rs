@@ -6,6 +6,11 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+use underbrush_recording::Limits;
+use underbrush_recording::limits::short;
+
+/// Priors in a common unit. If one is a thousand million times another, hardly anything is left to decide.
+pub(crate) const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 
 /// What a taxel or a trial is classified as.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -61,8 +66,12 @@ pub enum Rule {
 /// Why a decision cannot be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DecisionError {
-    /// A prior that is not a positive number.
-    #[error("the prior of {category} is {found}; allowed: finite numbers above 0 (they need not sum to 1)")]
+    /// A prior outside its range.
+    #[error(
+        "the prior of {category} is {}; allowed: {} (they need not sum to 1)",
+        short(*found),
+        PRIOR
+    )]
     BadPrior {
         /// The category.
         category: String,
@@ -97,7 +106,7 @@ pub enum DecisionError {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {
-    /// P(λ_c) of eq. 3 by category, in any common unit. Empty means equal priors, as in eq. 2.
+    /// P(λ_c) of eq. 3 by category, in any common unit, from 1e-9 to 1e9. Empty means equal priors, as in eq. 2.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub prior: BTreeMap<String, f64>,
     /// How the margin becomes a verdict.
@@ -139,11 +148,7 @@ impl Decision {
                 expected: categories.to_vec(),
             });
         }
-        if let Some((category, &found)) = self
-            .prior
-            .iter()
-            .find(|(_, prior)| !(prior.is_finite() && **prior > 0.0))
-        {
+        if let Some((category, &found)) = self.prior.iter().find(|(_, prior)| !PRIOR.hold(**prior)) {
             return Err(DecisionError::BadPrior {
                 category: category.clone(),
                 found,

@@ -90,7 +90,6 @@ impl Recipe {
 
     /// Checks that every number is within its range.
     pub(crate) fn check(&self) -> Result<(), Fault> {
-        let training = &self.training;
         for (option, value, limits) in [
             ("states", self.states as f64, STATES),
             (
@@ -98,12 +97,16 @@ impl Recipe {
                 self.max_samples.map_or(1.0, |count| count as f64),
                 SAMPLES,
             ),
-            ("training.iterations", training.iterations as f64, ITERATIONS),
-            ("training.tolerance", training.tolerance, TOLERANCE),
-            ("training.variance_floor", training.variance_floor, VARIANCE_FLOOR),
         ] {
             check_limits(option, value, limits)?;
         }
-        Ok(())
+        check_training(&self.training)
     }
+}
+
+/// Checks that every option of Baum-Welch is within its range.
+pub(crate) fn check_training(training: &TrainingOptions) -> Result<(), Fault> {
+    check_limits("training.iterations", training.iterations as f64, ITERATIONS)?;
+    check_limits("training.tolerance", training.tolerance, TOLERANCE)?;
+    check_limits("training.variance_floor", training.variance_floor, VARIANCE_FLOOR)
 }

@@ -78,7 +78,7 @@ fn judged(
             examples.add(recording)?;
         }
         let model = match examples.fit() {
-            Err(ModelError::NoCategories { .. }) => return Ok(None),
+            Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok(None),
             model => Arc::new(model?),
         };
         categories = model.categories().len();

@@ -127,6 +127,9 @@ fn numbers_out_of_range() {
     }
     underbrush!["train", table, "--out", model, "--max-samples", "0"].refused(&["--max-samples", "1.."]);
     underbrush!["evaluate", table, "--max-samples", "0"].refused(&["--max-samples", "1.."]);
+    let [leaf, trunk] = ["--prior=leaf=1e308", "--prior=trunk=1e308"];
+    underbrush!["classify", fixture.model(), table, leaf, trunk]
+        .refused(&["the prior of leaf is 1e308", "1e-9 to 1e9"]);
     let scene = fixture.trunk_scene();
     underbrush!["generate", scene, "--reaches", "0", "--out", set].refused(&["--reaches"]);
     for threshold in ["-1", "nan"] {

@@ -151,7 +151,7 @@ fn priors_and_rules_change_verdicts() {
     };
     let count = |verdicts: &[String], name: &str| verdicts.iter().filter(|verdict| *verdict == name).count();
     let even = verdicts(&[]);
-    let biased = verdicts(&["--prior", "leaf=1e-300", "--prior", "trunk=1"]);
+    let biased = verdicts(&["--prior", "leaf=1e-9", "--prior", "trunk=1e9"]);
     assert!(count(&biased, "trunk") > count(&even, "trunk"), "{biased:?}");
     let doubtful = verdicts(&["--decision", "uncertain", "--margin", "1e9"]);
     assert_eq!(count(&doubtful, "uncertain"), even.len());

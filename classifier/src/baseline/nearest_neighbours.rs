@@ -159,7 +159,7 @@ impl Estimator for NearestNeighbours {
 }
 
 /// The mean of each column, and for each channel the reciprocal of its standard deviation, so that newtons, taxels and
-/// metres have similar weight.
+/// metres have similar weight; 0 for a channel that never varies between rows.
 fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     let count = rows.len() as f64;
     let mean: Vec<f64> = (0..rows[0].len())
@@ -167,9 +167,21 @@ fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
         .collect();
     let scale_of = |channel: usize| {
         let columns = channel * window..(channel + 1) * window;
+        // Rounding accumulates in the mean of many rows, so whether a channel varies is not told by its variance alone.
+        if columns.clone().all(|d| rows.iter().all(|row| row[d] == rows[0][d])) {
+            return 0.0;
+        }
+        let largest = columns.clone().flat_map(|d| rows.iter().map(move |row| row[d].abs()));
+        let largest = largest.fold(0.0, f64::max);
         let squares = |d: usize| rows.iter().map(|row| (row[d] - mean[d]).powi(2)).sum::<f64>();
         let variance = columns.map(squares).sum::<f64>() / count / window as f64;
-        if variance > 0.0 { variance.sqrt().recip() } else { 0.0 }
+        let deviation = variance.sqrt();
+        // A deviation of the size of rounding means nothing.
+        if deviation > 1e-14 * largest {
+            deviation.recip()
+        } else {
+            0.0
+        }
     };
     let scale = (0..mean.len() / window).map(scale_of).collect();
     (mean, scale)

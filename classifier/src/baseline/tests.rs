@@ -5,7 +5,8 @@ use underbrush_recording::{Region, Sample, Trial};
 use super::*;
 use crate::error::ModelError;
 use crate::estimator::{ClassifierKind, Estimator};
-use crate::feature::{AREA, Feature, FeatureError, MOTION, SampleFault};
+use crate::feature::{AREA, Feature, FeatureError, FeatureSet, MOTION, SampleFault};
+use crate::model_file::Model;
 use crate::recipe::Recipe;
 use crate::registry::CLASSIFIERS;
 
@@ -165,6 +166,26 @@ fn windows_are_padded_with_their_last_sample() {
     assert_eq!(classifier.scores(&held).unwrap(), scores);
     held.samples[40].force_n = 50.0;
     assert_ne!(classifier.scores(&held).unwrap(), scores);
+}
+
+/// Pins that a feature that never varies has no influence on nearest neighbours, although the rounding of its mean
+/// leaves a variance, and that the model can be saved.
+#[test]
+fn a_constant_feature_is_left_out_of_the_neighbours() {
+    let mut trials = trials();
+    for sample in trials.iter_mut().flat_map(|trial| &mut trial.samples) {
+        sample.motion_m = Some(0.1);
+    }
+    let estimator = NearestNeighbours {
+        features: FeatureSet::FORCE_AND_MOTION,
+        ..NearestNeighbours::default()
+    };
+    let classifier = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
+    let new = press(1000, "leaf", 3.0, 2, 20);
+    let mut moved = new.clone();
+    moved.samples.iter_mut().for_each(|sample| sample.motion_m = Some(0.7));
+    assert_eq!(classifier.scores(&moved).unwrap(), classifier.scores(&new).unwrap());
+    Model::new(classifier).save_string().unwrap();
 }
 
 #[test]

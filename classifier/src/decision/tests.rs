@@ -75,6 +75,9 @@ fn invalid_decisions_are_refused() {
         with_prior(&[("leaf", 1.0)]),
         with_prior(&[("leaf", 1.0), ("foam", 1.0)]),
         with_prior(&[("leaf", 1.0), ("trunk", 0.0)]),
+        with_prior(&[("leaf", 1.0), ("trunk", 1e-10)]),
+        // Their sum is infinite.
+        with_prior(&[("leaf", 1e308), ("trunk", 1e308)]),
         with_prior(&[("leaf", f64::NAN), ("trunk", 1.0)]),
         Decision::new(Rule::OutlierBand {
             uncertain_below: 80.0,

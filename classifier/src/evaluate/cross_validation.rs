@@ -34,7 +34,8 @@ pub fn evaluate(
 /// the number of threads.
 ///
 /// # Errors
-/// [`EvaluateError`] if a category is too small for the folds, or fitting or scoring fails.
+/// [`EvaluateError`] if a category is too small for the folds or only in the reaches of one fold, or fitting or scoring
+/// fails.
 pub fn cross_validate(
     trials: &[Trial],
     estimator: &dyn Estimator,
@@ -73,6 +74,7 @@ pub(super) fn across_folds<T: Send>(
         return Err(EvaluateError::NoTruth);
     }
     let assignment = folds.assign(&used)?;
+    let all: BTreeSet<&str> = used.iter().filter_map(|trial| trial.category.as_deref()).collect();
     let of = |fold: usize, inside: bool| {
         let pairs = used.iter().zip(&assignment);
         pairs
@@ -97,6 +99,16 @@ pub(super) fn across_folds<T: Send>(
                     samples: min_training_samples,
                 });
             }
+            // A classifier without a category would call all trials of that category something else, and its scores
+            // would not be comparable with those of the other folds.
+            if categories != all {
+                return Err(EvaluateError::FewCategories {
+                    fold: fold + 1,
+                    folds: folds.count,
+                    left: names(&categories),
+                    all: names(&all),
+                });
+            }
             let classifier = estimator.fit(&long_enough)?;
             let results = test(classifier.as_ref(), fold, &of(fold, true))?;
             Ok((classifier.categories(), results, classifier.training().cloned()))
@@ -117,6 +129,10 @@ pub(super) fn across_folds<T: Send>(
         categories,
         training,
     })
+}
+
+fn names(categories: &BTreeSet<&str>) -> Vec<String> {
+    categories.iter().map(|name| (*name).to_owned()).collect()
 }
 
 pub(super) fn predict<'a>(

@@ -22,8 +22,9 @@ pub enum EvaluateError {
     },
     /// A category is too small to be in every fold.
     #[error(
-        "category {category} has {found} {unit}, fewer than the {folds} folds; use fewer folds or more data{}",
-        if *unit == "reaches" { ", or group by position" } else { "" }
+        "category {category} has {}, fewer than the {folds} folds; {}",
+        counted(*found, unit),
+        remedy(*folds, unit)
     )]
     TooFew {
         /// The category.
@@ -41,6 +42,23 @@ pub enum EvaluateError {
         /// Number of the trial in its table.
         trial: u64,
     },
+    /// A fold by reach holds all trials of a category, which is a minority in all of its reaches.
+    #[error(
+        "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; use more reaches; an evaluation \
+         can also use fewer folds or group by position",
+        left.join(", "),
+        all.join(", ")
+    )]
+    FewCategories {
+        /// The fold that is tested, from 1.
+        fold: usize,
+        /// Number of folds.
+        folds: usize,
+        /// The categories that are left.
+        left: Vec<String>,
+        /// All categories.
+        all: Vec<String>,
+    },
     /// A fold leaves no trial of a category that is long enough to fit on.
     #[error(
         "without fold {fold}, no trial of category {category} has the {samples} samples required for \
@@ -57,4 +75,24 @@ pub enum EvaluateError {
     /// There is nothing to evaluate on.
     #[error("none of the trials has a category; use trials with ground truth")]
     NoTruth,
+}
+
+fn counted(found: usize, unit: &str) -> String {
+    match (found, unit) {
+        (1, "reaches") => "1 reach".into(),
+        (1, "trials") => "1 trial".into(),
+        _ => format!("{found} {unit}"),
+    }
+}
+
+/// Thresholds are chosen on two folds if there is little data, and only an evaluation lets the user choose the folds.
+fn remedy(folds: usize, unit: &str) -> String {
+    let data = match folds {
+        ..=2 => "use more data",
+        _ => "use fewer folds or more data",
+    };
+    match unit {
+        "reaches" => format!("{data}; an evaluation can also group by position"),
+        _ => data.into(),
+    }
 }

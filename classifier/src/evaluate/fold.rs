@@ -79,11 +79,11 @@ impl Folds {
         }
     }
 
-    /// The fold of each trial, in the same order. Every category is in every fold.
+    /// The fold of each trial, in the same order. By position, every category is in every fold.
     ///
     /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋ of k. A
     /// reach belongs to the category of most of its trials; in a tie, the first of these categories in alphabetical
-    /// order counts.
+    /// order counts. A category to which no reach belongs may be missing from folds.
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });

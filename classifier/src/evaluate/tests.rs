@@ -163,6 +163,70 @@ fn impossible_splits_are_named() {
     assert_eq!(error(&[], 2, FoldBy::Position), EvaluateError::NoTruth);
 }
 
+/// Pins that a category that is a minority in the only reach that has it is not silently left out of the fit of one
+/// fold, in any kind of cross-validation, and that it is no obstacle if it is in reaches of both folds.
+#[test]
+fn a_category_in_one_fold_only_is_refused() {
+    let mut table = trials(0, 12);
+    let folds = Folds {
+        count: 2,
+        by: FoldBy::Reach,
+    };
+    // Four reaches with three trunks each. The leaf is in the fourth, so the second fold holds it.
+    table[10].category = Some("leaf".into());
+    let error = cross_validate(&table, &recipe(), folds, &Decision::argmax()).unwrap_err();
+    let expected = EvaluateError::FewCategories {
+        fold: 2,
+        folds: 2,
+        left: vec!["trunk".into()],
+        all: vec!["leaf".into(), "trunk".into()],
+    };
+    assert_eq!(error, expected);
+    assert!(error.to_string().starts_with(
+        "without fold 2 of 2, only trunk of the categories leaf, trunk are left to fit to; use more reaches"
+    ));
+    assert_eq!(HeldOut::of(&table, &recipe(), folds).unwrap_err(), expected);
+    assert_eq!(accuracy_by_samples(&table, &recipe(), folds).unwrap_err(), expected);
+    table[1].category = Some("leaf".into());
+    let result = cross_validate(&table, &recipe(), folds, &Decision::argmax()).unwrap();
+    assert!(result.predictions.iter().all(|prediction| prediction.scores.len() == 2));
+}
+
+/// Pins that the remedy for a category that is too small is possible wherever the error occurs: there are never fewer
+/// than two folds, and those for thresholds cannot be chosen.
+#[test]
+fn the_remedy_for_a_small_category_is_possible() {
+    let text = |found: usize, unit: &'static str, folds: usize| {
+        let category = "leaf".into();
+        let error = EvaluateError::TooFew {
+            category,
+            found,
+            unit,
+            folds,
+        };
+        error.to_string()
+    };
+    assert_eq!(
+        text(1, "reaches", 2),
+        "category leaf has 1 reach, fewer than the 2 folds; use more data; an evaluation can also group by position"
+    );
+    assert_eq!(
+        text(1, "trials", 2),
+        "category leaf has 1 trial, fewer than the 2 folds; use more data"
+    );
+    assert_eq!(
+        text(3, "trials", 5),
+        "category leaf has 3 trials, fewer than the 5 folds; use fewer folds or more data"
+    );
+    let few = trials(3, 9);
+    let error = HeldOut::of(&few, &recipe(), Folds::for_thresholds(&few)).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("category leaf has 1 reach, fewer than the 2 folds")
+    );
+}
+
 /// Pins order, folds and figures against a cross-validation assembled by hand from two fits.
 #[test]
 fn cross_validation_tests_each_trial_once_on_the_other_fold() {

@@ -11,7 +11,7 @@ use crate::error::ModelError;
 use crate::estimator::trials_by_category;
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
 use crate::hmm::{GaussianHmm, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
-use crate::recipe::{Recipe, ScalingKind};
+use crate::recipe::{Recipe, ScalingKind, check_training};
 
 /// The report of a training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -89,12 +89,14 @@ impl HmmClassifier {
     /// Features, scaling and truncation are taken from `start`. Trials of other categories are skipped.
     ///
     /// # Errors
-    /// [`ModelError`] as for [`HmmClassifier::train`], and if a category of `start` has no trials.
+    /// [`ModelError`] as for [`HmmClassifier::train`] (the options have the ranges that they have in a recipe), and if
+    /// a category of `start` has no trials.
     pub fn train_from(
         start: HmmClassifier,
         trials: &[Trial],
         options: &TrainingOptions,
     ) -> Result<(Self, TrainingReport), ModelError> {
+        check_training(options)?;
         let max_samples = start.max_samples();
         let trained: Vec<_> = start
             .models

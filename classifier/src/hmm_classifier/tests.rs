@@ -2,6 +2,7 @@ use underbrush_recording::InputError;
 
 use super::*;
 use crate::decision::Decision;
+use crate::hmm::TrainingOptions;
 use crate::model_file::Model;
 
 const MINIMAL: &str = r#"{
@@ -78,6 +79,42 @@ fn what_is_written_is_read_back_bit_for_bit() {
         text.contains("[0.1, 0.9]"),
         "a row of a matrix stands on one line:\n{text}"
     );
+}
+
+/// Pins that options that a model file may not hold are refused before training starts, not when the model is saved.
+#[test]
+fn options_are_checked_before_training_continues() {
+    let usual = TrainingOptions::default();
+    let refused = [
+        (
+            "training.tolerance",
+            TrainingOptions {
+                tolerance: 5.0,
+                ..usual
+            },
+        ),
+        (
+            "training.iterations",
+            TrainingOptions {
+                iterations: 99_999_999,
+                ..usual
+            },
+        ),
+        (
+            "training.variance_floor",
+            TrainingOptions {
+                variance_floor: 1e-40,
+                ..usual
+            },
+        ),
+    ];
+    for (name, options) in refused {
+        // There are no trials, so training would fail with another error.
+        match HmmClassifier::train_from(read(MINIMAL).unwrap(), &[], &options).unwrap_err() {
+            ModelError::BadOption { option, .. } => assert_eq!(option, name),
+            other => panic!("{name}: {other}"),
+        }
+    }
 }
 
 /// Pins that an infinite threshold set by hand is refused when it is written: JSON cannot hold it.

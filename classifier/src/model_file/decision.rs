@@ -2,24 +2,22 @@
 
 use underbrush_recording::{InputError, Limits};
 
-use crate::decision::{Decision, Rule};
+use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::Document;
 use crate::error::{Fault, check_limits};
-
-/// Priors in a common unit. If one is a thousand million times another, hardly anything is left to decide.
-const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
 
 /// Margins: more than a day at 100 Hz with a hundred nats per sample.
 const MARGIN_NATS: Limits = Limits::new(0.0, 1e9, "nats");
 
 /// Checks that a decision fits the categories and that its numbers are within their ranges.
 pub(super) fn check(document: &Document, decision: &Decision, categories: &[String]) -> Result<(), InputError> {
+    numbers(decision).map_err(|fault| document.fault(fault.within("decision")))?;
     decision.prepare(categories).map_err(|error| {
         let allowed = "priors and thresholds that fit the categories";
         let remedy = "correct or remove the decision";
         InputError::new(document.path(), "decision", error.to_string(), allowed, remedy)
     })?;
-    numbers(decision).map_err(|fault| document.fault(fault.within("decision")))
+    Ok(())
 }
 
 fn numbers(decision: &Decision) -> Result<(), Fault> {

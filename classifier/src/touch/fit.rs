@@ -19,7 +19,7 @@ impl TouchExamples {
     ///
     /// # Errors
     /// [`ModelError::NoCategories`] if no known category touches the patch for long enough; [`ModelError::Mismatch`] if
-    /// there are fewer than two recordings.
+    /// such categories do so in fewer than two recordings.
     pub fn fit(&self) -> Result<TouchModel, ModelError> {
         self.fit_within(&RiskLimits::default())
     }
@@ -45,6 +45,15 @@ impl TouchExamples {
             return Err(ModelError::NoCategories { trials });
         }
         let folds = self.folds();
+        if !self.fill(&folds) {
+            return Err(ModelError::Mismatch {
+                found: format!("something of a known category touches the skin in one of {trials} recordings"),
+                allowed: format!(
+                    "{FOLDS} such recordings or more, because probabilities are calibrated on recordings that are held \
+                     out"
+                ),
+            });
+        }
         let held_out: Vec<HeldOut> = (0..FOLDS)
             .into_par_iter()
             .map(|fold| HeldOut::of(self, &folds, fold, &categories))

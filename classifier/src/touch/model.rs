@@ -10,7 +10,7 @@ use underbrush_recording::limits::{self, Limits};
 use super::course::{Course, REGION_FEATURE_COUNT};
 use super::decision::TouchDecision;
 use super::feature_rows::FeatureRows;
-use super::network::{Network, softmax};
+use super::network::{FITTED, Network, softmax};
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use super::usual::Usual;
@@ -54,6 +54,11 @@ pub(super) struct Calibrated {
 }
 
 impl Calibrated {
+    /// Whether all numbers are within their limits and as many as needed for this many features and classes.
+    fn is_sound(&self, inputs: usize, classes: usize) -> bool {
+        self.network.is_sound(inputs, classes) && self.sharpness > 0.0 && FITTED.hold(self.sharpness)
+    }
+
     /// Writes the probabilities of the classes for one row after the other. Nothing is allocated if `classes` has room
     /// for them.
     pub(super) fn probabilities<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
@@ -122,22 +127,20 @@ impl TouchModel {
             .map_err(|fault| document.fault(fault))?;
         let classes = model.categories.len();
         let parts = [
-            (
-                "touched",
-                model.touched.network.is_sound(TAXEL_FEATURE_COUNT, 2) && model.touched.sharpness > 0.0,
-            ),
-            (
-                "category",
-                model.category.network.is_sound(REGION_FEATURE_COUNT, classes) && model.category.sharpness > 0.0,
-            ),
+            ("touched", model.touched.is_sound(TAXEL_FEATURE_COUNT, 2)),
+            ("category", model.category.is_sound(REGION_FEATURE_COUNT, classes)),
             ("usual", model.usual.is_sound(classes)),
         ];
         for (part, is_sound) in parts {
             if !is_sound {
                 let allowed =
-                    format!("finite numbers, as many as {classes} categories and this program's features need");
-                return Err(document.error(part, "other sizes, or a number that is not finite", allowed));
+                    format!("numbers from {FITTED}, as many as {classes} categories and this program's features need");
+                return Err(document.error(part, "other sizes, or a number out of range", allowed));
             }
+        }
+        if !model.usual.is_sorted() {
+            let found = "a distance below the one before it";
+            return Err(document.error("usual.distances", found, "distances in ascending order"));
         }
         Ok(model)
     }

@@ -1,5 +1,6 @@
 //! The rows of many recordings that touch models are fitted to.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -90,26 +91,29 @@ impl TouchExamples {
         }
     }
 
-    /// Number of recordings.
-    pub(super) fn reach_count(&self) -> usize {
-        self.reaches.len()
-    }
-
     fn regions(&self) -> impl Iterator<Item = &super::example::RegionExample> {
         self.reaches.iter().flat_map(|reach| &reach.regions)
     }
 
     /// The fold of each reach. Reaches that touch the same categories go to the folds in turn, so that every fold has
-    /// some of them regardless of their order.
-    pub(super) fn folds<'a>(&'a self) -> Vec<usize> {
-        let mut dealt: BTreeMap<BTreeSet<&'a str>, usize> = BTreeMap::new();
-        let fold = |reach: &'a Arc<Examples>| {
-            let categories = reach.regions.iter().map(|region| region.category.as_str()).collect();
-            let next = dealt.entry(categories).or_default();
-            *next += 1;
-            (*next - 1) % FOLDS
+    /// some of them regardless of their order. If that leaves a fold without a category, because few reaches touch it,
+    /// they are dealt in another way, provided that it leaves fewer such gaps.
+    pub(super) fn folds(&self) -> Vec<usize> {
+        let of_reach = |reach: &Arc<Examples>| -> BTreeSet<String> {
+            reach.regions.iter().map(|region| region.category.clone()).collect()
         };
-        self.reaches.iter().map(fold).collect()
+        dealt(&self.reaches.iter().map(of_reach).collect::<Vec<_>>())
+    }
+
+    /// Whether something known touches the skin in a reach of every fold. Otherwise networks would be fitted to
+    /// nothing.
+    pub(super) fn fill(&self, folds: &[usize]) -> bool {
+        let has_regions = |fold: usize| {
+            self.of_fold(folds, fold, true)
+                .iter()
+                .any(|reach| !reach.regions.is_empty())
+        };
+        (0..FOLDS).all(has_regions)
     }
 
     /// The reaches of a fold, or all others.
@@ -117,5 +121,91 @@ impl TouchExamples {
         let reaches = self.reaches.iter().zip(folds);
         let chosen = reaches.filter(|(_, own)| (**own == fold) == is_own);
         chosen.map(|(reach, _)| reach.as_ref()).collect()
+    }
+}
+
+/// The fold of each reach, from the categories that it touches.
+fn dealt(touched: &[BTreeSet<String>]) -> Vec<usize> {
+    let (in_turn, by_gaps) = (in_turn(touched), by_gaps(touched));
+    if gaps(touched, &by_gaps) < gaps(touched, &in_turn) {
+        by_gaps
+    } else {
+        in_turn
+    }
+}
+
+/// Reaches that touch the same categories go to the folds in turn.
+fn in_turn(touched: &[BTreeSet<String>]) -> Vec<usize> {
+    let mut count: BTreeMap<&BTreeSet<String>, usize> = BTreeMap::new();
+    let fold = |categories| {
+        let next = count.entry(categories).or_default();
+        *next += 1;
+        (*next - 1) % FOLDS
+    };
+    touched.iter().map(fold).collect()
+}
+
+/// Each reach goes to the fold that has the fewest of its categories, or else to the one with fewer reaches. Those with
+/// the most categories come first, because the others can then fill the gaps.
+fn by_gaps(touched: &[BTreeSet<String>]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..touched.len()).collect();
+    order.sort_by_key(|reach| Reverse(touched[*reach].len()));
+    let mut found = vec![BTreeSet::new(); FOLDS];
+    let mut count = [0_usize; FOLDS];
+    let mut folds = vec![0; touched.len()];
+    for reach in order {
+        let own = &touched[reach];
+        let fold = (0..FOLDS).min_by_key(|fold| (own.intersection(&found[*fold]).count(), count[*fold]));
+        let fold = fold.unwrap_or_default();
+        found[fold].extend(own.iter().cloned());
+        count[fold] += 1;
+        folds[reach] = fold;
+    }
+    folds
+}
+
+/// The number of folds in which nothing is touched, and how often a category is missing from a fold.
+fn gaps(touched: &[BTreeSet<String>], folds: &[usize]) -> (usize, usize) {
+    let all = touched.iter().flatten().collect::<BTreeSet<_>>().len();
+    let found = |fold: usize| {
+        let own = touched.iter().zip(folds).filter(|(_, own)| **own == fold);
+        own.flat_map(|(categories, _)| categories)
+            .collect::<BTreeSet<_>>()
+            .len()
+    };
+    let found: Vec<usize> = (0..FOLDS).map(found).collect();
+    (
+        found.iter().filter(|count| **count == 0).count(),
+        found.iter().map(|count| all - count).sum(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folds(touched: &[&[&str]]) -> Vec<usize> {
+        let set = |names: &&[&str]| -> BTreeSet<String> { names.iter().map(|name| (*name).to_owned()).collect() };
+        dealt(&touched.iter().map(set).collect::<Vec<_>>())
+    }
+
+    /// Pins that reaches that touch the same categories go to the folds in turn, also beside a category in a single
+    /// reach, which one fold must lack.
+    #[test]
+    fn reaches_are_dealt_in_turn() {
+        let (leaf, trunk, both) = (&["leaf"][..], &["trunk"][..], &["leaf", "trunk"][..]);
+        assert_eq!(folds(&[leaf, trunk, leaf, &[], trunk, both]), [0, 0, 1, 0, 1, 0]);
+        assert_eq!(folds(&[trunk, leaf, trunk, trunk]), [0, 0, 1, 0]);
+    }
+
+    /// Pins that no fold is without rows if two reaches have some, and that a category in two reaches is in both folds
+    /// if that is possible.
+    #[test]
+    fn few_reaches_fill_both_folds() {
+        let (leaf, trunk, both) = (&["leaf"][..], &["trunk"][..], &["leaf", "trunk"][..]);
+        assert_eq!(folds(&[leaf, trunk]), [0, 1]);
+        assert_eq!(folds(&[&[], both, leaf]), [0, 0, 1]);
+        assert_eq!(folds(&[leaf, trunk, both]), [1, 1, 0]);
+        assert_eq!(folds(&[leaf, both, trunk, trunk]), [1, 0, 1, 0]);
     }
 }

@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::course::DESCRIPTION_COUNT;
+use super::network::FITTED;
 
 /// Added to the variances, so that a feature that hardly varies does not decide alone. The features are logarithms, so
 /// this is an error of a tenth in each.
@@ -112,7 +113,7 @@ impl Usual {
         10f64.powf(-0.1 * (above as f64 - 1.0 + part))
     }
 
-    /// Whether all numbers are finite and there are as many as this number of categories needs.
+    /// Whether all numbers are within their limits and there are as many as this number of categories needs.
     pub(super) fn is_sound(&self, categories: usize) -> bool {
         let numbers = self
             .normals
@@ -120,6 +121,11 @@ impl Usual {
             .flat_map(|normal| normal.mean.iter().chain(normal.factor.iter().flatten()));
         self.normals.len() == categories
             && self.distances.len() == QUANTILES
-            && numbers.chain(&self.distances).all(|number| number.is_finite())
+            && numbers.chain(&self.distances).all(|number| FITTED.hold(*number))
+    }
+
+    /// Whether the distances rise, as [`Usual::share_beyond`] needs.
+    pub(super) fn is_sorted(&self) -> bool {
+        self.distances.is_sorted()
     }
 }

@@ -28,13 +28,13 @@ pub struct FeatureWorth {
 
 impl TouchExamples {
     /// What each feature is worth, the most valuable first within each network. Every reach is judged by networks that
-    /// were fitted to other reaches. Empty if there are fewer reaches than folds.
+    /// were fitted to other reaches. Empty if a known category touches the skin in fewer reaches than there are folds.
     pub fn feature_worth(&self) -> Vec<FeatureWorth> {
         let categories = self.categories();
-        if categories.is_empty() || self.reach_count() < FOLDS {
+        let folds = self.folds();
+        if !self.fill(&folds) {
             return Vec::new();
         }
-        let folds = self.folds();
         let mut taxels = Shuffled::new(&TAXEL_FEATURES, 2);
         let mut regions = Shuffled::new(&REGION_FEATURES, categories.len());
         for fold in 0..FOLDS {

@@ -16,7 +16,8 @@ fn examples() -> TouchExamples {
     examples
 }
 
-/// Pins the errors for a single reach, and for reaches in which nothing known touches the skin.
+/// Pins the errors for a single reach, and for reaches in which nothing known touches the skin, in all of them or in
+/// all but one.
 #[test]
 fn too_little_to_fit_to_is_refused() {
     let mut examples = TouchExamples::new(TouchOptions::default());
@@ -27,6 +28,21 @@ fn too_little_to_fit_to_is_refused() {
         examples.add(&presses(0, STIFFNESS_N_PER_M[0], 0.0, 0.06)).unwrap();
     }
     assert_eq!(examples.fit(), Err(ModelError::NoCategories { trials: 3 }));
+    examples.add(&reaches()[0]).unwrap();
+    let error = examples.fit().unwrap_err().to_string();
+    assert!(
+        error.contains("touches the skin in one of 4 recordings; allowed: 2"),
+        "{error}"
+    );
+    assert!(examples.feature_worth().is_empty());
+}
+
+/// Pins that the networks that judge held-out reaches are fitted to rows even if each category is in one reach only,
+/// and that reaches of each category go to the folds in turn if there are several.
+#[test]
+fn both_folds_have_rows() {
+    assert_eq!(examples().folds(), [0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1]);
+    assert_eq!(examples().some(|index| index < 2).folds(), [0, 1]);
 }
 
 /// Pins that soft, stiff and spurious readings are told apart in a new reach, that the model is the same for any number
