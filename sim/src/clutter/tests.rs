@@ -259,9 +259,11 @@ fn goals_know_the_arm_and_its_skin() {
 /// Pins that places that are drawn from a normal distribution are within the limits of places.
 #[test]
 fn normal_places_are_within_the_limits() {
-    let text = "[goals]\ncount = 1\nx_m = 0.3\ny_m = 0.0\nz_m = 0.0\n[[objects.trunk]]\ncount = 20\nplace = { x_m = { normal = [4.5, 3.0] } }\n";
+    let far = "[[objects.trunk]]\ncount = 20\nplace = { x_m = { normal = [4.5, 3.0] } }\n";
+    let text = goal_beside_a_trunk(0.7) + far;
     for index in 0..5 {
-        let clutter = Clutter::draw(&scene("test.toml", text), &arm(), 0, index).unwrap();
+        let clutter = Clutter::draw(&scene("test.toml", &text), &arm(), 0, index).unwrap();
+        assert_eq!(clutter.objects.len(), 21);
         for placed in &clutter.objects {
             assert!(placed.foot_world.x.abs() <= 5.0, "{}", placed.foot_world);
         }

@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Body, BodyOwner, Category};
 
-use super::wand;
+use super::trunk::TrunkSpecification;
+use super::{Footing, Specification, wand};
 use crate::reach::ReachPlan;
 use crate::scene::{Objects, Scene};
 
@@ -94,20 +97,19 @@ fn drawn_objects_are_what_their_group_says() {
 /// Pins that a trunk is as high as it says: those lower than their radius are drawn again, or refused if there are no others.
 #[test]
 fn trunks_are_not_lower_than_their_radius() {
-    let plan = |diameter_m: &str| {
-        let text = format!(
-            "summary = \"Stumps\"\n[goals]\ncount = 1\nx_m = 0.5\ny_m = -0.3\nz_m = -0.3\n[[objects.trunk]]\ncount = 1\ndiameter_m = {diameter_m}\n\
-             height_m = {{ uniform = [0.05, 0.1] }}\nplace = {{ x_m = 0.5, y_m = 0.3 }}\n"
-        );
-        ReachPlan::new(Scene::parse("stumps.toml", text).unwrap(), None, 0).unwrap()
+    let footing = Footing {
+        height_m: 0.0,
+        foam_modulus_pa: None,
     };
-    let sizes = |index| {
-        let clutter = plan("{ uniform = [0.05, 0.3] }").draw(index).unwrap();
-        let own = clutter.objects[0].object.parameters();
-        (own["diameter_m"], own["height_m"])
+    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let mut draw = |diameter_m: &str| {
+        let text = format!("count = 1\ndiameter_m = {diameter_m}\nheight_m = {{ uniform = [0.05, 0.1] }}\n");
+        let group: TrunkSpecification = toml::from_str(&text).unwrap();
+        group.draw(&mut random, &footing).map(|trunk| trunk.parameters())
     };
-    for (diameter_m, height_m) in (0..30).map(sizes) {
-        assert!(height_m >= diameter_m / 2.0, "{diameter_m} m thick, {height_m} m high");
+    for _ in 0..30 {
+        let own = draw("{ uniform = [0.05, 0.3] }").unwrap();
+        assert!(own["height_m"] >= own["diameter_m"] / 2.0, "{own:?}");
     }
-    assert!(plan("0.3").draw(0).is_err());
+    assert!(draw("0.3").is_err());
 }
