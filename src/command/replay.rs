@@ -40,7 +40,7 @@ pub struct Options {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
     out: Option<PathBuf>,
     /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
-    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out")]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out", conflicts_with_all = ["port", "no_open"])]
     reaches: Vec<usize>,
     /// Model file of a classifier of trials or a touch model: the page also shows its verdicts
     #[arg(long, value_name = "FILE")]

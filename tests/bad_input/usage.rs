@@ -136,6 +136,28 @@ fn numbers_out_of_range() {
     assert_empty(outputs.path());
 }
 
+/// Pins that an option is refused, not ignored, if the option that it needs is excluded by another.
+#[test]
+fn options_whose_need_is_excluded() {
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let (table, model, out) = (fixture.table_csv(), fixture.model(), outputs.path().join("out"));
+    let train = underbrush!["train", table, "--out", out, "--start", model, "--outlier-prior", "0.2"];
+    train.refused(&["--start", "--outlier-prior"]);
+    let benchmark = underbrush![
+        "benchmark",
+        "verdicts",
+        "--model",
+        model,
+        "--verdicts",
+        model,
+        "--out",
+        out
+    ];
+    benchmark.refused(&["--model", "--verdicts"]);
+    assert_empty(outputs.path());
+}
+
 /// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
 #[test]
 fn nothing_to_fit() {
