@@ -1,7 +1,7 @@
 //! All printing: results on stdout, everything else on stderr.
 
 use std::io::{IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 use underbrush_recording::disk;
@@ -59,6 +59,22 @@ pub fn error(failure: &Failure) {
         debug_assert!(unwrapped.is_ok(), "nothing else sets a hook");
     }
     say(&format!("{:?}", failure.report()));
+}
+
+/// Refuses an output that is one of the inputs, under whatever name: the input would be lost.
+pub fn check_not_input<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+    let Ok(place) = std::fs::canonicalize(out) else {
+        // There is no file that could be lost.
+        return Ok(());
+    };
+    let mut inputs = inputs.into_iter();
+    if inputs.any(|input| std::fs::canonicalize(input).is_ok_and(|own| own == place)) {
+        return Err(Failure::usage(format!(
+            "{}: is an input of this command, and the output would replace it; choose another name for the output",
+            out.display()
+        )));
+    }
+    Ok(())
 }
 
 /// Writes a file completely or not at all, and creates its parent folders.

@@ -72,6 +72,7 @@ fn no_folder(folder: &Path) -> impl FnOnce(std::io::Error) -> Failure {
 
 /// Writes the files.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    output::check_not_input(&options.out, &options.data)?;
     let reaches = Reaches::open(&options.data)?;
     let out = options.out.as_path();
     let mut written = Written {

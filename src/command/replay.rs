@@ -76,6 +76,9 @@ struct Written {
 
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    if let Some(out) = &options.out {
+        output::check_not_input(out, options.inputs.iter().chain(&options.model))?;
+    }
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
     }

@@ -158,6 +158,37 @@ fn options_whose_need_is_excluded() {
     assert_empty(outputs.path());
 }
 
+/// Pins that no command writes its output over its input, under whatever name, but that models may be replaced by what
+/// they are trained to.
+#[test]
+fn outputs_that_are_inputs() {
+    let fixture = fixture();
+    let folder = tempfile::tempdir().unwrap();
+    let named = |name: &str| folder.path().join(name);
+    let [table, binary, map, model] = ["t.csv", "t.parquet", "map.toml", "m.json"].map(named);
+    std::fs::copy(fixture.table_csv(), &table).unwrap();
+    std::fs::copy(fixture.table_parquet(), &binary).unwrap();
+    std::fs::copy(fixture.model(), &model).unwrap();
+    std::fs::write(&map, "[time]\nfrom = \"time_s\"\n[force]\nfrom = \"force_n\"\n").unwrap();
+    std::fs::create_dir(named("sub")).unwrap();
+    let again = named("sub").join("..").join("t.csv");
+    let before = tree(folder.path());
+    for answer in [
+        underbrush!["import", table, "--mapping", map, "--out", table],
+        underbrush!["train", table, "--out", again],
+        underbrush!["export", binary, "--to", "mcap", "--out", binary],
+        underbrush!["replay", binary, "--out", binary],
+        underbrush!["replay", table, "--model", model, "--out", model],
+        underbrush!["evaluate", table, "--roc", again],
+        underbrush!["evaluate", table, "--model", model, "--roc", model],
+        underbrush!["trials", binary, "--out", binary],
+    ] {
+        answer.refused(&["is an input of this command", "choose another name"]);
+    }
+    assert!(before == tree(folder.path()));
+    underbrush!["train", table, "--start", model, "--iterations", "1", "--out", model].success();
+}
+
 /// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
 #[test]
 fn nothing_to_fit() {
