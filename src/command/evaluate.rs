@@ -92,6 +92,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(roc) = &options.roc {
         let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
         output::check_not_input(roc, inputs)?;
+        output::prepare(roc)?;
     }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
     let model = match model {

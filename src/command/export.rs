@@ -82,6 +82,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         files: 0,
         bytes: 0,
     };
+    if reaches.count() == 1 || matches!(options.to, Format::Hdf5) {
+        output::prepare(out)?;
+    }
     match options.to {
         Format::Mcap if reaches.count() == 1 => reaches.read_any(|recording| {
             write_mcap(out, recording)?;

@@ -78,6 +78,7 @@ struct Written {
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
         output::check_not_input(out, options.inputs.iter().chain(&options.model))?;
+        output::prepare(out)?;
     }
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;

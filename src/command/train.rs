@@ -93,6 +93,7 @@ struct Count {
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     // The models of --start may be replaced by what they are trained to.
     output::check_not_input(&options.out, &options.trials)?;
+    output::prepare(&options.out)?;
     if options.estimator.is_touch()? {
         if options.false_positive_rate.is_some() {
             return Err(Failure::usage(

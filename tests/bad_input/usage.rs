@@ -189,6 +189,34 @@ fn outputs_that_are_inputs() {
     underbrush!["train", table, "--start", model, "--iterations", "1", "--out", model].success();
 }
 
+/// Pins that an output that cannot be written is refused before the work, and so before what is wrong with the trials is
+/// found, and that missing folders around an output are made.
+#[test]
+fn outputs_that_cannot_be_written() {
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let named = |name: &str| outputs.path().join(name);
+    let (set, scene, taken) = (fixture.dataset(), fixture.trunk_scene(), named("taken.parquet"));
+    std::fs::create_dir(&taken).unwrap();
+    for answer in [
+        underbrush!["train", set, "--threshold-n", "1000", "--out", taken],
+        underbrush!["trials", set, "--threshold-n", "1000", "--out", taken],
+        underbrush!["evaluate", set, "--threshold-n", "1000", "--roc", taken],
+        underbrush!["export", set, "--to", "hdf5", "--out", taken],
+        underbrush!["replay", set, "--out", taken],
+        underbrush!["reach", scene, "--out", taken],
+    ] {
+        answer.refused(&["taken.parquet: is a folder", "give the name of a file"]);
+    }
+    let text = underbrush!["trials", set, "--threshold-n", "1000", "--out", named("t.txt")];
+    text.refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
+    std::fs::remove_dir(&taken).unwrap();
+    assert_empty(outputs.path());
+    let recording = named("new").join("folder").join("reach.parquet");
+    underbrush!["reach", scene, "--out", recording].success();
+    assert!(recording.exists());
+}
+
 /// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
 #[test]
 fn nothing_to_fit() {
