@@ -217,7 +217,8 @@ fn outputs_that_cannot_be_written() {
     assert!(recording.exists());
 }
 
-/// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
+/// Pins that a threshold above every force is reported as leaving no trials, not as missing categories, and that advice
+/// about a table of trials has only what applies to tables.
 #[test]
 fn nothing_to_fit() {
     let fixture = fixture();
@@ -230,6 +231,14 @@ fn nothing_to_fit() {
     underbrush!["train", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
     underbrush!["evaluate", set, "--threshold-n", "1000"].refused(&parts);
     underbrush!["trials", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
+    for table in [fixture.table_csv(), fixture.table_parquet()] {
+        let short = underbrush!["evaluate", table, "--min-samples", "99999"];
+        short.refused(&[
+            "no trial in this table has 99999 samples or more",
+            "lower --min-samples",
+        ]);
+        assert!(!short.stderr.contains("--threshold-n"), "{}", short.stderr);
+    }
     assert_empty(outputs.path());
 }
 
