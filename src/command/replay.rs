@@ -48,16 +48,16 @@ pub struct Options {
     /// With --model: patch of skin that is classified [default: the first; a touch model knows its patch]
     #[arg(long, value_name = "NAME", requires = "model")]
     patch: Option<String>,
-    #[command(flatten)]
-    decision: DecisionArguments,
-    #[command(flatten, next_help_heading = "Verdicts of touch models")]
-    touch: TouchDecisionArguments,
     /// Port to listen on; 0 takes a free one
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
     /// Do not open the page in a browser
     #[arg(long)]
     no_open: bool,
+    #[command(flatten)]
+    decision: DecisionArguments,
+    #[command(flatten, next_help_heading = "Verdicts of touch models")]
+    touch: TouchDecisionArguments,
 }
 
 #[derive(Serialize)]
