@@ -242,7 +242,8 @@ fn nothing_to_fit() {
     assert_empty(outputs.path());
 }
 
-/// Pins that an unknown patch, table format or file type is refused with the known ones.
+/// Pins that an unknown patch, table format or file type is refused with the known ones, and that a prior of an unknown
+/// category or two of one category are refused.
 #[test]
 fn unknown_names() {
     let fixture = fixture();
@@ -259,6 +260,16 @@ fn unknown_names() {
     underbrush!["train", text, "--out", table].refused(&["trials.txt", "extension \"txt\""]);
     let prior = underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "moss=0.5"];
     prior.refused(&["moss"]);
+    let twice = underbrush![
+        "classify",
+        fixture.model(),
+        fixture.table_csv(),
+        "--prior",
+        "leaf=0.7",
+        "--prior",
+        "leaf=0.1"
+    ];
+    twice.refused(&["--prior is given twice for leaf"]);
 }
 
 /// Pins that a program built without `push` and `pull` says how to get them, whatever arguments they are given.
