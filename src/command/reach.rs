@@ -127,6 +127,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let judging = judging.transpose()?;
     let mut pictures = Pictures::new(options.picture, options.animation)?;
     if let Some(path) = &options.out {
+        if path.extension().is_none_or(|extension| extension != "parquet") {
+            return Err(Failure::usage(format!(
+                "--out {}: a recording is written as Parquet; give a file name that ends in .parquet",
+                path.display()
+            )));
+        }
         output::prepare(path)?;
     }
     let mut watched = if options.watch {
