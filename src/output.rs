@@ -89,8 +89,8 @@ pub fn prepare(path: &Path) -> Result<(), Failure> {
     create_parents(path)
 }
 
-/// Demands, before the work, that a table of trials can be written to this file: its name ends as [`write_trials`] demands,
-/// and the rest as [`prepare`].
+/// Demands, before the work, that a table of trials can be written to this file: its name ends as [`write_trials`]
+/// demands, and the rest is as for [`prepare`].
 ///
 /// [`write_trials`]: underbrush_recording::disk::write_trials
 pub fn prepare_table(path: &Path) -> Result<(), Failure> {

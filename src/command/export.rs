@@ -81,8 +81,8 @@ fn number_in(name: &str) -> Option<usize> {
     number.parse().ok()
 }
 
-/// Refuses a folder with files of another export that this one, of so many reaches, would not replace. Nobody could tell
-/// them from its own.
+/// Refuses a folder with files of another export that this one, of so many reaches, would not replace. Nobody could
+/// tell them from its own.
 fn check_unmixed(folder: &Path, reaches: usize) -> Result<(), Failure> {
     for entry in std::fs::read_dir(folder).map_err(failed(folder, "read"))? {
         let name = entry.map_err(failed(folder, "read"))?.file_name();

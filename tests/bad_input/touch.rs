@@ -232,8 +232,8 @@ fn too_little_to_learn_from() {
     assert_empty(outputs.path());
 }
 
-/// Pins that an input that is given twice, under whatever name, is refused: its reaches would be in training and test at
-/// once.
+/// Pins that an input that is given twice, under whatever name, is refused: its reaches would be in training and test
+/// at once.
 #[test]
 fn no_input_counts_twice() {
     let outputs = tempfile::tempdir().unwrap();

@@ -189,8 +189,8 @@ fn outputs_that_are_inputs() {
     underbrush!["train", table, "--start", model, "--iterations", "1", "--out", model].success();
 }
 
-/// Pins that an output that cannot be written is refused before the work, and so before what is wrong with the trials is
-/// found, and that missing folders around an output are made.
+/// Pins that an output that cannot be written is refused before the work, and so before what is wrong with the trials
+/// is found, and that missing folders around an output are made.
 #[test]
 fn outputs_that_cannot_be_written() {
     let fixture = fixture();

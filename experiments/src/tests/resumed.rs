@@ -25,8 +25,8 @@ fn only_the_same_plan_goes_on() {
     plan(4, true).settle(out, false).unwrap();
 }
 
-/// Pins that files under the names of results are refused and kept, even with `--fresh`, if no plan says that a run made
-/// them, and that the message does not advise `--fresh`.
+/// Pins that files under the names of results are refused and kept, even with `--fresh`, if no plan says that a run
+/// made them, and that the message does not advise `--fresh`.
 #[test]
 fn files_that_no_run_made_are_kept() {
     let folder = tempfile::tempdir().unwrap();
