@@ -31,6 +31,13 @@ pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     let trials = trials(path, arguments)?;
     if trials.is_empty() {
+        if !is_folder(path)? && !is_recording(path)? {
+            return Err(Failure::usage(format!(
+                "{}: no trial in this table has {} samples or more; lower --min-samples, or give a table with longer trials",
+                path.display(),
+                arguments.min_samples()
+            )));
+        }
         let patch = arguments.patch();
         let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
         return Err(Failure::usage(format!(

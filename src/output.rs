@@ -1,10 +1,10 @@
 //! All printing: results on stdout, everything else on stderr.
 
 use std::io::{IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
-use underbrush_recording::disk;
+use underbrush_recording::{InputError, disk};
 
 pub use underbrush_report::text::table;
 
@@ -61,8 +61,54 @@ pub fn error(failure: &Failure) {
     say(&format!("{:?}", failure.report()));
 }
 
+/// Refuses an output that is one of the inputs, under whatever name: the input would be lost.
+pub fn check_not_input<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+    let Ok(place) = std::fs::canonicalize(out) else {
+        // There is no file that could be lost.
+        return Ok(());
+    };
+    let mut inputs = inputs.into_iter();
+    if inputs.any(|input| std::fs::canonicalize(input).is_ok_and(|own| own == place)) {
+        return Err(Failure::usage(format!(
+            "{}: is an input of this command, and the output would replace it; choose another name for the output",
+            out.display()
+        )));
+    }
+    Ok(())
+}
+
+/// Demands, before the work, that its result can be written to this file: no folder or device is there, and the parent
+/// folders are there or are created.
+pub fn prepare(path: &Path) -> Result<(), Failure> {
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(Failure::usage(format!(
+            "{}: is a folder or not a regular file; give the name of a file to write",
+            path.display()
+        )));
+    }
+    create_parents(path)
+}
+
+/// Demands, before the work, that a table of trials can be written to this file: its name ends as [`write_trials`]
+/// demands, and the rest is as for [`prepare`].
+///
+/// [`write_trials`]: underbrush_recording::disk::write_trials
+pub fn prepare_table(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    if !["csv", "parquet"].contains(&extension.to_ascii_lowercase().as_str()) {
+        let (found, allowed) = (format!("extension {extension:?}"), "trials as .csv or .parquet");
+        return Err(InputError::new(path, "file name", found, allowed, "choose such a name").into());
+    }
+    prepare(path)
+}
+
 /// Writes a file completely or not at all, and creates its parent folders.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
+    create_parents(path)?;
+    Ok(disk::write_file(path, contents)?)
+}
+
+fn create_parents(path: &Path) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| {
             Failure::run(format!(
@@ -71,7 +117,7 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
             ))
         })?;
     }
-    Ok(disk::write_file(path, contents)?)
+    Ok(())
 }
 
 /// Prints CSV.

@@ -1,5 +1,6 @@
 //! Whole reaches of data sets and recordings, read one after the other, so that memory stays bounded.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
@@ -26,8 +27,9 @@ impl Reaches {
     /// Finds the reaches of these files and folders.
     ///
     /// # Errors
-    /// If one is neither a data set nor a recording.
+    /// If one is neither a data set nor a recording, or is given twice: a reach would be in training and test at once.
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
+        let mut places = BTreeSet::new();
         let source = |path: &PathBuf| {
             input::check_exists(path, ALLOWED)?;
             let source = if is_folder(path)? {
@@ -40,6 +42,13 @@ impl Reaches {
                     InputError::new(path, "input", "a table of trials or another file", ALLOWED, remedy).into(),
                 );
             };
+            // Two names of one file are one file.
+            let place = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+            if !places.insert(place) {
+                let remedy = "leave it out where it is named again";
+                let allowed = "each data set or recording once, so that no reach counts twice";
+                return Err(InputError::new(path, "input", "the same input twice", allowed, remedy).into());
+            }
             Ok((path.clone(), source))
         };
         let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();

@@ -43,12 +43,12 @@ pub enum ExperimentError {
     /// The physics engine failed in a reach; the text names scene and seed.
     #[error("{0}")]
     Engine(String),
-    /// A file or folder cannot be made or removed.
+    /// A file or folder cannot be made, read or removed.
     #[error("{}: cannot be {action}: {source}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What failed: `made`, `removed`.
+        /// What failed: `made`, `read`, `removed`.
         action: &'static str,
         /// The operating system's error.
         source: std::io::Error,
@@ -75,6 +75,18 @@ pub enum ExperimentError {
         folder: PathBuf,
         /// The first difference.
         difference: String,
+    },
+    /// The folder holds files under the names of results, but no plan.
+    #[error(
+        "{}: holds files under the names of results, but {found}, so they may not come from reproduce, which leaves them \
+         alone; choose another folder with --out",
+        folder.display()
+    )]
+    NoPlan {
+        /// The folder.
+        folder: PathBuf,
+        /// What was found instead of the plan.
+        found: String,
     },
     /// Campaigns do not have the same figures.
     #[error(

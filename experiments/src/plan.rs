@@ -1,5 +1,6 @@
 //! The folder of a run, which holds the results of one plan: experiment, seed and size.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -28,11 +29,12 @@ const FILE: &str = "plan.json";
 /// Folders and files that a run creates. Nothing else in its folder is ever removed.
 const FOLDERS: [&str; 4] = ["dataset", "reaches", "campaigns", "report"];
 const FILES: [&str; 5] = [
-    FILE,
     "summary.json",
     "model.json",
     "trials-component.parquet",
     "trials-taxel.parquet",
+    // The last, so that a folder that was cleared in part is still known to be that of a run.
+    FILE,
 ];
 
 impl Plan {
@@ -48,33 +50,45 @@ impl Plan {
     }
 
     /// Prepares a folder for this plan, or checks that it holds results of the same plan. `fresh` removes what another
-    /// run left there.
+    /// run left there. Without a plan that shows that there was one, nothing is removed: the files may be anybody's.
     ///
     /// # Errors
-    /// When the folder holds the results of another plan, or cannot be written.
+    /// When the folder holds the results of another plan, or files under the names of results but no plan, or cannot be
+    /// written.
     pub fn settle(&self, out: &Path, fresh: bool) -> Result<(), ExperimentError> {
-        let path = out.join(FILE);
-        let known = FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists());
-        let found = match std::fs::read(&path) {
-            Ok(bytes) => serde_json::from_slice::<Plan>(&bytes).map_err(|error| error.to_string()),
-            Err(error) => Err(error.to_string()),
-        };
-        if fresh {
-            clear(out)?;
-        } else if known {
-            let difference = match &found {
-                Ok(stored) => self.difference(stored),
-                Err(error) => Some(format!("{FILE} cannot be read: {error}")),
-            };
-            if let Some(difference) = difference {
-                return Err(ExperimentError::OtherRun {
-                    folder: out.into(),
-                    difference,
-                });
+        if FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists()) {
+            let stored = Plan::stored(out)?;
+            if !fresh {
+                return match self.difference(&stored) {
+                    None => Ok(()),
+                    Some(difference) => Err(ExperimentError::OtherRun {
+                        folder: out.into(),
+                        difference,
+                    }),
+                };
             }
-            return Ok(());
+            clear(out)?;
         }
-        files::write_json(&path, self)
+        files::write_json(&out.join(FILE), self)
+    }
+
+    /// The plan of the run whose results a folder holds.
+    fn stored(out: &Path) -> Result<Self, ExperimentError> {
+        let path = out.join(FILE);
+        let no_plan = |found: String| ExperimentError::NoPlan {
+            folder: out.into(),
+            found,
+        };
+        match std::fs::read(&path) {
+            Ok(bytes) => serde_json::from_slice(&bytes)
+                .map_err(|error| no_plan(format!("a {FILE} that is not the plan of a run ({error})"))),
+            Err(error) if error.kind() == ErrorKind::NotFound => Err(no_plan(format!("no {FILE}"))),
+            Err(source) => Err(ExperimentError::Io {
+                path,
+                action: "read",
+                source,
+            }),
+        }
     }
 
     /// The first difference from a stored plan.

@@ -42,7 +42,7 @@ pub struct Options {
     #[arg(required_if_eq("track", "reaching"))]
     controller: Option<ControllerKind>,
     /// Tell the controller what the skin touches, by this touch model; for reaching
-    #[arg(long, value_name = "MODEL", requires = "controller")]
+    #[arg(long, value_name = "MODEL", requires = "controller", conflicts_with = "model")]
     verdicts: Option<PathBuf>,
     /// Folder for the reaches and for the rows, as JSON files with versions, seeds and hashes
     #[arg(long, value_name = "DIR", default_value = "out/benchmark")]

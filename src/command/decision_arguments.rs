@@ -133,6 +133,13 @@ impl DecisionArguments {
             }
             (Some(DecisionName::Paper), None) => Decision::paper().rule,
         };
+        for (place, (category, _)) in self.prior.iter().enumerate() {
+            if self.prior[..place].iter().any(|(earlier, _)| earlier == category) {
+                return Err(Failure::usage(format!(
+                    "--prior is given twice for {category}; give it once for each category"
+                )));
+            }
+        }
         let prior = match self.prior.is_empty() {
             true => own.prior,
             false => self.prior.iter().cloned().collect(),

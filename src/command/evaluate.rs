@@ -89,6 +89,11 @@ enum Group {
 /// Evaluates and prints the confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.check()?;
+    if let Some(roc) = &options.roc {
+        let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
+        output::check_not_input(roc, inputs)?;
+        output::prepare(roc)?;
+    }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
     let model = match model {
         Some(AnyModel::Touch(model)) => {

@@ -61,17 +61,46 @@ impl Written {
 }
 
 /// An error about the folder for several files.
-fn no_folder(folder: &Path) -> impl FnOnce(std::io::Error) -> Failure {
+fn failed(folder: &Path, action: &str) -> impl Fn(std::io::Error) -> Failure {
     move |error| {
         let folder = folder.display();
         Failure::run(format!(
-            "{folder}: cannot create: {error}; check the path and its permissions"
+            "{folder}: cannot {action}: {error}; check the path and its permissions"
         ))
     }
 }
 
+/// Name of the file of a reach in the folder for several files.
+fn name_of(reach: usize) -> String {
+    format!("reach-{reach:06}.mcap")
+}
+
+/// The number of the reach whose file has this name, if it is such a name.
+fn number_in(name: &str) -> Option<usize> {
+    let number = name.strip_prefix("reach-")?.strip_suffix(".mcap")?;
+    number.parse().ok()
+}
+
+/// Refuses a folder with files of another export that this one, of so many reaches, would not replace. Nobody could
+/// tell them from its own.
+fn check_unmixed(folder: &Path, reaches: usize) -> Result<(), Failure> {
+    for entry in std::fs::read_dir(folder).map_err(failed(folder, "read"))? {
+        let name = entry.map_err(failed(folder, "read"))?.file_name();
+        let name = name.to_string_lossy();
+        if number_in(&name).is_some_and(|number| number >= reaches) {
+            return Err(Failure::usage(format!(
+                "{}: holds {name} of another export, which would be mixed with the {reaches} reaches of this one; choose \
+                 another folder",
+                folder.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Writes the files.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    output::check_not_input(&options.out, &options.data)?;
     let reaches = Reaches::open(&options.data)?;
     let out = options.out.as_path();
     let mut written = Written {
@@ -81,6 +110,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         files: 0,
         bytes: 0,
     };
+    if reaches.count() == 1 || matches!(options.to, Format::Hdf5) {
+        output::prepare(out)?;
+    }
     match options.to {
         Format::Mcap if reaches.count() == 1 => reaches.read_any(|recording| {
             write_mcap(out, recording)?;
@@ -89,9 +121,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             Ok(())
         })?,
         Format::Mcap => {
-            std::fs::create_dir_all(out).map_err(no_folder(out))?;
+            std::fs::create_dir_all(out).map_err(failed(out, "create"))?;
+            check_unmixed(out, reaches.count())?;
             reaches.read_any(|recording| {
-                let path = out.join(format!("reach-{:06}.mcap", written.reaches));
+                let path = out.join(name_of(written.reaches));
                 write_mcap(&path, recording)?;
                 written.count(recording);
                 written.file(&path);

@@ -39,6 +39,8 @@ struct Written {
 
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    output::check_not_input(&options.out, [&options.file, &options.mapping])?;
+    output::prepare_table(&options.out)?;
     let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;
     let mut written = Written {
         file: options.out.clone(),

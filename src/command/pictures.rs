@@ -28,13 +28,22 @@ impl Pictures {
     /// Pictures without moments yet.
     ///
     /// # Errors
-    /// If the file of the animation is not SVG.
+    /// If a file is not SVG, or cannot be written.
     pub fn new(picture: Option<PathBuf>, animation: Option<PathBuf>) -> Result<Self, Failure> {
-        if let Some(path) = animation.as_deref().filter(|path| !is_svg(path)) {
-            return Err(Failure::usage(format!(
-                "--animation {}: an animation is written as SVG; give a file name that ends in .svg",
-                path.display()
-            )));
+        let files = [
+            ("--picture", "a picture", &picture),
+            ("--animation", "an animation", &animation),
+        ];
+        for (option, what, path) in files {
+            if let Some(path) = path.as_deref().filter(|path| !is_svg(path)) {
+                return Err(Failure::usage(format!(
+                    "{option} {}: {what} is written as SVG; give a file name that ends in .svg",
+                    path.display()
+                )));
+            }
+        }
+        for path in picture.iter().chain(&animation) {
+            output::prepare(path)?;
         }
         Ok(Pictures {
             picture,

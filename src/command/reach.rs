@@ -119,13 +119,22 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         )?;
     }
     dataset::say_doubts([&plan.arm], &Shown);
-    let mut pictures = Pictures::new(options.picture, options.animation)?;
     let judging = options.model.as_deref();
     let judging = judging.map(|path| {
         let (decision, touch) = (DecisionArguments::default(), TouchDecisionArguments::default());
         replay::judging_by(path, options.patch.as_deref(), &decision, &touch)
     });
     let judging = judging.transpose()?;
+    let mut pictures = Pictures::new(options.picture, options.animation)?;
+    if let Some(path) = &options.out {
+        if path.extension().is_none_or(|extension| extension != "parquet") {
+            return Err(Failure::usage(format!(
+                "--out {}: a recording is written as Parquet; give a file name that ends in .parquet",
+                path.display()
+            )));
+        }
+        output::prepare(path)?;
+    }
     let mut watched = if options.watch {
         let so_far = ReachSoFar::new(&plan, options.index);
         Some(Watched::begin(so_far, &plan.arm.skin.layout, judging.as_ref())?)

@@ -40,7 +40,7 @@ pub struct Options {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
     out: Option<PathBuf>,
     /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
-    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out")]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out", conflicts_with_all = ["port", "no_open"])]
     reaches: Vec<usize>,
     /// Model file of a classifier of trials or a touch model: the page also shows its verdicts
     #[arg(long, value_name = "FILE")]
@@ -48,16 +48,16 @@ pub struct Options {
     /// With --model: patch of skin that is classified [default: the first; a touch model knows its patch]
     #[arg(long, value_name = "NAME", requires = "model")]
     patch: Option<String>,
-    #[command(flatten)]
-    decision: DecisionArguments,
-    #[command(flatten, next_help_heading = "Verdicts of touch models")]
-    touch: TouchDecisionArguments,
     /// Port to listen on; 0 takes a free one
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
     /// Do not open the page in a browser
     #[arg(long)]
     no_open: bool,
+    #[command(flatten)]
+    decision: DecisionArguments,
+    #[command(flatten, next_help_heading = "Verdicts of touch models")]
+    touch: TouchDecisionArguments,
 }
 
 #[derive(Serialize)]
@@ -76,6 +76,10 @@ struct Written {
 
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    if let Some(out) = &options.out {
+        output::check_not_input(out, options.inputs.iter().chain(&options.model))?;
+        output::prepare(out)?;
+    }
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
     }

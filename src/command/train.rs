@@ -43,7 +43,13 @@ pub struct Options {
     false_positive_rate: Option<f64>,
     /// With --false-positive-rate: the fraction of contacts expected to be outliers. Thresholds are chosen so that
     /// false alarms (known contacts called outliers) are no more frequent than that
-    #[arg(long, value_name = "X", default_value_t = 0.05, requires = "false_positive_rate")]
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 0.05,
+        requires = "false_positive_rate",
+        conflicts_with = "start"
+    )]
     outlier_prior: f64,
     #[command(flatten)]
     estimator: EstimatorArguments,
@@ -85,6 +91,9 @@ struct Count {
 
 /// Fits the classifier and writes the model file.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    // The models of --start may be replaced by what they are trained to.
+    output::check_not_input(&options.out, &options.trials)?;
+    output::prepare(&options.out)?;
     if options.estimator.is_touch()? {
         if options.false_positive_rate.is_some() {
             return Err(Failure::usage(

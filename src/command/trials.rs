@@ -38,6 +38,8 @@ struct Written {
 
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    output::check_not_input(&options.out, [&options.dataset])?;
+    output::prepare_table(&options.out)?;
     let trials = input::some_trials(&options.dataset, &options.cut)?;
     let written = Written {
         file: options.out.clone(),

@@ -167,6 +167,10 @@ fn foreign_folder() {
 fn table_given_for_frames() {
     let fixture = fixture();
     let online = |table| underbrush!["classify", fixture.model(), table, "--online"];
-    online(fixture.table_csv()).refused(&["trials.csv", "found a table of trials", "leave --online out"]);
-    online(fixture.table_parquet()).refused(&["trials.parquet", "underbrush.format"]);
+    for (table, name) in [
+        (fixture.table_csv(), "trials.csv"),
+        (fixture.table_parquet(), "trials.parquet"),
+    ] {
+        online(table).refused(&[name, "found a table of trials", "leave --online out"]);
+    }
 }

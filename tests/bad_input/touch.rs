@@ -252,3 +252,22 @@ fn too_little_to_learn_from() {
     folds("7").refused(&["6 reaches are fewer than the 7 folds", "use fewer folds"]);
     assert_empty(outputs.path());
 }
+
+/// Pins that an input that is given twice, under whatever name, is refused: its reaches would be in training and test
+/// at once.
+#[test]
+fn no_input_counts_twice() {
+    let outputs = tempfile::tempdir().unwrap();
+    let out = outputs.path().join("out.hdf5");
+    let set = fixture().dataset();
+    let again = set.join("..").join(set.file_name().unwrap());
+    let name = again.display().to_string();
+    for answer in [
+        underbrush!["evaluate", set, again, "--classifier", "touch"],
+        underbrush!["train", set, again, "--classifier", "touch", "--out", out],
+        underbrush!["export", set, again, "--to", "hdf5", "--out", out],
+    ] {
+        answer.refused(&[&name, "the same input twice", "leave it out"]);
+    }
+    assert_empty(outputs.path());
+}

@@ -139,7 +139,89 @@ fn numbers_out_of_range() {
     assert_empty(outputs.path());
 }
 
-/// Pins that a threshold above every force is reported as leaving no trials, not as missing categories.
+/// Pins that an option is refused, not ignored, if the option that it needs is excluded by another.
+#[test]
+fn options_whose_need_is_excluded() {
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let (table, model, out) = (fixture.table_csv(), fixture.model(), outputs.path().join("out"));
+    let train = underbrush!["train", table, "--out", out, "--start", model, "--outlier-prior", "0.2"];
+    train.refused(&["--start", "--outlier-prior"]);
+    let benchmark = underbrush![
+        "benchmark",
+        "verdicts",
+        "--model",
+        model,
+        "--verdicts",
+        model,
+        "--out",
+        out
+    ];
+    benchmark.refused(&["--model", "--verdicts"]);
+    assert_empty(outputs.path());
+}
+
+/// Pins that no command writes its output over its input, under whatever name, but that models may be replaced by what
+/// they are trained to.
+#[test]
+fn outputs_that_are_inputs() {
+    let fixture = fixture();
+    let folder = tempfile::tempdir().unwrap();
+    let named = |name: &str| folder.path().join(name);
+    let [table, binary, map, model] = ["t.csv", "t.parquet", "map.toml", "m.json"].map(named);
+    std::fs::copy(fixture.table_csv(), &table).unwrap();
+    std::fs::copy(fixture.table_parquet(), &binary).unwrap();
+    std::fs::copy(fixture.model(), &model).unwrap();
+    std::fs::write(&map, "[time]\nfrom = \"time_s\"\n[force]\nfrom = \"force_n\"\n").unwrap();
+    std::fs::create_dir(named("sub")).unwrap();
+    let again = named("sub").join("..").join("t.csv");
+    let before = tree(folder.path());
+    for answer in [
+        underbrush!["import", table, "--mapping", map, "--out", table],
+        underbrush!["train", table, "--out", again],
+        underbrush!["export", binary, "--to", "mcap", "--out", binary],
+        underbrush!["replay", binary, "--out", binary],
+        underbrush!["replay", table, "--model", model, "--out", model],
+        underbrush!["evaluate", table, "--roc", again],
+        underbrush!["evaluate", table, "--model", model, "--roc", model],
+        underbrush!["trials", binary, "--out", binary],
+    ] {
+        answer.refused(&["is an input of this command", "choose another name"]);
+    }
+    assert!(before == tree(folder.path()));
+    underbrush!["train", table, "--start", model, "--iterations", "1", "--out", model].success();
+}
+
+/// Pins that an output that cannot be written is refused before the work, and so before what is wrong with the trials
+/// is found, and that missing folders around an output are made.
+#[test]
+fn outputs_that_cannot_be_written() {
+    let fixture = fixture();
+    let outputs = tempfile::tempdir().unwrap();
+    let named = |name: &str| outputs.path().join(name);
+    let (set, scene, taken) = (fixture.dataset(), fixture.trunk_scene(), named("taken.parquet"));
+    std::fs::create_dir(&taken).unwrap();
+    for answer in [
+        underbrush!["train", set, "--threshold-n", "1000", "--out", taken],
+        underbrush!["trials", set, "--threshold-n", "1000", "--out", taken],
+        underbrush!["evaluate", set, "--threshold-n", "1000", "--roc", taken],
+        underbrush!["export", set, "--to", "hdf5", "--out", taken],
+        underbrush!["replay", set, "--out", taken],
+        underbrush!["reach", scene, "--out", taken],
+    ] {
+        answer.refused(&["taken.parquet: is a folder", "give the name of a file"]);
+    }
+    let text = underbrush!["trials", set, "--threshold-n", "1000", "--out", named("t.txt")];
+    text.refused(&["extension \"txt\"", "trials as .csv or .parquet"]);
+    std::fs::remove_dir(&taken).unwrap();
+    assert_empty(outputs.path());
+    let recording = named("new").join("folder").join("reach.parquet");
+    underbrush!["reach", scene, "--out", recording].success();
+    assert!(recording.exists());
+}
+
+/// Pins that a threshold above every force is reported as leaving no trials, not as missing categories, and that advice
+/// about a table of trials has only what applies to tables.
 #[test]
 fn nothing_to_fit() {
     let fixture = fixture();
@@ -152,10 +234,19 @@ fn nothing_to_fit() {
     underbrush!["train", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
     underbrush!["evaluate", set, "--threshold-n", "1000"].refused(&parts);
     underbrush!["trials", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
+    for table in [fixture.table_csv(), fixture.table_parquet()] {
+        let short = underbrush!["evaluate", table, "--min-samples", "99999"];
+        short.refused(&[
+            "no trial in this table has 99999 samples or more",
+            "lower --min-samples",
+        ]);
+        assert!(!short.stderr.contains("--threshold-n"), "{}", short.stderr);
+    }
     assert_empty(outputs.path());
 }
 
-/// Pins that an unknown patch, table format or file type is refused with the known ones.
+/// Pins that an unknown patch, table format or file type is refused with the known ones, and that a prior of an unknown
+/// category or two of one category are refused.
 #[test]
 fn unknown_names() {
     let fixture = fixture();
@@ -172,6 +263,16 @@ fn unknown_names() {
     underbrush!["train", text, "--out", table].refused(&["trials.txt", "extension \"txt\""]);
     let prior = underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "moss=0.5"];
     prior.refused(&["moss"]);
+    let twice = underbrush![
+        "classify",
+        fixture.model(),
+        fixture.table_csv(),
+        "--prior",
+        "leaf=0.7",
+        "--prior",
+        "leaf=0.1"
+    ];
+    twice.refused(&["--prior is given twice for leaf"]);
 }
 
 /// Pins that a program built without `push` and `pull` says how to get them, whatever arguments they are given.

@@ -6,7 +6,7 @@ use underbrush_recording::Trial;
 use underbrush_recording::disk::{Dataset, read_trials};
 
 use crate::support::fixture::{fixture, recording_with_trials};
-use crate::support::underbrush;
+use crate::support::{tree, underbrush};
 
 /// What an import can know about a trial: reach, taxel, and the time (µs) and force (N) of every sample. Times that are
 /// computed from the rate may differ by rounding, so they are rounded to whole microseconds.
@@ -89,7 +89,7 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
 }
 
 /// Pins that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and
-/// that a data set becomes one file for each reach.
+/// that a data set becomes one file for each reach, again and again, but not among other files of a larger export.
 #[test]
 fn trials_through_mcap_are_those_of_the_recording() {
     let folder = tempfile::tempdir().unwrap();
@@ -117,6 +117,16 @@ fn trials_through_mcap_are_those_of_the_recording() {
         names,
         (0..6).map(|reach| format!("reach-{reach:06}.mcap")).collect::<Vec<_>>()
     );
+    let before = tree(&many);
+    let second = folder.path().join("second.parquet");
+    std::fs::copy(&recording, &second).unwrap();
+    underbrush!["export", recording, second, "--to", "mcap", "--out", many].refused(&[
+        "many: holds reach-00000",
+        "of another export",
+        "choose another folder",
+    ]);
+    underbrush!["export", fixture().dataset(), "--to", "mcap", "--out", many].success();
+    assert!(before == tree(&many));
 }
 
 /// Pins that inputs and formats that cannot be exchanged are refused by name, and that an error in the mapping shows

@@ -66,8 +66,8 @@ fn the_report_agrees_with_the_recording() {
     assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
 }
 
-/// Pins that an animation is an SVG that moves and is not too large for a README, and that other formats are refused
-/// before anything is simulated.
+/// Pins that an animation is an SVG that moves and is not too large for a README, and that outputs under the names of
+/// other formats are refused before anything is simulated.
 #[test]
 fn an_animation_moves() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,9 +77,16 @@ fn an_animation_moves() {
     let svg = std::fs::read_to_string(animation).unwrap();
     assert!(svg.starts_with("<svg") && svg.len() < 1_000_000, "{} bytes", svg.len());
     assert!(svg.matches("<animate ").count() > 10);
-    let video = folder.path().join("reach.mp4");
-    underbrush!["reach", scene, "--animation", video].refused(&["reach.mp4", ".svg"]);
-    assert!(!video.exists());
+    let wrong = [
+        ("--animation", "reach.mp4", ".svg"),
+        ("--picture", "reach.png", ".svg"),
+        ("--out", "reach.csv", ".parquet"),
+    ];
+    for (option, name, right) in wrong {
+        let path = folder.path().join(name);
+        underbrush!["reach", scene, option, path].refused(&[option, name, &format!("ends in {right}")]);
+        assert!(!path.exists());
+    }
 }
 
 /// Pins that --controller replaces the controller of the scene, and that the recording names it.

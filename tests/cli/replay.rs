@@ -57,6 +57,8 @@ fn bad_usage_is_refused() {
     ]
     .refused(&["hand", "forearm"]);
     underbrush!["replay", set, "--reaches", "0"].refused(&["--out"]);
+    underbrush!["replay", set, "--reaches", "0", "--no-open"].refused(&["--reaches", "--no-open"]);
+    underbrush!["replay", set, "--reaches", "0", "--port", "0"].refused(&["--reaches", "--port"]);
     assert!(!page.exists());
 }
 

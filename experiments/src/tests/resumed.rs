@@ -1,8 +1,8 @@
 use crate::definition::Experiment;
 use crate::plan::Plan;
 
-/// Pins that results of another seed or size, and those without a known plan, are refused with the reason; that the
-/// same plan continues; and that `--fresh` removes what a run creates, and nothing else.
+/// Pins that results of another seed or size are refused with the reason; that the same plan continues; and that
+/// `--fresh` removes what a run creates, and nothing else.
 #[test]
 fn only_the_same_plan_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -13,7 +13,8 @@ fn only_the_same_plan_goes_on() {
     plan(3, true).settle(out, false).unwrap();
     plan(3, true).settle(out, false).unwrap();
     assert!(refused(plan(4, true)).contains("seed was 3, now 4"));
-    assert!(refused(plan(3, false)).contains("quick was true, now false"));
+    let other_size = refused(plan(3, false));
+    assert!(other_size.contains("quick was true, now false") && other_size.contains("--fresh"));
     std::fs::create_dir(out.join("reaches")).unwrap();
     std::fs::write(out.join("reaches/mixed.json"), "{}").unwrap();
     std::fs::write(out.join("notes.txt"), "mine").unwrap();
@@ -22,7 +23,38 @@ fn only_the_same_plan_goes_on() {
     plan(4, true).settle(out, false).unwrap();
     std::fs::remove_file(out.join("plan.json")).unwrap();
     plan(4, true).settle(out, false).unwrap();
+}
+
+/// Pins that files under the names of results are refused and kept, even with `--fresh`, if no plan says that a run
+/// made them, and that the message does not advise `--fresh`.
+#[test]
+fn files_that_no_run_made_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let files = ["model.json", "report/notes.md", "dataset/precious"];
+    for name in files {
+        std::fs::create_dir_all(out.join(name).parent().unwrap()).unwrap();
+        std::fs::write(out.join(name), "mine").unwrap();
+    }
+    let plan = Plan::new(&Experiment::paper().unwrap(), 3, true);
+    let refused = |found: &str| {
+        for fresh in [false, true] {
+            let error = plan.settle(out, fresh).unwrap_err().to_string();
+            assert!(error.contains(found) && error.contains("--out"), "{error}");
+            assert!(!error.contains("--fresh"), "{error}");
+        }
+        for name in files {
+            assert_eq!(std::fs::read_to_string(out.join(name)).unwrap(), "mine", "{name}");
+        }
+    };
+    refused("no plan.json");
+    std::fs::write(out.join("plan.json"), "{\"buy\": \"milk\"}").unwrap();
+    refused("a plan.json that is not the plan of a run");
     std::fs::remove_file(out.join("plan.json")).unwrap();
-    std::fs::create_dir(out.join("dataset")).unwrap();
-    assert!(refused(plan(4, true)).contains("--fresh"));
+    for folder in ["dataset", "report"] {
+        std::fs::remove_dir_all(out.join(folder)).unwrap();
+    }
+    std::fs::remove_file(out.join("model.json")).unwrap();
+    plan.settle(out, true).unwrap();
+    assert!(out.join("plan.json").exists());
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_exchange::live::{LineError, LineParser, Lines, Message};
-use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording};
+use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
@@ -57,7 +57,9 @@ pub(super) fn run(options: &Options, classifier: &dyn Answers) -> Result<(), Fai
     } else {
         let allowed = "frames: a data set, a recording or `-`";
         input::check_exists(&options.input, allowed)?;
-        if options.input.extension().is_some_and(|extension| extension == "csv") {
+        // A damaged table is left to the reader of recordings, which says what is wrong with the file.
+        let is_csv = options.input.extension().is_some_and(|extension| extension == "csv");
+        if is_csv || (!is_recording(&options.input)? && read_trials(&options.input).is_ok()) {
             let found = "a table of trials";
             let remedy = if options.online {
                 "leave --online out"
