@@ -28,6 +28,7 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
     long = trials[trials.lengths > 50]
     assert 0 < len(long) < len(trials) and all(len(trial) > 50 for trial in long)
     assert trials[[2, 0]][0].number == trials[2].number
+    assert len(trials[[]]) == len(trials[np.array([], dtype=int)]) == 0
     assert len(trials[1:4]) == 3 and trials[-1].number == trials[len(trials) - 1].number
     assert pickle.loads(pickle.dumps(trials)) == trials
     padded = trials.padded(samples=40)
