@@ -7,9 +7,11 @@
 # the partition, can be given as environment variables (SBATCH_PARTITION and so on).
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-export PARTS=$1
+export PARTS=${1:?give the number of parts first, then the arguments of underbrush generate}
 shift
-export OUT=${OUT:?set OUT to a folder on storage that all nodes share}
+OUT=${OUT:?set OUT to a folder on storage that all nodes share}
+# Without a slash at the end, which would put the logs into the set.
+export OUT=${OUT%/}
 # Not in OUT: that folder holds nothing but the data set.
 mkdir -p "$OUT.log"
 exec sbatch --parsable --array="1-$PARTS" --output="$OUT.log/part-%a.txt" "$here/generate.sbatch" "$@"

@@ -43,7 +43,7 @@ pub fn features(value: Option<&Bound<'_, PyAny>>) -> Result<Option<FeatureSet>, 
 /// How trials are cut.
 ///
 /// # Errors
-/// [`Failure::Input`] for an unknown name.
+/// [`Failure::Input`] for an unknown name, and for `wrap` where it has no effect.
 pub fn cutting(
     by: &str,
     patch: Option<String>,
@@ -58,6 +58,14 @@ pub fn cutting(
         labels,
         &[("contact", Labels::Contact), ("environment", Labels::Environment)],
     )?;
+    if wrap.is_some() && matches!(unit, Unit::Taxel) {
+        return Err(Failure::argument(
+            "wrap",
+            "given with by=\"taxel\"",
+            "only for by=\"component\"",
+            "leave it out",
+        ));
+    }
     let default = TrialOptions::default();
     let options = TrialOptions {
         patch,

@@ -96,8 +96,18 @@ impl PyEnvironments {
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
         let default = EnvironmentOptions::default();
+        let chosen = named("action", action, &ActionKind::NAMED)?;
+        let (unused, given, other) = match chosen {
+            ActionKind::Equilibrium => ("largest_waypoint_m", largest_waypoint_m.is_some(), "waypoint"),
+            ActionKind::Waypoint => ("largest_change_rad", largest_change_rad.is_some(), "equilibrium"),
+        };
+        if given {
+            let found = format!("given with action={action:?}");
+            let allowed = format!("only for action={other:?}");
+            return Err(Failure::argument(unused, found, allowed, "leave it out"));
+        }
         let options = EnvironmentOptions {
-            action: named("action", action, &ActionKind::NAMED)?,
+            action: chosen,
             frames_per_step: frames_per_step.unwrap_or(default.frames_per_step),
             largest_change_rad: largest_change_rad.unwrap_or(default.largest_change_rad),
             largest_waypoint_m: largest_waypoint_m.unwrap_or(default.largest_waypoint_m),

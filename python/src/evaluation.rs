@@ -87,7 +87,7 @@ fn evaluate_trials<'py>(
         let raised = Arc::new(Stop::default());
         let fitted = PythonClassifier::of(classifier, &raised)?;
         let judged = pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?));
-        return json::to_python(py, &without_folds(judged.map_err(|failure| raised.reason(failure))?));
+        return json::to_python(py, &without_folds(raised.checked(judged)?));
     }
     let (estimator, raised) = estimator_of(classifier)?;
     let estimator: &dyn Estimator = estimator.as_ref();
@@ -112,7 +112,7 @@ fn evaluate_trials<'py>(
             })
         }
     });
-    json::to_python(py, &judged.map_err(|failure| raised.reason(failure))?)
+    json::to_python(py, &raised.checked(judged)?)
 }
 
 /// Refuses arguments that would have no effect.

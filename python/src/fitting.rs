@@ -22,6 +22,9 @@ use crate::trials::Trials;
 /// Name of the classifier whose options a recipe holds.
 const HMM: &str = "hmm";
 
+/// The fraction of contacts that thresholds expect to be outliers if it is not given, as on the command line.
+const OUTLIER_PRIOR: f64 = 0.05;
+
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Options {
@@ -151,14 +154,14 @@ impl Options {
 
 /// Fit a classifier to trials. The result is the same, bit for bit, for any number of threads.
 #[pyfunction]
-#[pyo3(signature = (trials, options, *, start = None, false_positive_rate = None, outlier_prior = 0.05, jobs = None))]
+#[pyo3(signature = (trials, options, *, start = None, false_positive_rate = None, outlier_prior = None, jobs = None))]
 fn fit(
     py: Python<'_>,
     trials: &Trials,
     options: &Options,
     start: Option<&PyModel>,
     false_positive_rate: Option<f64>,
-    outlier_prior: f64,
+    outlier_prior: Option<f64>,
     jobs: Option<usize>,
 ) -> Result<PyModel, Failure> {
     if let (Some(_), Some(option)) = (start, options.kept) {
@@ -174,6 +177,14 @@ fn fit(
             "leave it out",
         ));
     }
+    if outlier_prior.is_some() && false_positive_rate.is_none() {
+        return Err(Failure::argument(
+            "outlier_prior",
+            "given without false_positive_rate",
+            "only with it, because it is for the thresholds",
+            "give both, or leave it out",
+        ));
+    }
     let estimator = || options.estimator();
     let decision = || -> Result<_, Failure> {
         let Some(false_positive_rate) = false_positive_rate else {
@@ -181,7 +192,7 @@ fn fit(
         };
         let targets = ThresholdTargets {
             false_positive_rate,
-            outlier_prior,
+            outlier_prior: outlier_prior.unwrap_or(OUTLIER_PRIOR),
         };
         let folds = Folds::for_thresholds(&trials.list);
         let held_out = HeldOut::of(&trials.list, estimator()?.as_ref(), folds)?;

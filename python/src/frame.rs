@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
 use crate::array;
@@ -26,6 +27,9 @@ const NO_POSE: Pose = Pose {
 
 /// How far the length of a given quaternion may be from 1. Choice: enough for one written with three digits.
 const QUATERNION_TOLERANCE: f64 = 2e-3;
+
+/// Force that a taxel senses, as in the live stream.
+const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
 /// The pose from its seven numbers.
 pub fn pose_of(numbers: &[f64]) -> Pose {
@@ -79,7 +83,16 @@ impl PyFrame {
             let name: String = name.extract()?;
             let index = patch_index(&layout, Some(&name))?;
             let count = layout.patches[index].taxels.len();
-            by_patch[index] = Some(array::finite(&value, &name, &[Some(count)])?.0);
+            let forces = array::finite(&value, &name, &[Some(count)])?.0;
+            if let Some(taxel) = forces.iter().position(|force| !FORCE_N.hold(*force)) {
+                return Err(Failure::argument(
+                    "sensed_force_n",
+                    format!("{} N on taxel {taxel} of the patch {name}", forces[taxel]),
+                    FORCE_N.to_string(),
+                    "give newtons, and 0 where the zero of a sensor has drifted below 0",
+                ));
+            }
+            by_patch[index] = Some(forces);
         }
         for (patch, forces) in by_patch.iter().enumerate() {
             for (taxel, force) in forces.iter().flatten().enumerate().filter(|(_, force)| **force != 0.0) {

@@ -41,6 +41,18 @@ impl Stop {
             None => failure,
         }
     }
+
+    /// The result of a run that ignores exceptions of the user's objects: the exception if there was one.
+    ///
+    /// # Errors
+    /// Those of the run, or the exception.
+    pub fn checked<T>(&self, result: Result<T, Failure>) -> Result<T, Failure> {
+        match result {
+            Ok(_) if self.is_set() => Err(self.reason(Failure::Run("the Python classifier raised".into()))),
+            Ok(value) => Ok(value),
+            Err(failure) => Err(self.reason(failure)),
+        }
+    }
 }
 
 /// Runs work on the pool in another thread while this one checks for signals and calls `meanwhile`. If a signal handler

@@ -20,13 +20,26 @@ use crate::skin::Skin;
 /// Gives a verdict on each taxel in contact, in every frame.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Online {
-    state: Mutex<Kind>,
+    state: Mutex<State>,
     categories: Vec<String>,
     layout: Arc<SkinLayout>,
     /// The patch whose pose the classifier needs, because it uses motion.
     needs_pose_of: Option<usize>,
     /// What a Python classifier raised.
     raised: Option<Arc<Stop>>,
+}
+
+struct State {
+    kind: Kind,
+    /// Time of the last frame, s.
+    last_s: Option<f64>,
+}
+
+impl State {
+    /// The state before the first frame.
+    fn before(kind: Kind) -> Mutex<Self> {
+        Mutex::new(State { kind, last_s: None })
+    }
 }
 
 enum Kind {
@@ -44,7 +57,7 @@ impl Online {
     ) -> Self {
         Online {
             needs_pose_of,
-            state: Mutex::new(Kind::Contacts(Box::new(classifier))),
+            state: State::before(Kind::Contacts(Box::new(classifier))),
             categories,
             layout: Arc::clone(&skin.layout),
             raised: None,
@@ -57,13 +70,13 @@ impl Online {
         Online {
             needs_pose_of: skin.layout.chosen_patch(patch),
             categories: classifier.model().categories().to_vec(),
-            state: Mutex::new(Kind::Touch(Box::new(classifier))),
+            state: State::before(Kind::Touch(Box::new(classifier))),
             layout: Arc::clone(&skin.layout),
             raised: None,
         }
     }
 
-    fn lock(&self) -> Result<MutexGuard<'_, Kind>, Failure> {
+    fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
         self.state.try_lock().map_err(|error| match error {
             TryLockError::WouldBlock => {
                 Failure::Run("another thread is using this classifier; give each stream of frames its own".into())
@@ -92,6 +105,7 @@ impl Online {
 
     /// Take in the next frame. Returns a dictionary for each taxel in contact, with the keys taxel, samples, verdict
     /// and scores, or for a touch model taxel, samples, contact, nothing (a probability), verdict and probabilities.
+    /// Each frame must be later than the one before; another reach needs a new classifier.
     fn update<'py>(&self, py: Python<'py>, frame: &PyFrame) -> Result<Bound<'py, PyList>, Failure> {
         if !Arc::ptr_eq(&frame.layout, &self.layout) && frame.layout != self.layout {
             let allowed = "a frame of the skin that this classifier was made for";
@@ -113,8 +127,17 @@ impl Online {
             ));
         }
         let mut state = self.lock()?;
+        let time_s = frame.frame.time_s;
+        if let Some(last_s) = state.last_s.filter(|last_s| time_s <= *last_s) {
+            return Err(Failure::argument(
+                "frame",
+                format!("the time {time_s} s"),
+                format!("a later time than {last_s} s, that of the frame before"),
+                "give each frame once; for another reach make a new classifier",
+            ));
+        }
         let verdicts = PyList::empty(py);
-        match &mut *state {
+        match &mut state.kind {
             Kind::Contacts(classifier) => {
                 for taxel in classifier.update(&frame.frame)? {
                     let verdict = PyDict::new(py);
@@ -147,6 +170,7 @@ impl Online {
                 }
             }
         }
+        state.last_s = Some(time_s);
         match self.raised.as_ref().filter(|raised| raised.is_set()) {
             Some(raised) => Err(raised.reason(Failure::Run("the Python classifier raised before".into()))),
             None => Ok(verdicts),

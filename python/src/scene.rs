@@ -217,7 +217,13 @@ impl PyScene {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, PathBuf))> {
         let parse = py.get_type::<PyScene>().getattr("parse")?;
-        Ok((parse, (self.scene.text.clone(), self.scene.path.clone())))
+        let own = &self.scene.path;
+        // An arm of its own is searched for from the folder of the scene, which a copy may be far away from.
+        let path = match self.scene.file.arm.as_str() {
+            "cody" => own.clone(),
+            _ => std::path::absolute(own).unwrap_or_else(|_| own.clone()),
+        };
+        Ok((parse, (self.scene.text.clone(), path)))
     }
 }
 

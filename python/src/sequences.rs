@@ -2,16 +2,16 @@
 
 use pyo3::prelude::*;
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_recording::{Region, Sample, Trial};
+use underbrush_recording::{Region, Sample, Trial, limits};
 
 use crate::array;
 use crate::failure::Failure;
 
-/// One sample of a sequence of features.
+/// One sample of the sequence with this name.
 ///
 /// # Errors
-/// [`Failure::Input`] for features of the contact region, which a sequence cannot hold.
-fn sample(set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Failure> {
+/// [`Failure::Input`] for features that a sequence cannot hold, and for an area that is no number of taxels.
+fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Failure> {
     let mut sample = Sample {
         time_s: place as f64 * underbrush_recording::FRAME_PERIOD_S,
         force_n: 0.0,
@@ -28,6 +28,14 @@ fn sample(set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Fai
         match feature.column {
             "force_n" => sample.force_n = *number,
             "motion_m" => sample.motion_m = Some(*number),
+            "region_taxels" if number.fract() != 0.0 || !limits::REGION_TAXELS.hold(*number) => {
+                return Err(Failure::argument(
+                    name,
+                    format!("{number} for {} in sample {place}", feature.name),
+                    format!("whole numbers, {}", limits::REGION_TAXELS),
+                    "give numbers of taxels",
+                ));
+            }
             "region_taxels" => region.taxels = *number as u32,
             "region_largest_force_n" => region.largest_force_n = *number,
             "region_force_sum_n" => region.force_sum_n = *number,
@@ -88,7 +96,7 @@ pub fn of_sequences(
         let samples = numbers
             .chunks_exact(width)
             .enumerate()
-            .map(|(place, row)| sample(set, row, place));
+            .map(|(place, row)| sample(&name, set, row, place));
         Ok(Trial {
             trial: index as u64,
             category: categories.as_ref().and_then(|categories| categories[index].clone()),

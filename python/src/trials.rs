@@ -95,7 +95,9 @@ impl Trials {
             return Ok(Bound::new(py, trial)?.into_any());
         }
         let key = key.call_method0("tolist").unwrap_or_else(|_| key.clone());
-        if let Ok(flags) = key.extract::<Vec<bool>>() {
+        // An empty list selects nothing. It could hold numbers as well as truth values.
+        let flags = key.extract::<Vec<bool>>().ok().filter(|flags| !flags.is_empty());
+        if let Some(flags) = flags {
             if flags.len() != self.list.len() {
                 let found = format!("{} truth values for {} trials", flags.len(), self.list.len());
                 return Err(Failure::argument("index", found, "one for each trial", "give as many"));

@@ -133,6 +133,8 @@ def test_bad_use_is_refused() -> None:
         ({"reward": {"speed": 1.0}}, "progress_per_m"),
         ({"frames_per_step": 0}, "frames_per_step"),
         ({"controller": "none"}, "cody-2013"),
+        ({"largest_waypoint_m": 0.2}, 'largest_waypoint_m: found given with action="equilibrium"'),
+        ({"action": "waypoint", "largest_change_rad": 0.1}, 'largest_change_rad: found given with action="waypoint"'),
     ):
         with pytest.raises(ub.InputError, match=text):
             gymnasium.make("underbrush/Reach-v0", scene=SCENE, **options)

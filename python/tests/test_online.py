@@ -154,3 +154,26 @@ def test_bad_frames_are_refused(data: ub.Dataset) -> None:
         model.online(data.skin, "hand")
     with pytest.raises(ub.InputError, match="finite time"):
         ub.Frame(data.skin, float("nan"), {})
+    for force_n in (-0.01, 1.1e4):
+        forces = np.zeros(384)
+        forces[7] = force_n
+        with pytest.raises(ub.InputError, match=f"{force_n:.10g} N on taxel 7 of the patch forearm; allowed: 0 to 10000 N"):
+            ub.Frame(data.skin, 0.0, {"forearm": forces})
+
+
+def test_frames_must_follow_each_other(data: ub.Dataset) -> None:
+    """Pins that a frame that is given twice, or after a later one, is refused, counts nothing and leaves the next good one
+    its verdicts."""
+    forces = np.zeros(384)
+    forces[3] = 2.0
+    pose = {name: [0, 0, 0, 0, 0, 0, 1] for name in data.skin.patches}
+
+    def frame(time_s: float) -> ub.Frame:
+        return ub.Frame(data.skin, time_s, {"forearm": forces}, pose)
+
+    for online in (ub.fit(data.trials(), states=2).online(data.skin), ub.TouchModel.fit(list(data)).online(data.skin)):
+        online.update(frame(1.0))
+        for time_s in (1.0, 0.5):
+            with pytest.raises(ub.InputError, match=f"the time {time_s:g} s; allowed: a later time than 1 s"):
+                online.update(frame(time_s))
+        assert [own["samples"] for own in online.update(frame(1.01)) if own["taxel"] == 3] == [2]

@@ -1,6 +1,7 @@
 """Scenes: loading, changing, drawing, refusing."""
 
 import pickle
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -72,3 +73,16 @@ def test_scenes_are_pickled() -> None:
     scene = ub.Scene("leaf").changed({"goals": {"count": 1}}, name="one")
     copied = pickle.loads(pickle.dumps(scene))
     assert (copied.text, copied.name) == (scene.text, scene.name)
+
+
+def test_a_pickled_scene_finds_its_own_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pins that a scene that was loaded by a relative path finds the arm beside it when it is unpickled in another folder."""
+    (tmp_path / "else").mkdir()
+    (tmp_path / "own.toml").write_text('summary = "x"\narm = "cody/cody.toml"\ngoals = { count = 1 }\n')
+    shutil.copytree(Path(__file__).parents[2] / "sim/arms/cody", tmp_path / "cody")
+    monkeypatch.chdir(tmp_path)
+    scene = ub.Scene("own.toml")
+    pickled, drawn = pickle.dumps(scene), scene.draw().svg
+    monkeypatch.chdir(tmp_path / "else")
+    copied = pickle.loads(pickled)
+    assert (copied.name, copied.draw().svg) == ("own", drawn)

@@ -141,6 +141,27 @@ def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
             ub.evaluate(trials, Broken(where))
 
 
+def test_a_classifier_that_raises_for_the_first_samples_is_heard(trials: ub.Trials) -> None:
+    """Pins that an exception of a Python classifier that only short trials raise ends an evaluation by numbers of samples."""
+
+    class Impatient:
+        categories = ["leaf", "trunk"]
+
+        def fit_trials(self, _: ub.Trials) -> "Impatient":
+            return self
+
+        def scores(self, given: ub.Trials) -> np.ndarray:
+            if min(given.lengths) < 20:
+                raise LookupError("too short")
+            return np.tile([0.0, -1.0], (len(given), 1))
+
+    leaf, trunk = ([place for place, own in enumerate(trials.categories) if own == name] for name in Impatient.categories)
+    some = trials[[*leaf[:2], *trunk[:2], *leaf[2:4], *trunk[2:4]]]
+    assert ub.evaluate(some, Impatient(), group="position")["accuracy"] == 0.5
+    with pytest.raises(LookupError, match="too short"):
+        ub.evaluate(some, Impatient(), group="position", by_samples=True)
+
+
 def test_hmmlearn_agrees(trials: ub.Trials) -> None:
     """Pins that forward and Viterbi scores agree with hmmlearn's for the same models, to 1e-9 of their size."""
     from hmmlearn.hmm import GaussianHMM

@@ -28,6 +28,7 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
     long = trials[trials.lengths > 50]
     assert 0 < len(long) < len(trials) and all(len(trial) > 50 for trial in long)
     assert trials[[2, 0]][0].number == trials[2].number
+    assert len(trials[[]]) == len(trials[np.array([], dtype=int)]) == 0
     assert len(trials[1:4]) == 3 and trials[-1].number == trials[len(trials) - 1].number
     assert pickle.loads(pickle.dumps(trials)) == trials
     padded = trials.padded(samples=40)
@@ -79,7 +80,7 @@ def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path
     assert not np.array_equal(further.scores(trials), model.scores(trials))
 
 
-def test_bad_options_are_refused(trials: ub.Trials) -> None:
+def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:
     """Pins that options that do not exist, do not apply or are out of range are refused by name."""
     for call, text in (
         (lambda: ub.fit(trials, "svm"), "nearest-neighbours"),
@@ -97,14 +98,18 @@ def test_bad_options_are_refused(trials: ub.Trials) -> None:
         (lambda: ub.evaluate(trials, ub.Options(), train=trials, by_samples=True), "by_samples: found given with train"),
         (lambda: ub.fit(trials, "logistic", start=ub.fit(trials, states=2)), "classifier: found given with start"),
         (lambda: ub.fit(trials, states=3, start=ub.fit(trials, states=2)), "states: found given with start"),
+        (lambda: ub.fit(trials, outlier_prior=0.1), "outlier_prior: found given without false_positive_rate"),
         (lambda: ub.fit(trials).classify(trials, decision="best"), "argmax"),
         (lambda: ub.fit(trials).classify(trials, decision=(5.0, 1.0)), "thresholds"),
         (lambda: ub.fit(trials, "naive-bayes").with_score("forward"), "hidden Markov"),
         (lambda: data_with("labels")(trials), "labels"),
+        (lambda: data.trials(wrap=False), 'wrap: found given with by="taxel"'),
         (lambda: ub.Trials.from_sequences([[1.0, np.nan]]), "sequence 0"),
         (lambda: ub.Trials.from_sequences([[1.0], []]), "sequence 1"),
         (lambda: ub.Trials.from_sequences([np.zeros((3, 2))]), "shape"),
         (lambda: ub.Trials.from_sequences([[1.0]], ["leaf", "trunk"]), "categories"),
+        (lambda: ub.Trials.from_sequences([[3], [2, 1.5]], features="area"), "sequence 1: found 1.5 for area in sample 1"),
+        (lambda: ub.Trials.from_sequences([[0]], features="area"), "whole numbers, 1 to 65536 taxels"),
     ):
         with pytest.raises(ub.InputError, match=text):
             call()

@@ -475,7 +475,7 @@ def fit(
     *,
     start: Model | None = None,
     false_positive_rate: float | None = None,
-    outlier_prior: float = 0.05,
+    outlier_prior: float | None = None,
     jobs: int | None = None,
 ) -> Model: ...
 def classifiers() -> list[tuple[str, str]]: ...

@@ -23,7 +23,7 @@ def fit(
     max_samples: int | None = None,
     start: _core.Model | None = None,
     false_positive_rate: float | None = None,
-    outlier_prior: float = 0.05,
+    outlier_prior: float | None = None,
     jobs: int | None = None,
 ) -> _core.Model:
     """Fit a classifier to trials. The result equals that of ``underbrush train``, bit for bit.
@@ -44,8 +44,8 @@ def fit(
         Hidden Markov models to train further.
     false_positive_rate : float, optional
         Choose thresholds by cross-validation and store them in the model.
-    outlier_prior : float
-        The fraction of contacts expected to be outliers, for the thresholds.
+    outlier_prior : float, optional
+        With ``false_positive_rate``: the fraction of contacts expected to be outliers; 0.05 by default.
     jobs : int, optional
         Number of threads; all cores by default.
 

@@ -9,6 +9,8 @@ leaves its result in the folder of the run, and the driver takes it from there.
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import shutil
 import time
@@ -21,6 +23,7 @@ from typing import Any, TypedDict
 from . import _core
 from ._benchmark import Track, entry
 from ._benchmark import benchmark as _benchmark
+from ._errors import InputError
 from ._progress import Bar, Progress
 from ._study import reproduce as _reproduce
 from ._types import ControllerLike, SceneLike
@@ -61,7 +64,7 @@ def generate(
 
     The same scenes, seed and version give the same bytes as :func:`underbrush.generate`, however the parts were spread
     over nodes. Parts that fail because of a lost node or an I/O error are tried again; other errors end the call at
-    once. Finished parts are kept, and the same call continues from them.
+    once. Finished parts are kept, and the same call continues from them. If the set is finished already, it is opened.
 
     Parameters
     ----------
@@ -72,11 +75,13 @@ def generate(
     out : path
         The folder to write, on storage that all nodes see under this path. The parts are written to ``<out>.parts`` beside it.
     parts : int, optional
-        Number of tasks; by default four for each processor of the cluster, and at most one for each reach.
+        Number of tasks; by default four for each processor of the cluster, and at most one for each reach, or as many as
+        there were before the call was interrupted.
     seed : int
         Decides all random draws.
     controller : str, callable or class, optional
-        As for :func:`underbrush.generate`. It is sent to the tasks.
+        As for :func:`underbrush.generate`. It is sent to the tasks. Parts of a controller of your own are found again by
+        its name, so give it another name when you have changed it.
     verdicts : path, optional
         A touch model, on storage that all nodes see.
     address : str, optional
@@ -96,21 +101,29 @@ def generate(
     Raises
     ------
     InputError
-        If a scene, an option or a folder is bad.
+        If a scene, an option or a folder is bad, or if a folder holds the set or parts of another call.
     """
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
     listed = [scene if isinstance(scene, _core.Scene) else _core.Scene(scene) for scene in scenes]
+    options: dict[str, Any] = {
+        "seed": seed,
+        "controller": controller,
+        "verdicts": None if verdicts is None else str(Path(verdicts).absolute()),
+    }
+    if _is_finished(Path(out)):
+        # Nothing is simulated: this opens the set, or says in what another set differs.
+        return _core.generate(listed, reaches, Path(out), resume=True, **options)
     _connect(address)
-    make = partial(
-        _generate_part,
-        listed,
-        reaches,
-        seed=seed,
+    make = partial(_generate_part, listed, reaches, **options)
+    call = _call(
+        scenes=[[scene.name, _hash(scene.text.encode())] for scene in listed],
+        reaches=int(reaches),
+        seed=int(seed),
         controller=controller,
-        verdicts=None if verdicts is None else str(Path(verdicts).absolute()),
+        verdicts=verdicts,
     )
-    return _in_parts(make, reaches * len(listed), Path(out), parts, retries, keep_parts, progress)
+    return _in_parts(make, call, reaches * len(listed), Path(out), parts, retries, keep_parts, progress)
 
 
 def reproduce(
@@ -199,7 +212,7 @@ def benchmark(
     model, controller, verdicts, quick : optional
         As for :func:`underbrush.benchmark`. Models must be on storage that all nodes see.
     parts : int, optional
-        Number of tasks for each set; by default four for each processor of the cluster.
+        Number of tasks for each set; by default as for :func:`generate`.
     address, retries : optional
         As for :func:`generate`.
     progress : bool or callable
@@ -221,12 +234,68 @@ def benchmark(
     for place, (path, reaches) in enumerate(_core.benchmark_sets(track, out=folder, **options)):
         if not path.exists():
             make = partial(_core.benchmark_part, place, track=track, **options)
-            _in_parts(make, reaches, path, parts, retries, False, progress)
+            call = _call(track=track, set=place, **options)
+            _in_parts(make, call, reaches, path, parts, retries, False, progress)
     return _benchmark(track, folder, model=model, controller=controller, verdicts=verdicts, quick=quick, progress=progress)
+
+
+def _is_finished(out: Path) -> bool:
+    """Whether a folder holds a finished data set."""
+    try:
+        _core.Dataset(out)
+    except (InputError, OSError):
+        return False
+    return True
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _call(*, controller: ControllerLike | None, **given: Any) -> dict[str, Any]:
+    """Describes a call that makes parts: the version, and the arguments that decide the bytes of a part. Models stand
+    there by the hashes of their files, and controllers by their names, as in data sets."""
+    for name in ("model", "verdicts"):
+        if (path := given.get(name)) is not None:
+            # The tasks say what is wrong with a file that cannot be read.
+            given[name] = _hash(Path(path).read_bytes()) if Path(path).is_file() else str(path)
+    if controller is not None and not isinstance(controller, str):
+        names = [getattr(controller, attribute, None) for attribute in ("name", "__name__")]
+        controller = next((name for name in names if isinstance(name, str)), "python")
+    return {"version": _core.PROGRAM_VERSION, "controller": controller, **given}
+
+
+def _claim(folder: Path, call: dict[str, Any], parts: int | None, default: int) -> int:
+    """Takes a folder for the parts of a call, unless it holds finished parts of another one. Returns the number of
+    parts: the given one, or else that of the parts that are there, or else the default."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "call.json"
+    if any(path.is_dir() and path.name.isdecimal() for path in folder.iterdir()):
+        before: dict[str, Any] = {}
+        try:
+            before = dict(json.loads(file.read_bytes()))
+        except (FileNotFoundError, TypeError, ValueError):
+            pass
+        count = int(parts or before.get("parts", default))
+        wanted = {**call, "parts": count}
+        if before != wanted:
+            names = sorted(name for name in before.keys() | wanted.keys() if before.get(name) != wanted.get(name))
+            found = f"parts of another call, with another {' and '.join(names)}" if before else "parts of an unknown call"
+            allowed = "an empty folder, or parts of this call"
+            remedy = "remove this folder, or choose another out"
+            message = f"{folder}: out: found {found}; allowed: {allowed}; remedy: {remedy}"
+            raise InputError(message, str(folder), None, "out", found, allowed, remedy)
+        return count
+    count = int(parts or default)
+    own = folder / f".call-{uuid.uuid4().hex}"
+    own.write_text(json.dumps({**call, "parts": count}, indent=2) + "\n")
+    own.replace(file)
+    return count
 
 
 def _in_parts(
     make: Callable[..., object],
+    call: dict[str, Any],
     reaches: int,
     out: Path,
     parts: int | None,
@@ -236,9 +305,8 @@ def _in_parts(
 ) -> _core.Dataset:
     """Makes the parts of a set as tasks, by ``make(folder, shard=(I, N), jobs=1)``, and merges them."""
     ray = _ray()
-    count = parts or max(1, min(4 * int(ray.cluster_resources().get("CPU", 1)), reaches))
     folder = Path(f"{out}.parts").absolute()
-    folder.mkdir(parents=True, exist_ok=True)
+    count = _claim(folder, call, parts, max(1, min(4 * int(ray.cluster_resources().get("CPU", 1)), reaches)))
     run = ray.remote(num_cpus=1, max_retries=retries, retry_exceptions=[OSError])(_run_part)
     waiting = [run.remote(make, str(folder), part, count) for part in range(1, count + 1)]
     with Bar("reaches").shown(progress) as shown:

@@ -72,7 +72,7 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     frames_per_step : int, optional
         Frames of 10 ms in a step; 4 by default.
     largest_change_rad, largest_waypoint_m : float, optional
-        The change or the distance for an action of 1.
+        The change or the distance for an action of 1; each only for its own kind of action.
     goals : int, optional
         Goals of an episode; 1 by default.
     time_limit_s : float, optional

@@ -1,0 +1,56 @@
+"""Sets of many parts, as far as this needs no Ray. With Ray, see cluster.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import quick
+
+import underbrush as ub
+from underbrush import distributed
+
+
+def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
+    """Pins that a folder is taken as long as it holds no finished part, that the same call continues with as many parts
+    as before, and that another call is told in what it differs from the one whose parts are there."""
+    folder, model = tmp_path / "set.parts", tmp_path / "touch.json"
+    model.write_text("a model")
+
+    class Own:
+        name = "own"
+
+    def claim(parts: int | None = None, default: int = 4, **changes: Any) -> int:
+        call = {"scenes": [["leaf", "hash"]], "reaches": 2, "seed": 1, "controller": Own, "verdicts": model}
+        return distributed._claim(folder, distributed._call(**{**call, **changes}), parts, default)
+
+    assert claim(seed=7) == 4
+    assert claim(parts=3) == 3
+    (folder / "2").mkdir()
+    assert claim() == claim(default=9) == claim(parts=3, controller="own") == 3
+    for changes, text in (
+        ({"seed": 2}, "another seed"),
+        ({"reaches": 3, "controller": "blind"}, "another controller and reaches"),
+        ({"verdicts": None}, "another verdicts"),
+        ({"parts": 2}, "another parts"),
+    ):
+        with pytest.raises(ub.InputError, match=f"{text}; allowed") as found:
+            claim(**changes)
+        assert (found.value.file, found.value.field) == (str(folder), "out") and "remove" in str(found.value.remedy)
+    model.write_text("another model")
+    with pytest.raises(ub.InputError, match="another verdicts"):
+        claim()
+    (folder / "call.json").unlink()
+    with pytest.raises(ub.InputError, match="unknown call"):
+        claim()
+
+
+def test_a_finished_set_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pins that a call whose set is finished opens it without any task, and that the set of another call is refused."""
+    monkeypatch.setattr(distributed, "_connect", lambda address: pytest.fail("a cluster was asked for"))
+    scene, out = quick("leaf"), tmp_path / "set"
+    made = ub.generate(scene, 1, out, seed=3, progress=False)
+    assert distributed.generate(scene, 1, out, seed=3).path == made.path
+    with pytest.raises(ub.InputError, match="seed"):
+        distributed.generate(scene, 1, out, seed=4)
