@@ -6,8 +6,9 @@ use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::Scene;
 
-use super::file::ExperimentFile;
+use super::file::{ClassifierEntry, ExperimentFile};
 use super::limits::check_limits;
+use crate::estimators::recipe_name;
 use crate::source::Source;
 
 /// Checks the rules that the types of the keys do not express.
@@ -56,6 +57,7 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     if file.recipes.is_empty() {
         return fault("recipes", "[]", "at least one of `authors`, `modern`");
     }
+    check_names(file, source)?;
     let trials = &file.trials;
     if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
         return fault(
@@ -73,6 +75,33 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     for label in tested {
         if !labels.contains(label) {
             return fault("engineered.label", label, "a label of the training scenes");
+        }
+    }
+    Ok(())
+}
+
+/// Checks that nothing that names a row or a column of a table is in the file twice.
+fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
+    let of_entries = |entries: &[ClassifierEntry]| -> Vec<String> {
+        let names = entries.iter().map(|entry| entry.name.clone());
+        names.collect()
+    };
+    let recipes = file.recipes.iter().map(|recipe| recipe_name(*recipe).to_owned());
+    let names: [(&str, Vec<String>); 5] = [
+        ("states", file.states.iter().map(usize::to_string).collect()),
+        ("recipes", recipes.collect()),
+        ("classifiers.name", of_entries(&file.classifiers)),
+        ("setting_classifiers.name", of_entries(&file.setting_classifiers)),
+        (
+            "settings.name",
+            file.settings.iter().map(|setting| setting.name.clone()).collect(),
+        ),
+    ];
+    for (field, names) in names {
+        let mut known = BTreeSet::new();
+        if let Some(twice) = names.iter().find(|name| !known.insert(name.as_str())) {
+            let allowed = "each only once: it names a result";
+            return Err(source.field(field, twice).fault(format!("{twice} twice"), allowed));
         }
     }
     Ok(())

@@ -193,6 +193,52 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
     }
 }
 
+/// Pins that values and names by which results are found are refused if they are given twice.
+#[test]
+fn nothing_that_names_a_result_is_given_twice() {
+    let entry = |table: &str| format!("[[{table}]]\nname = \"same\"\nmethod = \"naive-bayes\"\n");
+    let setting = "[[settings]]\nname = \"same\"\nrobot = { stiffness_scale = 2.0 }\n";
+    for (text, line, field, found) in [
+        (SMALL.replace("[5]", "[3, 5, 3]"), 2, "states", "3 twice"),
+        (
+            SMALL.replace("[5]", "[5]\nrecipes = [\"modern\", \"modern\"]"),
+            3,
+            "recipes",
+            "modern twice",
+        ),
+        (
+            format!("{SMALL}{}", entry("classifiers").repeat(2)),
+            14,
+            "classifiers.name",
+            "same twice",
+        ),
+        (
+            format!("{SMALL}{}", entry("setting_classifiers").repeat(2)),
+            14,
+            "setting_classifiers.name",
+            "same twice",
+        ),
+        (
+            format!("{SMALL}{}", setting.repeat(2)),
+            14,
+            "settings.name",
+            "same twice",
+        ),
+    ] {
+        let error = error(&text);
+        assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
+        assert_eq!(error.found, found, "{error}");
+    }
+    // The same name in two lists does not matter.
+    let both = format!(
+        "{SMALL}{}{}{setting}",
+        entry("classifiers"),
+        entry("setting_classifiers")
+    );
+    let (_folder, path) = written(&both);
+    Experiment::load(&path).unwrap();
+}
+
 /// Pins that a scene that does not exist is an error that names the scene file.
 #[test]
 fn faults_of_scenes_name_the_scene() {
