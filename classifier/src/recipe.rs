@@ -10,7 +10,7 @@ use crate::feature::FeatureSet;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
 
 /// States of a model: the paper has up to 20, and the cost of a sample grows with the square of their number.
-pub(crate) const STATES: Limits = Limits::new(1.0, 1000.0, "states");
+pub const STATES: Limits = Limits::new(1.0, 1000.0, "states");
 
 /// Samples of a trial that are used: up to 16 weeks at 100 Hz.
 const SAMPLES: Limits = Limits::new(1.0, 1e9, "samples");

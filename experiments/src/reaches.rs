@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{ContactTrial, TrialOptions, taxel_trials};
-use underbrush_recording::disk::{read_recording, write_recording};
+use underbrush_recording::disk::{DiskError, read_recording, write_recording};
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::reach::ReachPlan;
 
@@ -110,7 +110,7 @@ impl Search<'_> {
         if let Some(index) = kept::load::<Index>(&index_file, run, progress) {
             drawn = index.drawn;
             for index in index.found {
-                reaches.push(read_recording(file(index))?);
+                reaches.push(self.cached(&file(index), index, progress)?);
             }
         } else {
             while drawn < self.max_draws && reaches.len() < self.enough {
@@ -133,6 +133,22 @@ impl Search<'_> {
             drawn,
             reaches,
         })
+    }
+
+    /// The cached reach of an index. If its file is missing or damaged, the reach is drawn again.
+    fn cached(&self, file: &Path, index: u64, progress: &dyn Progress) -> Result<Recording, ExperimentError> {
+        match read_recording(file) {
+            Err(DiskError::Input(error)) if !error.storage => {
+                let (file, found) = (file.display(), &error.found);
+                progress.remark(&format!(
+                    "{file}: cannot be used ({found}), so the reach is drawn again"
+                ));
+            }
+            read => return Ok(read?),
+        }
+        let recording = self.plan.run_until(index, &mut |_, _| {}, &|| progress.is_stopped())?;
+        write_recording(file, &recording)?;
+        Ok(recording)
     }
 }
 

@@ -46,12 +46,29 @@ impl Source<'_> {
         let key = name.rsplit('.').next().unwrap_or(name);
         let holds = |line: &&str| {
             let line = line.trim_start();
-            (line.starts_with(key) || line.contains(&format!(" {key} ="))) && line.contains(value)
+            (line.starts_with(key) || given(line, key).next().is_some()) && line.contains(value)
         };
+        self.found(name, self.text.lines().position(|line| holds(&line)))
+    }
+
+    /// A field whose value is this number, however the file writes it.
+    pub fn number(&self, name: &str, value: f64) -> Field {
+        let key = name.rsplit('.').next().unwrap_or(name);
+        let is_value = |text: &str| {
+            let end = text.find([',', '}', ']', '#', ' ', '\t']).unwrap_or(text.len());
+            let number = text[..end].replace('_', "").parse::<f64>();
+            number.is_ok_and(|number| number == value || (number.is_nan() && value.is_nan()))
+        };
+        let holds = |line: &str| given(line, key).any(is_value);
+        self.found(name, self.text.lines().position(holds))
+    }
+
+    /// A field at an index of the lines, if it was found.
+    fn found(&self, name: &str, index: Option<usize>) -> Field {
         Field {
             path: self.path.into(),
             name: name.into(),
-            line: self.text.lines().position(|line| holds(&line)).map(|index| index + 1),
+            line: index.map(|index| index + 1),
         }
     }
 
@@ -68,6 +85,17 @@ impl Source<'_> {
     fn line_of(&self, start: usize) -> usize {
         self.text.bytes().take(start).filter(|byte| *byte == b'\n').count() + 1
     }
+}
+
+/// What a line gives for a key: the text after each `key =`, also within an inline table and after a dot.
+fn given<'a>(line: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
+    line.match_indices(key).filter_map(move |(start, _)| {
+        let before = line[..start].chars().next_back();
+        let after = line[start + key.len()..].trim_start_matches(['"', '\'']);
+        let value = after.trim_start().strip_prefix('=')?;
+        let begins = before.is_none_or(|before| " \t{,.\"'".contains(before));
+        begins.then(|| value.trim_start())
+    })
 }
 
 impl Field {

@@ -134,10 +134,16 @@ impl Entry {
     /// Judges the entry: makes the sets in `folder` that are missing there, and writes the row beside them.
     ///
     /// # Errors
-    /// If a reach fails, a file cannot be read or written, or the model does not suit the skin.
+    /// If a reach fails, a file cannot be read or written, the model does not suit the skin, or the row of another
+    /// model is in the row's place.
     pub fn run(&self, folder: &Path, quick: bool, progress: &dyn Progress) -> Result<Row, ExperimentError> {
+        let planned = self.sets(quick)?;
+        let entry = self.record(&planned)?;
+        let kind = if quick { "quick-rows" } else { "rows" };
+        let file = folder.join(kind).join(format!("{}-{}.json", self.track(), entry.name));
+        entry.check_earlier_row(&file)?;
         let mut sets = Vec::new();
-        for set in self.sets(quick)? {
+        for set in planned {
             progress.stage(&format!("Reaches of the set {}", set.name));
             let dataset = match set
                 .campaign
@@ -153,36 +159,33 @@ impl Entry {
             benchmark: frozen::NAME.into(),
             track: self.track().into(),
             complete: !quick,
-            entry: self.record(&sets),
+            entry,
             program_version: PROGRAM_VERSION.into(),
             analysis_sources: env!("UNDERBRUSH_ANALYSIS_SOURCES").into(),
             engine: underbrush_sim::physics::ENGINE.into(),
             sets: sets.iter().map(record).collect::<Result<_, _>>()?,
             figures: self.figures(&sets, progress)?,
         };
-        let kind = if quick { "quick-rows" } else { "rows" };
-        files::write_json(
-            &folder.join(kind).join(format!("{}-{}.json", row.track, row.entry.name)),
-            &row,
-        )?;
+        files::write_json(&file, &row)?;
         Ok(row)
     }
 
-    fn record(&self, sets: &[(String, Dataset)]) -> EntryRecord {
-        match self {
+    fn record(&self, sets: &[TestSet]) -> Result<EntryRecord, ExperimentError> {
+        Ok(match self {
             Entry::Verdicts(model) | Entry::Transfer(model) => EntryRecord {
                 name: model.name.clone(),
                 classifier: Some(model.classifier.clone()),
                 model_blake3: Some(model.blake3.clone()),
             },
             Entry::Reaching(controller) => EntryRecord {
-                name: sets
-                    .first()
-                    .map_or_else(String::new, |(_, set)| set.provenance().controller.clone()),
+                name: match sets.first() {
+                    Some(set) => set.campaign.controller_name()?,
+                    None => String::new(),
+                },
                 classifier: None,
                 model_blake3: controller.verdicts.as_ref().map(|own| own.model_blake3().to_owned()),
             },
-        }
+        })
     }
 
     fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, ExperimentError> {

@@ -1,6 +1,10 @@
 //! A row of the benchmark's table, with everything that is needed to check it.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use underbrush_recording::InputError;
 use underbrush_recording::disk::Dataset;
 
 use super::reaching::Reaching;
@@ -79,6 +83,26 @@ pub enum Figures {
     Transfer(Transfer),
     /// The figures of track 3.
     Reaching(Reaching),
+}
+
+impl EntryRecord {
+    /// Checks that the file of this entry's row does not hold the row of another model. Files of several models may
+    /// have the same name, and the name of a controller with verdicts does not tell models apart.
+    pub(super) fn check_earlier_row(&self, file: &Path) -> Result<(), InputError> {
+        let earlier = std::fs::read(file).ok();
+        let Some(earlier) = earlier.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok()) else {
+            return Ok(());
+        };
+        let (other, own) = (earlier.pointer("/entry/model_blake3"), self.model_blake3.as_deref());
+        let other = other.and_then(Value::as_str);
+        if other == own {
+            return Ok(());
+        }
+        let found = other.map_or_else(|| "no model".to_owned(), |hash| format!("the row of model {hash}"));
+        let allowed = own.map_or_else(|| "no model".to_owned(), |hash| format!("a row of model {hash}"));
+        let remedy = "move that row elsewhere, or rename the model's file";
+        Err(InputError::new(file, "entry.model_blake3", found, allowed, remedy))
+    }
 }
 
 impl SetRecord {

@@ -117,6 +117,36 @@ fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
     assert_eq!(closed(&[None, Some(Category::OUTLIER)]), Some(Class::Other));
 }
 
+/// Pins that a row is not written over the row of another model, and that this is found before anything is simulated.
+/// A row of the same model, and a file that is no row, are replaced.
+#[test]
+fn the_row_of_another_model_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("quick-rows/reaching-blind.json");
+    files::write(&file, br#"{ "entry": { "name": "blind", "model_blake3": "0123" } }"#).unwrap();
+    let entry = Entry::Reaching(EnteredController {
+        kind: Some(ControllerKind::Blind),
+        ..EnteredController::default()
+    });
+    let Err(ExperimentError::Input(error)) = entry.run(folder.path(), true, &crate::progress::Silent) else {
+        panic!("the row is not refused");
+    };
+    assert!(error.file == file && error.found.contains("0123"), "{error}");
+    assert!(!folder.path().join("quick-sets").exists());
+    let of_model = |model: Option<&str>| EntryRecord {
+        name: "blind".into(),
+        classifier: None,
+        model_blake3: model.map(str::to_owned),
+    };
+    assert!(of_model(Some("4567")).check_earlier_row(&file).is_err());
+    of_model(Some("0123")).check_earlier_row(&file).unwrap();
+    of_model(None)
+        .check_earlier_row(&folder.path().join("none.json"))
+        .unwrap();
+    files::write(&file, b"{").unwrap();
+    of_model(None).check_earlier_row(&file).unwrap();
+}
+
 /// Pins the figures of two reaches against values worked out by hand.
 #[test]
 fn reaching_figures_are_those_worked_out_by_hand() {

@@ -3,9 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use underbrush_recording::{Category, InputError};
+use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::Scene;
 
 use super::file::{ClassifierEntry, ExperimentFile};
+use super::limits::check_limits;
+use crate::estimators::recipe_name;
 use crate::source::Source;
 
 /// Checks the rules that the types of the keys do not express.
@@ -44,18 +47,17 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
             }
         }
     }
-    let counts = [("states", &file.states), ("truncations", &file.truncations)];
-    for (name, values) in counts {
-        if let Some(zero) = values.iter().find(|value| **value == 0) {
-            return fault(name, &zero.to_string(), "numbers from 1");
-        }
+    if file.truncations.contains(&0) {
+        return fault("truncations", "0", "numbers from 1");
     }
+    check_limits(file, source)?;
     if file.states.is_empty() {
         return fault("states", "[]", "at least one number of hidden states");
     }
     if file.recipes.is_empty() {
         return fault("recipes", "[]", "at least one of `authors`, `modern`");
     }
+    check_names(file, source)?;
     let trials = &file.trials;
     if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
         return fault(
@@ -69,13 +71,37 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
         let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
         return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
     }
-    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
-        check_classifier(entry, source)?;
-    }
     let tested = file.engineered.iter().map(|own| own.label.as_str());
     for label in tested {
         if !labels.contains(label) {
             return fault("engineered.label", label, "a label of the training scenes");
+        }
+    }
+    Ok(())
+}
+
+/// Checks that nothing that names a row or a column of a table is in the file twice.
+fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
+    let of_entries = |entries: &[ClassifierEntry]| -> Vec<String> {
+        let names = entries.iter().map(|entry| entry.name.clone());
+        names.collect()
+    };
+    let recipes = file.recipes.iter().map(|recipe| recipe_name(*recipe).to_owned());
+    let names: [(&str, Vec<String>); 5] = [
+        ("states", file.states.iter().map(usize::to_string).collect()),
+        ("recipes", recipes.collect()),
+        ("classifiers.name", of_entries(&file.classifiers)),
+        ("setting_classifiers.name", of_entries(&file.setting_classifiers)),
+        (
+            "settings.name",
+            file.settings.iter().map(|setting| setting.name.clone()).collect(),
+        ),
+    ];
+    for (field, names) in names {
+        let mut known = BTreeSet::new();
+        if let Some(twice) = names.iter().find(|name| !known.insert(name.as_str())) {
+            let allowed = "each only once: it names a result";
+            return Err(source.field(field, twice).fault(format!("{twice} twice"), allowed));
         }
     }
     Ok(())
@@ -103,25 +129,30 @@ pub fn check_labels(
     }
 }
 
+/// Checks that the skin of every arm has the patch, if the file names one.
+pub fn check_patch<'a>(
+    file: &ExperimentFile,
+    arms: impl IntoIterator<Item = &'a Arm>,
+    source: &Source,
+) -> Result<(), InputError> {
+    let Some(patch) = file.trials.patch.as_deref() else {
+        return Ok(());
+    };
+    let without = |arm: &&Arm| arm.skin.layout.patch_index(patch).is_none();
+    match arms.into_iter().find(without) {
+        None => Ok(()),
+        Some(arm) => {
+            let patches = arm.skin.layout.patches.iter();
+            let names: Vec<&str> = patches.map(|patch| patch.name.as_str()).collect();
+            let allowed = format!("a patch of the skin of {}: {}", arm.name, names.join(", "));
+            Err(source.field("trials.patch", patch).fault(patch, allowed))
+        }
+    }
+}
+
 /// The category with this name: a built-in one, or the category of an object in the scenes.
 pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category> {
     let groups = scenes.values().flat_map(|scene| scene.file.objects.groups());
     let mut own = groups.map(|(_, _, group)| group.category());
     Category::from_name(name).or_else(|| own.find(|category| category.name() == name))
-}
-
-/// Whether an entry describes hidden Markov models, which follow the experiment's recipe.
-pub fn is_hmm(entry: &ClassifierEntry) -> bool {
-    entry.method.name == "hmm"
-}
-
-fn check_classifier(entry: &ClassifierEntry, source: &Source) -> Result<(), InputError> {
-    match entry.states {
-        Some(states) if states == 0 || !is_hmm(entry) => {
-            let found = states.to_string();
-            let field = source.field("classifiers.states", &found);
-            Err(field.fault(found, "a number from 1, for hmm alone"))
-        }
-        _ => Ok(()),
-    }
 }

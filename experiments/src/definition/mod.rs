@@ -15,6 +15,7 @@ use crate::source::{self, Field, Source};
 
 mod check;
 mod file;
+mod limits;
 mod numbers;
 
 pub use file::{
@@ -23,8 +24,8 @@ pub use file::{
     ThresholdSection, TrainingScene, TrialSection, VerdictSection,
 };
 
-pub use check::is_hmm;
-use check::{category, check, check_labels};
+use check::{category, check, check_labels, check_patch};
+pub use limits::is_hmm;
 
 /// An experiment with its checked file and its scenes.
 #[derive(Clone, Debug)]
@@ -98,6 +99,10 @@ impl Experiment {
             Some(arm) => vec![arm.clone()],
             None => arms_of(&scenes)?,
         };
+        let is_cody = |scene: &Scene| scene.file.arm == "cody";
+        let needs_cody = file.trials.patch.is_some() && arm.is_none() && scenes.values().any(is_cody);
+        let cody = needs_cody.then(Arm::cody).transpose()?;
+        check_patch(&file, named_arms.iter().chain(&cody), &source)?;
         let mut hasher = blake3::Hasher::new();
         let texts = scenes.values().map(|scene| scene.text.as_str());
         let arm_texts = named_arms

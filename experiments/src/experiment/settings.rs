@@ -1,10 +1,12 @@
 //! Classifiers trained at one arm stiffness and hand speed and tested at others: the open question of the follow-up
 //! study (arXiv 1409.4972).
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::estimator::Estimator;
+use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
 use underbrush_recording::{Recording, Trial};
 
@@ -153,9 +155,37 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     })
 }
 
+/// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be
+/// tested on a category that it was not fitted to.
+fn check_categories(settings: &[Folded]) -> Result<(), ExperimentError> {
+    let halves = || settings.iter().flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)));
+    let all: BTreeSet<&str> = halves().flat_map(|(_, fold)| categories(fold)).collect();
+    for (setting, fold) in halves() {
+        let own = categories(fold);
+        if let Some(missing) = all.iter().find(|category| !own.contains(*category)) {
+            return Err(ExperimentError::Request(format!(
+                "setting {}: one half of its reaches has no trial of {missing} that is long enough, so a classifier fitted \
+                 to it would not know {missing}; give the training scenes more setting_reaches",
+                setting.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The categories of trials that classifiers are fitted to.
+fn categories(trials: &[Trial]) -> BTreeSet<&str> {
+    let categories = trials.iter().filter_map(|trial| trial.category.as_deref());
+    categories.filter(|category| is_trained(category)).collect()
+}
+
 /// Trains every classifier at every setting on one half of the reaches and tests it at every setting on the other half.
 /// This way no clutter occurs in both halves, and all classifiers are trained on the same number of reaches.
+///
+/// # Errors
+/// If one half of a setting's reaches has no trial of some category, or fitting or scoring fails.
 pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, ExperimentError> {
+    check_categories(settings)?;
     let recipe = estimators::main_recipe(experiment);
     let entries = experiment.file.setting_classifiers.iter();
     let all: Vec<(&str, Box<dyn Estimator>)> = entries

@@ -1,11 +1,14 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+use std::sync::Mutex;
+
 use underbrush_sim::scene::Scene;
 
 use super::*;
+use crate::progress::{Counter, Silent};
 
 #[path = "../../../tests/support/scenes.rs"]
-#[expect(dead_code, reason = "one scene is enough here")]
+#[expect(dead_code, reason = "two scenes are enough here")]
 mod scenes;
 
 /// Pins that a reach counts as touching one category alone only if the category presses on a taxel in some trial. The
@@ -23,4 +26,61 @@ fn a_reach_with_spurious_trials_alone_is_not_wanted() {
     readings.for_each(|reading| (reading.object, reading.true_normal_force_n) = (None, 0.0));
     assert!(!taxel_trials(&reach, &options).unwrap().is_empty());
     assert!(!wanted(Category::TRUNK, &reach));
+}
+
+/// Keeps the remarks.
+#[derive(Default)]
+struct Remarks(Mutex<Vec<String>>);
+
+impl Progress for Remarks {
+    fn stage(&self, _: &str) {}
+
+    fn remark(&self, text: &str) {
+        self.0.lock().unwrap().push(text.to_owned());
+    }
+
+    fn count(&self, _: &str, _: u64, _: u64) -> Box<dyn Counter> {
+        Box::new(Silent)
+    }
+}
+
+/// Pins that a cached reach whose file is damaged or missing is drawn again with a remark, and equals the first one;
+/// and that an undamaged one is read without a remark.
+#[test]
+fn a_damaged_reach_is_drawn_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = scenes::FEW_TRUNKS.to_owned();
+    let search = Search {
+        source: "trunks.toml",
+        plan: ReachPlan::new(Scene::parse("trunks.toml", text).unwrap(), None, 0).unwrap(),
+        options: TrialOptions::default(),
+        wanted: Wanted::All(Vec::new()),
+        enough: 1,
+        max_draws: 1,
+    };
+    let run = Run {
+        seed: 0,
+        quick: false,
+        experiment: String::new(),
+    };
+    let found = || {
+        let remarks = Remarks::default();
+        let found = search.run(folder.path(), &run, &remarks).unwrap();
+        (found.reaches, remarks.0.into_inner().unwrap())
+    };
+    let (first, _) = found();
+    let file = folder.path().join("trunks-0.parquet");
+    let whole = std::fs::read(&file).unwrap();
+    assert!(found() == (first.clone(), Vec::new()));
+    for damaged in [Some(whole[..whole.len() / 2].to_vec()), None] {
+        match damaged {
+            Some(bytes) => std::fs::write(&file, bytes).unwrap(),
+            None => std::fs::remove_file(&file).unwrap(),
+        }
+        let (again, remarks) = found();
+        assert_eq!((again.len(), remarks.len()), (1, 1), "{remarks:?}");
+        assert!(remarks[0].contains("trunks-0.parquet") && remarks[0].contains("drawn again"));
+        assert!(again == first);
+        assert!(std::fs::read(&file).unwrap() == whole);
+    }
 }

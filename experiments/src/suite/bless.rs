@@ -1,10 +1,35 @@
 //! Writes bounds from what a run found.
 
+use std::path::Path;
+
+use underbrush_recording::InputError;
+
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};
 use super::statistics::{margin, margin_with_one_more};
 use super::{Bound, SceneBound, Suite};
 use crate::error::ExperimentError;
+use crate::source::Source;
+
+/// Checks that every bound of the suite in the file at `path` can be replaced in its text: it must be written in
+/// braces. A dotted key or a table header also makes a bound, but then the bound is not in one place.
+///
+/// # Errors
+/// [`InputError`] with the line of the first other bound.
+pub fn check_places(suite: &Suite, path: &Path) -> Result<(), InputError> {
+    let text = suite.text.as_str();
+    for own in suite.scenes.iter().flat_map(|scene| &scene.bounds) {
+        let written = text.get(own.span.clone()).unwrap_or_default();
+        if !written.starts_with('{') {
+            let source = Source { path, text };
+            let field = source.field_at(&format!("bounds.{}", own.name()), own.span.start);
+            let found = format!("`{written}`, a dotted key or a table header");
+            let allowed = "a bound in braces, on one line, such as goals_reached = { at_least = 0.7 }";
+            return Err(field.fault(found, allowed));
+        }
+    }
+    Ok(())
+}
 
 /// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as
 /// it is.

@@ -24,8 +24,8 @@ impl Checked {
     /// computed from the results are written into the files, and the results are checked against them.
     ///
     /// # Errors
-    /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a file cannot be written, or a metric cannot be
-    /// bounded.
+    /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a bound is not written in braces, a metric cannot be
+    /// bounded, or a file cannot be written.
     pub fn of(
         paths: &[PathBuf],
         seed: Option<u64>,
@@ -37,6 +37,11 @@ impl Checked {
             .iter()
             .map(|path| Suite::load(path))
             .collect::<Result<Vec<_>, _>>()?;
+        if bless {
+            for (suite, path) in suites.iter().zip(paths) {
+                bless::check_places(suite, path)?;
+            }
+        }
         if let Some(seed) = seed {
             suites = suites.into_iter().map(|suite| suite.with_seed(seed)).collect();
         }
@@ -60,15 +65,23 @@ impl Checked {
     }
 }
 
-/// Writes new bounds into the file, and returns the result checked against them.
-fn blessed(
+/// Writes new bounds into the file, and returns the result checked against them. A file is never replaced by one that
+/// cannot be read.
+pub(super) fn blessed(
     suite: &Suite,
     result: SuiteResult,
     path: &Path,
     progress: &dyn Progress,
 ) -> Result<SuiteResult, ExperimentError> {
-    disk::write_file(path, bless::text(suite, &result)?.as_bytes())?;
-    let result = Suite::load(path)?.hold(result);
+    let text = bless::text(suite, &result)?;
+    let new = Suite::parse(path, text.clone()).map_err(|error| {
+        ExperimentError::Request(format!(
+            "the file would not be a suite with the new bounds, so nothing was written ({error}). Write each bound in \
+             braces, on one line"
+        ))
+    })?;
+    disk::write_file(path, text.as_bytes())?;
+    let result = new.hold(result);
     for scene in &result.scenes {
         for bound in scene.bounds.iter().filter(|bound| bound.allows_everything()) {
             progress.remark(&format!(

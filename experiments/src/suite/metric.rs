@@ -149,7 +149,7 @@ pub const METRICS: [Metric; 16] = [
     },
     Metric {
         name: "wrong",
-        summary: "Share of those taxels whose verdict is another category, or outlier for what is not one",
+        summary: "Share of those taxels whose verdict is another category, outlier for what is not one, or nothing",
         of_reach: |reach, category| share(reach, category, |tally| tally.misclassified),
         ..VERDICT
     },
@@ -181,8 +181,8 @@ pub const METRICS: [Metric; 16] = [
     },
     Metric {
         name: "samples_to_right",
-        summary: "Median over the taxel contacts with such objects that are ever judged rightly: samples from the first touch \
-                  to the first right verdict",
+        summary: "Median over the taxel contacts with such objects that are ever judged rightly: samples from the first \
+                  reading above the threshold to the first right verdict",
         statistic: Statistic::Mean,
         counts: true,
         of_reach: samples_to_right,

@@ -99,7 +99,11 @@ impl Suite {
     /// # Errors
     /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
     pub fn load(path: &Path) -> Result<Self, ExperimentError> {
-        let text = source::read(path, "suite")?;
+        Self::parse(path, source::read(path, "suite")?)
+    }
+
+    /// Checks the text of a suite file, and reads its scenes and its model.
+    fn parse(path: &Path, text: String) -> Result<Self, ExperimentError> {
         let source = Source { path, text: &text };
         let file: SuiteFile = source.parse("suite")?;
         check::numbers(&file, &source)?;

@@ -115,6 +115,130 @@ fn faults_name_line_and_field() {
     );
 }
 
+/// Pins that numbers outside their ranges and a patch that no arm has are refused when the file is read, with the line,
+/// the field, what was found and what is allowed.
+#[test]
+fn numbers_and_patch_are_checked_when_the_file_is_read() {
+    for (section, line, field, found, allowed) in [
+        (
+            "[[settings]]\nname = \"soft\"\nrobot = {stiffness_scale=-1.0}",
+            15,
+            "settings.robot.stiffness_scale",
+            "-1",
+            "0.1 to 10",
+        ),
+        (
+            "[[settings]]\nname = \"fast\"\n[settings.robot]\nhand_speed_scale = 1e9",
+            16,
+            "settings.robot.hand_speed_scale",
+            "1e9",
+            "0.1 to 10",
+        ),
+        (
+            "[thresholds]\nuncertain_below_nats = -3",
+            14,
+            "thresholds.uncertain_below_nats",
+            "-3",
+            "from 0",
+        ),
+        (
+            "[thresholds]\nuncertain_below_nats = nan",
+            14,
+            "thresholds.uncertain_below_nats",
+            "NaN",
+            "finite",
+        ),
+        (
+            "[thresholds]\nfalse_positive_rate = 7.0",
+            14,
+            "thresholds.false_positive_rate",
+            "7",
+            "over 0 and under 1",
+        ),
+        (
+            "[thresholds]\noutlier_prior = 0.5",
+            14,
+            "thresholds.outlier_prior",
+            "0.5",
+            "under 0.5",
+        ),
+        (
+            "[[classifiers]]\nname = \"models\"\nmethod = \"hmm\"\nstates = 1001",
+            16,
+            "classifiers.states",
+            "1001",
+            "from 1 to 1000",
+        ),
+        (
+            "[trials]\npatch = \"nosuch\"",
+            14,
+            "trials.patch",
+            "nosuch",
+            "forearm, flipper",
+        ),
+    ] {
+        let error = error(&format!("{SMALL}{section}\n"));
+        assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
+        assert_eq!(error.found, found, "{error}");
+        assert!(error.allowed.contains(allowed), "{error}");
+    }
+    let error = error(&SMALL.replace("[5]", "[5, 1001]"));
+    assert_eq!((error.line, error.found.as_str()), (Some(2), "1001"), "{error}");
+    for section in [
+        "[thresholds]\nuncertain_below_nats = 0\nfalse_positive_rate = 0.99\noutlier_prior = 0",
+        "[trials]\npatch = \"flipper\"",
+    ] {
+        let (_folder, path) = written(&format!("{SMALL}{section}\n"));
+        Experiment::load(&path).unwrap();
+    }
+}
+
+/// Pins that values and names by which results are found are refused if they are given twice.
+#[test]
+fn nothing_that_names_a_result_is_given_twice() {
+    let entry = |table: &str| format!("[[{table}]]\nname = \"same\"\nmethod = \"naive-bayes\"\n");
+    let setting = "[[settings]]\nname = \"same\"\nrobot = { stiffness_scale = 2.0 }\n";
+    for (text, line, field, found) in [
+        (SMALL.replace("[5]", "[3, 5, 3]"), 2, "states", "3 twice"),
+        (
+            SMALL.replace("[5]", "[5]\nrecipes = [\"modern\", \"modern\"]"),
+            3,
+            "recipes",
+            "modern twice",
+        ),
+        (
+            format!("{SMALL}{}", entry("classifiers").repeat(2)),
+            14,
+            "classifiers.name",
+            "same twice",
+        ),
+        (
+            format!("{SMALL}{}", entry("setting_classifiers").repeat(2)),
+            14,
+            "setting_classifiers.name",
+            "same twice",
+        ),
+        (
+            format!("{SMALL}{}", setting.repeat(2)),
+            14,
+            "settings.name",
+            "same twice",
+        ),
+    ] {
+        let error = error(&text);
+        assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
+        assert_eq!(error.found, found, "{error}");
+    }
+    // The same name in two lists does not matter.
+    let both = format!(
+        "{SMALL}{}{}{setting}",
+        entry("classifiers"),
+        entry("setting_classifiers")
+    );
+    let (_folder, path) = written(&both);
+    Experiment::load(&path).unwrap();
+}
+
 /// Pins that a scene that does not exist is an error that names the scene file.
 #[test]
 fn faults_of_scenes_name_the_scene() {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::result::{BoundVerdict, ReachValue, SceneResult, SuiteResult};
 use super::*;
+use crate::progress::Silent;
 
 /// A suite with comments, bounds in several forms, and one bound without numbers.
 const SUITE: &str = r#"# What we keep an eye on.
@@ -166,6 +167,55 @@ fn blessing_changes_the_bounds_alone() {
     assert!(again.passed, "{again:?}");
     // The same run gives the same text again.
     assert_eq!(bless::text(&blessed, &again).unwrap(), text);
+}
+
+/// Pins that a bound as a dotted key or under a table header is checked as any other but not blessed: the error names
+/// its line before anything is run, and the file stays as it is.
+#[test]
+fn bounds_without_braces_are_not_blessed() {
+    let in_braces = "goals_reached = { at_least = 0.25 }";
+    for (text, line, name) in [
+        (
+            SUITE.replace(in_braces, "goals_reached.at_least = 0.25"),
+            13,
+            "bounds.goals_reached",
+        ),
+        (
+            SUITE.replace("trunk = { at_most = 9 }", "trunk.at_most = 9"),
+            17,
+            "bounds.mean_force_n.trunk",
+        ),
+        (
+            format!("{SUITE}[scenes.bounds.largest_force_n.leaf]\nat_most = 3\n"),
+            18,
+            "bounds.largest_force_n.leaf",
+        ),
+    ] {
+        assert_ne!(text, SUITE);
+        let (_folder, file) = written(&text);
+        Suite::load(&file).unwrap();
+        let Err(ExperimentError::Input(error)) = Checked::of(std::slice::from_ref(&file), None, true, &Silent) else {
+            panic!("{name} is not refused");
+        };
+        assert_eq!((error.line, error.field.as_str()), (Some(line), name), "{error}");
+        assert!(error.allowed.contains("in braces"), "{error}");
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+    }
+}
+
+/// Pins that a file is not replaced by a text that is no suite. Here the text of the bounds moved after it was read.
+#[test]
+fn a_file_is_not_replaced_by_one_that_cannot_be_read() {
+    let (_folder, file) = written(SUITE);
+    let mut suite = Suite::load(&file).unwrap();
+    let found = result(
+        &suite,
+        &[&[5.0, 6.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 3.0]],
+    );
+    suite.scenes[0].bounds[1].span.end -= 3;
+    let error = checked::blessed(&suite, found, &file, &Silent).unwrap_err().to_string();
+    assert!(error.contains("nothing was written"), "{error}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), SUITE);
 }
 
 /// Pins that a bound from values that differ too much is recognized as allowing everything, and that other bounds are
