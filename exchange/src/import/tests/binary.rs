@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use hdf5_pure::{Datatype, DatatypeByteOrder, File, FloatingPointLayout, make_f64_type};
 use underbrush_recording::Trial;
 
 use super::{imported, refused, samples};
@@ -164,6 +165,63 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
     let error = refused(&path, "[force]\ntopic = \"/skin\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "force.topic"));
     assert!(error.found.contains("sensor_msgs/msg/Image"), "{error}");
+}
+
+/// Writes 50 frames of two taxels as `forces`, and their times as `t`, each with this type and these bytes for a 1.
+fn hdf5_of(path: &Path, forces: (Datatype, &[u8]), times: (Datatype, &[u8])) {
+    let file = File::create(path).unwrap();
+    let tables = [("forces", forces, vec![50u64, 2]), ("t", times, vec![50])];
+    for (name, (datatype, one), shape) in tables {
+        let count: u64 = shape.iter().product();
+        let dataset = file.root().create_dataset(name, |dataset| {
+            dataset
+                .with_raw_data(datatype, one.repeat(count as usize), count)
+                .with_shape(&shape);
+        });
+        dataset.unwrap();
+    }
+    file.commit().unwrap();
+    file.close().unwrap();
+}
+
+/// Pins that forces and times of a type that the reader of HDF5 cannot convert are refused. They used to be taken for
+/// no frames, and for times that follow from a rate of 1 Hz.
+#[test]
+fn half_precision_in_hdf5_is_refused() {
+    let (_folder, path) = file("log.h5");
+    let half = || {
+        let layout = FloatingPointLayout {
+            bit_offset: 0,
+            bit_precision: 16,
+            exponent_location: 10,
+            exponent_size: 5,
+            mantissa_location: 0,
+            mantissa_size: 10,
+            exponent_bias: 15,
+        };
+        let datatype = Datatype::FloatingPoint {
+            size: 2,
+            byte_order: DatatypeByteOrder::LittleEndian,
+            layout,
+        };
+        let one: &[u8] = &[0x00, 0x3c];
+        (datatype, one)
+    };
+    let one = 1f64.to_le_bytes();
+    let double = || (make_f64_type(), &one[..]);
+    let times = "[time]\nfrom = \"t\"\n[force]\nfrom = \"forces\"\n";
+    let rate = "[time]\nrate_hz = 100\n[force]\nfrom = \"forces\"\n";
+    hdf5_of(&path, half(), double());
+    for mapping in [times, rate] {
+        let error = refused(&path, mapping);
+        assert_eq!((error.line, error.field.as_str()), (Some(4), "force.from"), "{error}");
+        assert!(error.found.contains("unsupported type"), "{error}");
+    }
+    hdf5_of(&path, double(), half());
+    let error = refused(&path, times);
+    assert_eq!((error.line, error.field.as_str()), (Some(2), "time.from"), "{error}");
+    assert!(error.allowed.contains("float64"), "{error}");
+    assert_eq!(imported(&path, rate).unwrap().frames, 50);
 }
 
 /// Pins that the error about something missing in an HDF5 or MCAP file gives the line of the mapping, and that damaged
