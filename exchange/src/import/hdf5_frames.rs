@@ -116,6 +116,14 @@ fn category(path: &Path, mapping: &Mapping, file: &File, group: &str) -> Result<
     })
 }
 
+/// The error about a row, with the group of its reach: rows are counted in each reach.
+fn of_reach(group: &str, mut error: InputError) -> InputError {
+    if !group.is_empty() {
+        error.field = format!("{}, {}", group.trim_matches('/'), error.field);
+    }
+    error
+}
+
 /// Hands all rows of all reaches to the cutter.
 pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
     mapping.refuse("force.topic", mapping.force.topic.is_some(), "HDF5")?;
@@ -136,7 +144,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             [frames] => (frames, 1),
             [frames, taxels] if (1..=MAX_TAXELS as u64).contains(&taxels) => (frames, taxels as usize),
             _ => {
-                let found = format!("{from:?}, whose shape is {shape:?}");
+                let found = format!("{:?}, whose shape is {shape:?}", forces.name);
                 return Err(mapping
                     .fault(
                         "force.from",
@@ -153,7 +161,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         if let Some(times) = &times {
             let shape = times.data.shape().map_err(|error| broken(path, error))?;
             if shape != [frames] {
-                let found = format!("a dataset of shape {shape:?}");
+                let found = format!("{:?}, whose shape is {shape:?}", times.name);
                 return Err(mapping
                     .fault("time.from", found, format!("[{frames}], one time for each frame"))
                     .into());
@@ -180,7 +188,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
                     category: &category,
                     time_s,
                 };
-                cutter.push(&place, readings)?;
+                cutter.push(&place, readings).map_err(|error| of_reach(&group, error))?;
             }
             first += count;
         }

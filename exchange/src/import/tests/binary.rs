@@ -224,6 +224,28 @@ fn half_precision_in_hdf5_is_refused() {
     assert_eq!(imported(&path, rate).unwrap().frames, 50);
 }
 
+/// Pins that an error about a row of an HDF5 file names the group of its reach.
+#[test]
+fn an_error_in_hdf5_names_the_reach() {
+    let (_folder, path) = file("reaches.h5");
+    let mut reaches = [reach("leaf", 0, 60), reach("leaf", 1, 60)];
+    let reading = reaches[1]
+        .frames
+        .iter_mut()
+        .flat_map(|frame| &mut frame.taxels)
+        .find(|reading| reading.patch == 0 && reading.taxel == 4);
+    reading.unwrap().sensed_force_n = -5.0;
+    write_hdf5::<ExchangeError>(&path, |writer| reaches.iter().try_for_each(|reach| writer.push(reach))).unwrap();
+    let error = refused(
+        &path,
+        "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_sleeve\"\n",
+    );
+    assert_eq!(
+        (error.line, error.field.as_str()),
+        (Some(1), "data/demo_1, force of taxel 4")
+    );
+}
+
 /// Pins that the error about something missing in an HDF5 or MCAP file gives the line of the mapping, and that damaged
 /// files do not end the program.
 #[test]
