@@ -1,5 +1,6 @@
 //! Cuts frames of forces into trials: one for each period during which the force of a taxel stays above the threshold.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::{InputError, Sample, Trial, limits};
@@ -26,6 +27,8 @@ pub(super) struct Cutter<'a> {
     open: Vec<Option<Trial>>,
     done: Vec<Trial>,
     reach: Option<u64>,
+    /// The current reach and those before it.
+    begun: BTreeSet<u64>,
     category: Option<String>,
     before_s: f64,
     pub(super) frames: usize,
@@ -41,6 +44,7 @@ impl<'a> Cutter<'a> {
             open: Vec::new(),
             done: Vec::new(),
             reach: None,
+            begun: BTreeSet::new(),
             category: None,
             before_s: f64::NEG_INFINITY,
             frames: 0,
@@ -55,6 +59,12 @@ impl<'a> Cutter<'a> {
     /// Adds a frame with the reading of each taxel, in the file's unit.
     pub(super) fn push(&mut self, place: &Place, readings: &[f64]) -> Result<(), InputError> {
         if self.reach != Some(place.reach) {
+            if !self.begun.insert(place.reach) {
+                let found = format!("{}, a reach that ended before", place.reach);
+                let allowed = "all rows of a reach one after another";
+                let error = InputError::new(&self.path, "reach", found, allowed, "sort the rows by reach");
+                return Err(error.at_line(place.line));
+            }
             self.end_contacts();
             self.reach = Some(place.reach);
             self.reaches += 1;
