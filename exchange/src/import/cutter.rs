@@ -29,6 +29,8 @@ pub(super) struct Cutter<'a> {
     reach: Option<u64>,
     /// The current reach and those before it.
     begun: BTreeSet<u64>,
+    /// Number of readings in each frame of the reach; `None` before its first frame.
+    taxels: Option<usize>,
     category: Option<String>,
     before_s: f64,
     pub(super) frames: usize,
@@ -45,6 +47,7 @@ impl<'a> Cutter<'a> {
             done: Vec::new(),
             reach: None,
             begun: BTreeSet::new(),
+            taxels: None,
             category: None,
             before_s: f64::NEG_INFINITY,
             frames: 0,
@@ -68,6 +71,7 @@ impl<'a> Cutter<'a> {
             self.end_contacts();
             self.reach = Some(place.reach);
             self.reaches += 1;
+            self.taxels = None;
             self.before_s = f64::NEG_INFINITY;
         }
         let category = Some(place.category).filter(|category| !category.is_empty());
@@ -89,6 +93,12 @@ impl<'a> Cutter<'a> {
         if readings.len() > limits::MAX_TAXELS {
             let allowed = format!("at most {}", limits::MAX_TAXELS);
             let remedy = "name one patch of skin in `from` of the mapping";
+            return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
+        }
+        let taxels = *self.taxels.get_or_insert(readings.len());
+        if readings.len() != taxels {
+            let allowed = format!("{taxels}, as in the first frame of the reach");
+            let remedy = "record all taxels in each frame, or choose another `from` in the mapping";
             return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
         }
         self.open.resize(readings.len().max(self.open.len()), None);

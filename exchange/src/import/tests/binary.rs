@@ -167,6 +167,20 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
     assert!(error.found.contains("sensor_msgs/msg/Image"), "{error}");
 }
 
+/// Pins that a message with fewer or more taxels than the first is refused: a contact of a taxel must not go on through
+/// messages without that taxel.
+#[test]
+fn messages_have_the_same_number_of_taxels() {
+    let (_folder, path) = file("log.mcap");
+    for second in [&[0.5, 0.0][..], &[0.5, 0.0, 2.0, 1.0], &[]] {
+        let messages = [multi_array(&[0.5, 0.0, 2.0], false), multi_array(second, false)];
+        mcap_of(&path, "std_msgs/msg/Float64MultiArray", "cdr", &messages);
+        let error = refused(&path, "[force]\ntopic = \"/skin\"\nfrom = \"data\"\n");
+        assert_eq!((error.line, error.field.as_str()), (Some(2), "number of taxels"));
+        assert_eq!(error.allowed, "3, as in the first frame of the reach");
+    }
+}
+
 /// Writes 50 frames of two taxels as `forces`, and their times as `t`, each with this type and these bytes for a 1.
 fn hdf5_of(path: &Path, forces: (Datatype, &[u8]), times: (Datatype, &[u8])) {
     let file = File::create(path).unwrap();
