@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use hdf5_pure::{Datatype, DatatypeByteOrder, File, FloatingPointLayout, make_f64_type};
 use underbrush_recording::Trial;
 
@@ -165,6 +167,40 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
     let error = refused(&path, "[force]\ntopic = \"/skin\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "force.topic"));
     assert!(error.found.contains("sensor_msgs/msg/Image"), "{error}");
+}
+
+/// Pins that the bytes between the rows of a Foxglove grid are not taken for cells, and that rows that are too short for
+/// their cells, and incomplete rows, are refused.
+#[test]
+fn rows_of_a_grid_may_be_padded() {
+    let (_folder, path) = file("log.mcap");
+    let grid = |row_stride: usize, bytes: usize| {
+        let row = |cells: [f32; 2]| [cells[0].to_le_bytes(), cells[1].to_le_bytes(), [0; 4], [0; 4]].concat();
+        let rows = [row([0.5, 0.25]), row([0.125, 0.75])].concat();
+        let message = serde_json::json!({
+            "column_count": 2,
+            "row_stride": row_stride,
+            "cell_stride": 4,
+            "fields": [{ "name": "n", "offset": 0, "type": 7 }],
+            "data": STANDARD.encode(&rows[..bytes]),
+        });
+        mcap_of(&path, "foxglove.Grid", "json", &[message.to_string().into_bytes()]);
+    };
+    let mapping = "[force]\ntopic = \"/skin\"\nfrom = \"n\"\n";
+    grid(16, 32);
+    let trials = [0.5, 0.25, 0.125, 0.75].map(|force_n| vec![vec![(0.0, force_n)]]);
+    let expected: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = (0..).zip(trials).collect();
+    assert_eq!(by_taxel(&imported(&path, mapping).unwrap().trials), expected);
+    for (row_stride, bytes, found) in [
+        (4, 32, "rows of 4 bytes for 2 cells of 4"),
+        (0, 32, "0 bytes"),
+        (16, 24, "24 bytes in rows of 16"),
+    ] {
+        grid(row_stride, bytes);
+        let error = refused(&path, mapping);
+        assert_eq!((error.line, error.field.as_str()), (Some(1), "message of /skin"));
+        assert!(error.found.contains(found), "{error}");
+    }
 }
 
 /// Pins that a message with fewer or more taxels than the first is refused: a contact of a taxel must not go on through
