@@ -330,6 +330,11 @@ fn what_is_missing_or_damaged_in_binary_files_is_named() {
     let error = refused(&log, "[force]\ntopic = \"/palm\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "force.topic"));
     assert!(error.allowed.contains("/skin/sleeve (foxglove.Grid)"), "{error}");
+    let error = refused(
+        &log,
+        "[time]\nunit = \"ms\"\n[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n",
+    );
+    assert_eq!((error.line, error.field.as_str()), (Some(2), "time.unit"));
     let error = refused(&log, "[force]\ntopic = \"/skin/sleeve\"\nfrom = \"force\"\n");
     assert_eq!(error.found, "the fields sensed_force_n");
 

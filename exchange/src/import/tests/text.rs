@@ -116,7 +116,7 @@ fn raw_readings_are_scaled() {
 fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let changes: [(&str, &str, usize, &str, &str); 12] = [
+    let changes: [(&str, &str, usize, &str, &str); 13] = [
         (
             "unit = \"mN\"",
             "unit = \"N/m\"",
@@ -139,6 +139,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
             "time.rate_hz",
             "0.01 to 100000 Hz",
         ),
+        ("from = \"stamp\"", "rate_hz = 100", 3, "time.unit", "one of"),
         ("from = \"stamp\"", "", 1, "time.from", "or `rate_hz`"),
         ("taxels = 2", "taxels = 3", 5, "force.from", "a column of"),
         ("taxels = 2", "", 4, "force.taxels", "`taxels = N`"),
