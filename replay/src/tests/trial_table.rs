@@ -116,6 +116,37 @@ fn a_table_is_a_source() {
     }
 }
 
+/// Pins that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are
+/// sampled at different times, and a trial that follows another of its taxel without a frame between them. They used to
+/// be merged or to get further releases.
+#[test]
+fn trials_that_frames_would_change_are_refused() {
+    let refused = |trials: &[Trial]| -> InputError { reaches(Path::new("log.csv"), trials).unwrap_err() };
+    for first in [0, 9] {
+        let error = refused(&[trial(0, 0, 3, "leaf", 0, 9), trial(1, 0, 3, "towel", first, 19)]);
+        assert_eq!(error.field, "reach");
+        assert!(error.found.starts_with("trial 1 in reach 0 before trial 0"), "{error}");
+    }
+    let mut late = trial(1, 0, 1, "leaf", 0, 9);
+    late.samples.iter_mut().for_each(|sample| sample.time_s += 0.005);
+    let error = refused(&[trial(0, 0, 0, "leaf", 0, 9), late.clone()]);
+    assert_eq!(
+        (error.field.as_str(), error.allowed.as_str()),
+        ("time_s", "all taxels sampled at the same times")
+    );
+    assert!(error.found.starts_with("36000.005 s in reach 0"), "{error}");
+    late.reach = Some(1);
+    assert_eq!(
+        reaches(Path::new("log.csv"), &[trial(0, 0, 0, "leaf", 0, 9), late])
+            .unwrap()
+            .len(),
+        2
+    );
+    let (one, next) = (trial(0, 0, 0, "leaf", 0, 4), trial(1, 0, 0, "towel", 5, 9));
+    let error = refused(&[one, next, trial(2, 0, 1, "leaf", 0, 9)]);
+    assert!(error.found.contains("right after trial 0"), "{error}");
+}
+
 /// Pins that trials that cannot be shown are refused with the field: trials of contact regions, trials of categories
 /// that recordings cannot hold, and trials of a reach with so long a gap that silent frames would fill the memory.
 #[test]
