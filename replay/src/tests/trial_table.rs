@@ -3,7 +3,7 @@ use std::path::Path;
 use underbrush_recording::disk::write_trials;
 use underbrush_recording::{FRAME_PERIOD_S, InputError, Recording, Sample, Trial};
 
-use super::KNOWN;
+use super::{KNOWN, written};
 use crate::Source;
 use crate::trial_table::reaches;
 
@@ -100,11 +100,11 @@ fn the_trials_of_the_page_are_those_of_the_table() {
     assert_eq!(found, trials.iter().map(seen).collect::<Vec<_>>());
 }
 
-/// Pins that a table is listed and packed like other reaches.
+/// Pins that a table is listed and packed like other reaches, in whatever case its extension is written.
 #[test]
 fn a_table_is_a_source() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["log.csv", "log.parquet"] {
+    for name in ["log.csv", "log.parquet", "log.CSV", "log.PARQUET"] {
         let path = folder.path().join(name);
         write_trials(&path, [trial(0, 3, 0, "towel", 0, 9)]).unwrap();
         let source = Source::open(&[path], KNOWN, None).unwrap();
@@ -114,6 +114,10 @@ fn a_table_is_a_source() {
         assert_eq!((line.source.as_str(), line.reach_index, line.contacts), (name, 3, 0));
         assert!(source.pack(0).unwrap().starts_with(b"ubreplay"));
     }
+    let recording = folder.path().join("reach.PARQUET");
+    std::fs::rename(written(folder.path(), 5), &recording).unwrap();
+    let source = Source::open(&[recording], KNOWN, None).unwrap();
+    assert_eq!(source.reaches()[0].reach_index, 5);
 }
 
 /// Pins that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are
