@@ -11,7 +11,8 @@
 //! data/demo_N/obs/joint_pos   (T, J)   rad          obs/joint_vel (T, J) rad/s     obs/joint_torque (T, J) N m
 //! data/demo_N/obs/eef_pos     (T, 3)   m            obs/eef_quat  (T, 4) x y z w   obs/goal_pos     (T, 3) m
 //! data/demo_N/obs/tactile_PATCH (T, n) sensed normal force of each taxel, N
-//! mask/train, mask/valid, mask/SCENE   names of demonstrations: nine of ten, every tenth, and those of each scene
+//! mask/train, mask/valid, mask/SCENE   names of demonstrations: nine of ten, every tenth (of two to nine, the last),
+//!                             and those of each scene
 //! ```
 //!
 //! T is the number of frames at 100 Hz and J the number of joints. Everything is double precision, so no number
@@ -36,7 +37,9 @@ const FRAMES_PER_CHUNK: usize = 256;
 /// Compression, 0 to 9. Choice: higher levels take twice the time for a few percent.
 const DEFLATE_LEVEL: u32 = 4;
 /// Masks of the demonstrations to train with, and of those to validate with.
-const PARTS: [&str; 2] = ["train", "valid"];
+const PARTS: [&str; 2] = [TRAIN, VALID];
+const TRAIN: &str = "train";
+const VALID: &str = "valid";
 /// One of this many demonstrations is in `mask/valid`.
 const VALID_PERIOD: usize = 10;
 
@@ -237,7 +240,19 @@ impl<'a> Hdf5Writer<'a> {
         Ok(())
     }
 
-    fn finish(self) -> Result<(), ExchangeError> {
+    /// Makes the last demonstration the one to validate with if there are too few for a tenth, but at least two.
+    fn split_few(&mut self) {
+        let moved = match self.masks.get_mut(TRAIN) {
+            Some(train) if (2..VALID_PERIOD).contains(&self.demonstrations) => train.pop(),
+            _ => None,
+        };
+        if let Some(name) = moved {
+            self.masks.insert(VALID.to_owned(), vec![name]);
+        }
+    }
+
+    fn finish(mut self) -> Result<(), ExchangeError> {
+        self.split_few();
         let error = || ExchangeError::hdf5(self.path);
         // robomimic requires a description of the environment, although it cannot make this one. Type 2 is its code for
         // Gym.

@@ -19,6 +19,7 @@ mod page;
 mod running;
 mod server;
 mod source;
+mod spans;
 mod touch_regions;
 mod trial_table;
 mod verdicts;

@@ -36,8 +36,18 @@ struct Shared {
     content: Content,
     /// Values of `Host` that are answered. Requests with other values come from pages of other sites that let their
     /// name resolve to this machine.
-    hosts: [String; 2],
+    hosts: Vec<String>,
     requests: AtomicUsize,
+}
+
+/// The values of `Host` that browsers send for this machine and a port. They leave out port 80, the default of HTTP.
+pub fn hosts(port: u16) -> Vec<String> {
+    let names = ["127.0.0.1", "localhost"];
+    let mut hosts = names.map(|name| format!("{name}:{port}")).to_vec();
+    if port == 80 {
+        hosts.extend(names.map(str::to_owned));
+    }
+    hosts
 }
 
 /// A server that listens.
@@ -72,7 +82,7 @@ impl Server {
         let port = http.server_addr().to_ip().map_or(port, |address| address.port());
         let shared = Shared {
             content,
-            hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
+            hosts: hosts(port),
             requests: AtomicUsize::new(0),
         };
         Ok(Server {

@@ -87,7 +87,7 @@ impl Source {
             judging,
         };
         for path in paths {
-            let ends_with = |ending: &str| path.extension().is_some_and(|own| own == ending);
+            let ends_with = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
             if is_folder(path)? {
                 source.add_dataset(path)?;
             } else if ends_with("csv") || ends_with("parquet") && !is_recording(path)? {

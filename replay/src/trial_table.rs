@@ -15,6 +15,7 @@ use underbrush_recording::{
     Trial,
 };
 
+use crate::spans::{Spans, check, patch_name};
 use crate::{Judging, JudgingModel};
 
 /// Distance between neighbouring taxels, m. Choice.
@@ -22,14 +23,12 @@ const PITCH_M: f64 = 0.01;
 /// Largest number of frames of a reach: two hours at 100 Hz. Without a limit, a gap of years between two trials would
 /// fill the memory with silent frames.
 const MOST_FRAMES: f64 = 720_000.0;
-/// The name of a patch that has none.
-const UNNAMED: &str = "skin";
 
 /// The reaches of a table, in the order of their indices.
 ///
 /// # Errors
 /// For a trial without a taxel, which is a trial of a contact region, for a category whose name recordings cannot have,
-/// and for a reach with too long a gap.
+/// for a reach with too long a gap, and for trials that frames would change.
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
     let objects = objects(path, trials)?;
@@ -49,6 +48,7 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
             let remedy = "number the reaches in the column reach, or correct the times";
             return Err(InputError::new(path, "time_s", found, allowed, remedy));
         }
+        check(path, reach_index, &trials, &spans)?;
         Ok(Recording {
             scene: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             controller: "none".into(),
@@ -85,10 +85,6 @@ pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
         allowed,
         "train one with --features force",
     ))
-}
-
-fn patch_name(trial: &Trial) -> &str {
-    trial.patch.as_deref().unwrap_or(UNNAMED)
 }
 
 /// Each patch with all taxels up to the largest number, and further taxels that fill its last row.
@@ -172,37 +168,6 @@ fn period_s(trials: &[&Trial]) -> f64 {
     periods_s.sort_by(f64::total_cmp);
     let median = periods_s.get(periods_s.len() / 2).copied();
     median.unwrap_or(underbrush_recording::FRAME_PERIOD_S)
-}
-
-/// The first and the last time of each trial, s, each sorted.
-struct Spans {
-    firsts_s: Vec<f64>,
-    lasts_s: Vec<f64>,
-}
-
-impl Spans {
-    fn of(trials: &[&Trial]) -> Self {
-        let sorted = |mut times: Vec<f64>| {
-            times.sort_by(f64::total_cmp);
-            times
-        };
-        let samples = || trials.iter().map(|trial| &trial.samples);
-        Spans {
-            firsts_s: sorted(samples().filter_map(|samples| Some(samples.first()?.time_s)).collect()),
-            lasts_s: sorted(samples().filter_map(|samples| Some(samples.last()?.time_s)).collect()),
-        }
-    }
-
-    fn duration_s(&self) -> f64 {
-        let ends = self.firsts_s.first().zip(self.lasts_s.last());
-        ends.map_or(0.0, |(first_s, last_s)| last_s - first_s)
-    }
-
-    /// Whether a trial has samples both up to this time and after it.
-    fn go_on_after(&self, time_s: f64) -> bool {
-        let until = |times: &[f64]| times.partition_point(|other_s| *other_s <= time_s);
-        until(&self.firsts_s) > until(&self.lasts_s)
-    }
 }
 
 /// One frame for each time at which there is a sample, and frames without forces where no contact goes on. Times begin

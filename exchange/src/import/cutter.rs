@@ -1,5 +1,6 @@
 //! Cuts frames of forces into trials: one for each period during which the force of a taxel stays above the threshold.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::{InputError, Sample, Trial, limits};
@@ -26,6 +27,10 @@ pub(super) struct Cutter<'a> {
     open: Vec<Option<Trial>>,
     done: Vec<Trial>,
     reach: Option<u64>,
+    /// The current reach and those before it.
+    begun: BTreeSet<u64>,
+    /// Number of readings in each frame of the reach; `None` before its first frame.
+    taxels: Option<usize>,
     category: Option<String>,
     before_s: f64,
     pub(super) frames: usize,
@@ -41,6 +46,8 @@ impl<'a> Cutter<'a> {
             open: Vec::new(),
             done: Vec::new(),
             reach: None,
+            begun: BTreeSet::new(),
+            taxels: None,
             category: None,
             before_s: f64::NEG_INFINITY,
             frames: 0,
@@ -55,9 +62,16 @@ impl<'a> Cutter<'a> {
     /// Adds a frame with the reading of each taxel, in the file's unit.
     pub(super) fn push(&mut self, place: &Place, readings: &[f64]) -> Result<(), InputError> {
         if self.reach != Some(place.reach) {
+            if !self.begun.insert(place.reach) {
+                let found = format!("{}, a reach that ended before", place.reach);
+                let allowed = "all rows of a reach one after another";
+                let error = InputError::new(&self.path, "reach", found, allowed, "sort the rows by reach");
+                return Err(error.at_line(place.line));
+            }
             self.end_contacts();
             self.reach = Some(place.reach);
             self.reaches += 1;
+            self.taxels = None;
             self.before_s = f64::NEG_INFINITY;
         }
         let category = Some(place.category).filter(|category| !category.is_empty());
@@ -79,6 +93,12 @@ impl<'a> Cutter<'a> {
         if readings.len() > limits::MAX_TAXELS {
             let allowed = format!("at most {}", limits::MAX_TAXELS);
             let remedy = "name one patch of skin in `from` of the mapping";
+            return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
+        }
+        let taxels = *self.taxels.get_or_insert(readings.len());
+        if readings.len() != taxels {
+            let allowed = format!("{taxels}, as in the first frame of the reach");
+            let remedy = "record all taxels in each frame, or choose another `from` in the mapping";
             return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
         }
         self.open.resize(readings.len().max(self.open.len()), None);

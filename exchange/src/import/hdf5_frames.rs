@@ -43,23 +43,58 @@ fn reaches(path: &Path, mapping: &Mapping, file: &File) -> Result<Vec<String>, I
     Ok(names.into_iter().map(|name| format!("{parent}/{name}")).collect())
 }
 
-/// The dataset at a path of the mapping, for the reach in a group.
-fn dataset(
-    path: &Path,
-    mapping: &Mapping,
-    file: &File,
-    field: &str,
-    from: &str,
-    group: &str,
-) -> Result<Dataset, InputError> {
-    let name = match from.split_once('*') {
-        Some((_, rest)) => format!("{group}{rest}"),
-        None => from.to_owned(),
-    };
-    file.dataset(name.trim_matches('/')).map_err(|_| {
-        let allowed = format!("the path of a dataset of {}", path.display());
-        mapping.fault(field, format!("{name:?}, which is no dataset"), allowed)
-    })
+/// A dataset that the mapping names.
+struct Numbers<'a> {
+    /// The key of the mapping.
+    field: &'a str,
+    /// The path in the file.
+    name: String,
+    data: Dataset,
+}
+
+impl<'a> Numbers<'a> {
+    /// The dataset at a path of the mapping, for the reach in a group.
+    fn open(
+        path: &Path,
+        mapping: &Mapping,
+        file: &File,
+        field: &'a str,
+        from: &str,
+        group: &str,
+    ) -> Result<Self, InputError> {
+        let name = match from.split_once('*') {
+            Some((_, rest)) => format!("{group}{rest}"),
+            None => from.to_owned(),
+        };
+        match file.dataset(name.trim_matches('/')) {
+            Ok(data) => Ok(Numbers { field, name, data }),
+            Err(_) => {
+                let allowed = format!("the path of a dataset of {}", path.display());
+                Err(mapping.fault(field, format!("{name:?}, which is no dataset"), allowed))
+            }
+        }
+    }
+
+    /// The numbers of `count` rows from row `first`, `width` in each row.
+    fn rows(
+        &self,
+        path: &Path,
+        mapping: &Mapping,
+        first: u64,
+        count: u64,
+        width: usize,
+    ) -> Result<Vec<f64>, InputError> {
+        let numbers = self
+            .data
+            .read_f64_rows(first, count)
+            .map_err(|error| broken(path, error))?;
+        // The reader gives no numbers, and no error, for types that it cannot convert, such as float16.
+        if numbers.len() as u64 != count * width as u64 {
+            let found = format!("{:?}, which has numbers of an unsupported type", self.name);
+            return Err(mapping.fault(self.field, found, "integers, float32 or float64"));
+        }
+        Ok(numbers)
+    }
 }
 
 /// The category of the reach in a group.
@@ -81,6 +116,14 @@ fn category(path: &Path, mapping: &Mapping, file: &File, group: &str) -> Result<
     })
 }
 
+/// The error about a row, with the group of its reach: rows are counted in each reach.
+fn of_reach(group: &str, mut error: InputError) -> InputError {
+    if !group.is_empty() {
+        error.field = format!("{}, {}", group.trim_matches('/'), error.field);
+    }
+    error
+}
+
 /// Hands all rows of all reaches to the cutter.
 pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
     mapping.refuse("force.topic", mapping.force.topic.is_some(), "HDF5")?;
@@ -95,13 +138,13 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
     let file = File::open_streaming(path).map_err(|error| broken(path, error))?;
     for (reach, group) in (0..).zip(reaches(path, mapping, &file)?) {
         let from = &mapping.force.from;
-        let forces = dataset(path, mapping, &file, "force.from", from, &group)?;
-        let shape = forces.shape().map_err(|error| broken(path, error))?;
+        let forces = Numbers::open(path, mapping, &file, "force.from", from, &group)?;
+        let shape = forces.data.shape().map_err(|error| broken(path, error))?;
         let (frames, taxels) = match shape[..] {
             [frames] => (frames, 1),
             [frames, taxels] if (1..=MAX_TAXELS as u64).contains(&taxels) => (frames, taxels as usize),
             _ => {
-                let found = format!("{from:?}, whose shape is {shape:?}");
+                let found = format!("{:?}, whose shape is {shape:?}", forces.name);
                 return Err(mapping
                     .fault(
                         "force.from",
@@ -112,13 +155,13 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             }
         };
         let times = match &mapping.time.from {
-            Some(from) => Some(dataset(path, mapping, &file, "time.from", from, &group)?),
+            Some(from) => Some(Numbers::open(path, mapping, &file, "time.from", from, &group)?),
             None => None,
         };
         if let Some(times) = &times {
-            let shape = times.shape().map_err(|error| broken(path, error))?;
+            let shape = times.data.shape().map_err(|error| broken(path, error))?;
             if shape != [frames] {
-                let found = format!("a dataset of shape {shape:?}");
+                let found = format!("{:?}, whose shape is {shape:?}", times.name);
                 return Err(mapping
                     .fault("time.from", found, format!("[{frames}], one time for each frame"))
                     .into());
@@ -128,11 +171,9 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         let mut first = 0;
         while first < frames {
             let count = ROWS_PER_READ.min(frames - first);
-            let readings = forces
-                .read_f64_rows(first, count)
-                .map_err(|error| broken(path, error))?;
+            let readings = forces.rows(path, mapping, first, count, taxels)?;
             let times_s = match &times {
-                Some(times) => times.read_f64_rows(first, count).map_err(|error| broken(path, error))?,
+                Some(times) => times.rows(path, mapping, first, count, 1)?,
                 None => Vec::new(),
             };
             for (row, readings) in readings.chunks_exact(taxels).enumerate() {
@@ -147,7 +188,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
                     category: &category,
                     time_s,
                 };
-                cutter.push(&place, readings)?;
+                cutter.push(&place, readings).map_err(|error| of_reach(&group, error))?;
             }
             first += count;
         }

@@ -45,7 +45,7 @@ pub(super) struct TimeTable {
     /// time.
     pub(super) from: Option<String>,
     /// Unit of these times: `s` (default), `ms`, `us` or `ns`.
-    unit: Option<String>,
+    pub(super) unit: Option<String>,
     /// Frames per second, Hz, if there are no times.
     pub(super) rate_hz: Option<f64>,
 }
@@ -215,6 +215,12 @@ impl Mapping {
                 self.time.from.is_some(),
                 "time.rate_hz",
                 self.time.rate_hz.is_some(),
+            ),
+            (
+                "time.rate_hz",
+                self.time.rate_hz.is_some(),
+                "time.unit",
+                self.time.unit.is_some(),
             ),
             (
                 "force.unit",

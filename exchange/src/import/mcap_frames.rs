@@ -132,6 +132,7 @@ impl Reading<'_> {
 pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
     let not_for_mcap = [
         ("time.from", mapping.time.from.is_some()),
+        ("time.unit", mapping.time.unit.is_some()),
         ("time.rate_hz", mapping.time.rate_hz.is_some()),
         ("force.taxels", mapping.force.taxels.is_some()),
         ("trial.category_from", mapping.trial.category_from.is_some()),

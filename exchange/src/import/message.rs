@@ -110,6 +110,10 @@ fn multi_array(bytes: &[u8], single: bool, readings: &mut Vec<f64>) -> Option<()
 /// The parts of `foxglove.Grid` that are needed.
 #[derive(Deserialize)]
 struct GridMessage {
+    column_count: usize,
+    /// Bytes of a row. Further bytes may follow its cells.
+    row_stride: usize,
+    /// Bytes of a cell.
     cell_stride: usize,
     fields: Vec<Field>,
     data: String,
@@ -152,10 +156,23 @@ fn grid(bytes: &[u8], name: &str, readings: &mut Vec<f64>) -> Result<(), Fault> 
     let cells = STANDARD
         .decode(&grid.data)
         .map_err(|error| (error.to_string(), "data in base64".to_string()))?;
-    if grid.cell_stride == 0 {
-        return Err(("cells of 0 bytes".into(), allowed()));
+    if grid.cell_stride == 0 || grid.row_stride == 0 {
+        return Err(("cells or rows of 0 bytes".into(), allowed()));
     }
-    for cell in cells.chunks_exact(grid.cell_stride) {
+    let of_cells = grid.column_count.checked_mul(grid.cell_stride);
+    if of_cells.is_none_or(|of_cells| grid.row_stride < of_cells) {
+        let found = format!(
+            "rows of {} bytes for {} cells of {}",
+            grid.row_stride, grid.column_count, grid.cell_stride
+        );
+        return Err((found, "rows at least as long as their cells".into()));
+    }
+    if !cells.len().is_multiple_of(grid.row_stride) {
+        let found = format!("{} bytes in rows of {}", cells.len(), grid.row_stride);
+        return Err((found, "complete rows".into()));
+    }
+    let rows = cells.chunks_exact(grid.row_stride);
+    for cell in rows.flat_map(|row| row.chunks_exact(grid.cell_stride).take(grid.column_count)) {
         let number = cell.get(field.offset..).and_then(|bytes| packed(field.number, bytes));
         readings.push(number.ok_or_else(|| {
             let found = format!(

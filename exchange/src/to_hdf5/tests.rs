@@ -95,6 +95,27 @@ fn a_scene_called_train_has_a_mask_of_its_own() {
     assert_eq!((count("train"), count("valid"), count("train-scene")), (9, 1, 10));
 }
 
+/// Pins that fewer than ten demonstrations are split, too: the last is in valid, unless it is the only one.
+#[test]
+fn few_demonstrations_are_split() {
+    for count in [1, 2, 9] {
+        let (_folder, path) = file("reaches.hdf5");
+        let reaches: Vec<_> = (0..count).map(|index| reach("leaves", index, 5)).collect();
+        write(&path, &reaches).unwrap();
+        let file = File::open(&path).unwrap();
+        let mask = |name: &str| file.dataset(&format!("mask/{name}")).unwrap().read_string().unwrap();
+        let names = |numbers: std::ops::Range<u64>| numbers.map(|number| format!("demo_{number}")).collect::<Vec<_>>();
+        if count == 1 {
+            assert!(file.dataset("mask/valid").is_err());
+            assert_eq!(mask("train"), names(0..1));
+        } else {
+            assert_eq!(mask("train"), names(0..count - 1));
+            assert_eq!(mask("valid"), names(count - 1..count));
+        }
+        assert_eq!(mask("leaves"), names(0..count));
+    }
+}
+
 /// Pins attributes and masks: each demonstration is in either train or valid, and in the mask of its scene.
 #[test]
 fn attributes_and_masks_are_as_robomimic_reads_them() {

@@ -170,8 +170,9 @@ impl<'a> Reach<'a> {
             all || link || body.track.binary_search_by_key(&number, |point| point.frame).is_ok()
         };
         let bodies = self.recording.bodies.iter().zip(&self.frames);
+        // A link may have the name of the root frame, which has no parent.
         let bodies = bodies
-            .filter(|(body, _)| sent(body))
+            .filter(|(body, frame)| sent(body) && frame.as_str() != WORLD)
             .map(|(body, frame)| FrameTransform::new(time, frame, body.pose_world(number)));
         let patches = self.recording.layout.patches.iter().enumerate();
         let grids = patches

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
-use underbrush_recording::Pose;
+use underbrush_recording::{BodyOwner, Pose};
 
 use super::{FRAMES_BETWEEN_ALL, encode, write_mcap};
 use crate::example::{file, reach};
@@ -158,6 +158,21 @@ fn poses_shapes_and_goals_come_back() {
             .unwrap()
     };
     assert_eq!(goals.iter().map(place).collect::<Vec<_>>(), [0.0, 0.1, 0.2, 0.1 * 3.0]);
+}
+
+/// Pins that a link that is called like the root frame does not make this frame its own parent.
+#[test]
+fn a_link_called_world_is_no_transform() {
+    let mut recording = reach("foliage", 0, 30);
+    recording.bodies[0].owner = BodyOwner::Link("world".into());
+    let bytes = encode(&recording).unwrap();
+    let transforms = json(&bytes, "/tf");
+    assert_eq!(transforms.len(), 30);
+    for message in transforms {
+        let children = message["transforms"].as_array().unwrap();
+        assert!(children.iter().all(|child| child["child_frame_id"] != "world"));
+    }
+    assert_eq!(json(&bytes, "/scene")[0]["entities"][0]["frame_id"], "world");
 }
 
 /// Pins that the file names its schemas as Foxglove and ROS 2 do, without references in them, and has the same bytes

@@ -158,7 +158,11 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 /// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be
 /// tested on a category that it was not fitted to.
 fn check_categories(settings: &[Folded]) -> Result<(), ExperimentError> {
-    let halves = || settings.iter().flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)));
+    let halves = || {
+        settings
+            .iter()
+            .flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)))
+    };
     let all: BTreeSet<&str> = halves().flat_map(|(_, fold)| categories(fold)).collect();
     for (setting, fold) in halves() {
         let own = categories(fold);

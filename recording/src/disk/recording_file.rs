@@ -117,7 +117,10 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
 /// [`DiskError::Io`] if the disk fails.
 pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
     let path = path.as_ref();
-    if path.extension().is_none_or(|extension| extension != "parquet") {
+    if path
+        .extension()
+        .is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet"))
+    {
         return Ok(false);
     }
     match open(path, ArrowReaderOptions::default()) {

@@ -9,6 +9,7 @@ use std::time::Duration;
 use super::source;
 use crate::Server;
 use crate::page::PAGE;
+use crate::server::hosts;
 
 /// Starts a server of two reaches, which runs until the test ends. Returns its port.
 fn start(folder: &Path) -> u16 {
@@ -125,6 +126,13 @@ fn everything_else_is_refused() {
         ask(port, &["GET / HTTP/1.1", &format!("Host: LOCALHOST:{port}")]).status,
         200
     );
+}
+
+/// Pins that the addresses of port 80 count with and without the port, which browsers leave out.
+#[test]
+fn port_80_may_be_left_out() {
+    assert_eq!(hosts(80), ["127.0.0.1:80", "localhost:80", "127.0.0.1", "localhost"]);
+    assert_eq!(hosts(8080), ["127.0.0.1:8080", "localhost:8080"]);
 }
 
 /// Pins that a request for a range, however large, is answered with the whole content, and that the server says that it

@@ -3,7 +3,7 @@ use std::path::Path;
 use underbrush_recording::disk::write_trials;
 use underbrush_recording::{FRAME_PERIOD_S, InputError, Recording, Sample, Trial};
 
-use super::KNOWN;
+use super::{KNOWN, written};
 use crate::Source;
 use crate::trial_table::reaches;
 
@@ -100,11 +100,11 @@ fn the_trials_of_the_page_are_those_of_the_table() {
     assert_eq!(found, trials.iter().map(seen).collect::<Vec<_>>());
 }
 
-/// Pins that a table is listed, as what it is, and packed like other reaches.
+/// Pins that a table is listed, as what it is, and packed like other reaches, in whatever case its extension is written.
 #[test]
 fn a_table_is_a_source() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["log.csv", "log.parquet"] {
+    for name in ["log.csv", "log.parquet", "log.CSV", "log.PARQUET"] {
         let path = folder.path().join(name);
         write_trials(&path, [trial(0, 3, 0, "towel", 0, 9)]).unwrap();
         let source = Source::open(&[path], KNOWN, None).unwrap();
@@ -114,6 +114,41 @@ fn a_table_is_a_source() {
         assert_eq!((line.source.as_str(), line.reach_index, line.table), (name, 3, true));
         assert!(source.pack(0).unwrap().starts_with(b"ubreplay"));
     }
+    let recording = folder.path().join("reach.PARQUET");
+    std::fs::rename(written(folder.path(), 5), &recording).unwrap();
+    let source = Source::open(&[recording], KNOWN, None).unwrap();
+    assert_eq!(source.reaches()[0].reach_index, 5);
+}
+
+/// Pins that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are
+/// sampled at different times, and a trial that follows another of its taxel without a frame between them. They used to
+/// be merged or to get further releases.
+#[test]
+fn trials_that_frames_would_change_are_refused() {
+    let refused = |trials: &[Trial]| -> InputError { reaches(Path::new("log.csv"), trials).unwrap_err() };
+    for first in [0, 9] {
+        let error = refused(&[trial(0, 0, 3, "leaf", 0, 9), trial(1, 0, 3, "towel", first, 19)]);
+        assert_eq!(error.field, "reach");
+        assert!(error.found.starts_with("trial 1 in reach 0 before trial 0"), "{error}");
+    }
+    let mut late = trial(1, 0, 1, "leaf", 0, 9);
+    late.samples.iter_mut().for_each(|sample| sample.time_s += 0.005);
+    let error = refused(&[trial(0, 0, 0, "leaf", 0, 9), late.clone()]);
+    assert_eq!(
+        (error.field.as_str(), error.allowed.as_str()),
+        ("time_s", "all taxels sampled at the same times")
+    );
+    assert!(error.found.starts_with("36000.005 s in reach 0"), "{error}");
+    late.reach = Some(1);
+    assert_eq!(
+        reaches(Path::new("log.csv"), &[trial(0, 0, 0, "leaf", 0, 9), late])
+            .unwrap()
+            .len(),
+        2
+    );
+    let (one, next) = (trial(0, 0, 0, "leaf", 0, 4), trial(1, 0, 0, "towel", 5, 9));
+    let error = refused(&[one, next, trial(2, 0, 1, "leaf", 0, 9)]);
+    assert!(error.found.contains("right after trial 0"), "{error}");
 }
 
 /// Pins that trials that cannot be shown are refused with the field: trials of contact regions, trials of categories

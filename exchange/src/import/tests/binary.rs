@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use hdf5_pure::{Datatype, DatatypeByteOrder, File, FloatingPointLayout, make_f64_type};
 use underbrush_recording::Trial;
 
 use super::{imported, refused, samples};
@@ -166,6 +169,133 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
     assert!(error.found.contains("sensor_msgs/msg/Image"), "{error}");
 }
 
+/// Pins that the bytes between the rows of a Foxglove grid are not taken for cells, and that rows that are too short for
+/// their cells, and incomplete rows, are refused.
+#[test]
+fn rows_of_a_grid_may_be_padded() {
+    let (_folder, path) = file("log.mcap");
+    let grid = |row_stride: usize, bytes: usize| {
+        let row = |cells: [f32; 2]| [cells[0].to_le_bytes(), cells[1].to_le_bytes(), [0; 4], [0; 4]].concat();
+        let rows = [row([0.5, 0.25]), row([0.125, 0.75])].concat();
+        let message = serde_json::json!({
+            "column_count": 2,
+            "row_stride": row_stride,
+            "cell_stride": 4,
+            "fields": [{ "name": "n", "offset": 0, "type": 7 }],
+            "data": STANDARD.encode(&rows[..bytes]),
+        });
+        mcap_of(&path, "foxglove.Grid", "json", &[message.to_string().into_bytes()]);
+    };
+    let mapping = "[force]\ntopic = \"/skin\"\nfrom = \"n\"\n";
+    grid(16, 32);
+    let trials = [0.5, 0.25, 0.125, 0.75].map(|force_n| vec![vec![(0.0, force_n)]]);
+    let expected: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = (0..).zip(trials).collect();
+    assert_eq!(by_taxel(&imported(&path, mapping).unwrap().trials), expected);
+    for (row_stride, bytes, found) in [
+        (4, 32, "rows of 4 bytes for 2 cells of 4"),
+        (0, 32, "0 bytes"),
+        (16, 24, "24 bytes in rows of 16"),
+    ] {
+        grid(row_stride, bytes);
+        let error = refused(&path, mapping);
+        assert_eq!((error.line, error.field.as_str()), (Some(1), "message of /skin"));
+        assert!(error.found.contains(found), "{error}");
+    }
+}
+
+/// Pins that a message with fewer or more taxels than the first is refused: a contact of a taxel must not go on through
+/// messages without that taxel.
+#[test]
+fn messages_have_the_same_number_of_taxels() {
+    let (_folder, path) = file("log.mcap");
+    for second in [&[0.5, 0.0][..], &[0.5, 0.0, 2.0, 1.0], &[]] {
+        let messages = [multi_array(&[0.5, 0.0, 2.0], false), multi_array(second, false)];
+        mcap_of(&path, "std_msgs/msg/Float64MultiArray", "cdr", &messages);
+        let error = refused(&path, "[force]\ntopic = \"/skin\"\nfrom = \"data\"\n");
+        assert_eq!((error.line, error.field.as_str()), (Some(2), "number of taxels"));
+        assert_eq!(error.allowed, "3, as in the first frame of the reach");
+    }
+}
+
+/// Writes 50 frames of two taxels as `forces`, and their times as `t`, each with this type and these bytes for a 1.
+fn hdf5_of(path: &Path, forces: (Datatype, &[u8]), times: (Datatype, &[u8])) {
+    let file = File::create(path).unwrap();
+    let tables = [("forces", forces, vec![50u64, 2]), ("t", times, vec![50])];
+    for (name, (datatype, one), shape) in tables {
+        let count: u64 = shape.iter().product();
+        let dataset = file.root().create_dataset(name, |dataset| {
+            dataset
+                .with_raw_data(datatype, one.repeat(count as usize), count)
+                .with_shape(&shape);
+        });
+        dataset.unwrap();
+    }
+    file.commit().unwrap();
+    file.close().unwrap();
+}
+
+/// Pins that forces and times of a type that the reader of HDF5 cannot convert are refused. They used to be taken for
+/// no frames, and for times that follow from a rate of 1 Hz.
+#[test]
+fn half_precision_in_hdf5_is_refused() {
+    let (_folder, path) = file("log.h5");
+    let half = || {
+        let layout = FloatingPointLayout {
+            bit_offset: 0,
+            bit_precision: 16,
+            exponent_location: 10,
+            exponent_size: 5,
+            mantissa_location: 0,
+            mantissa_size: 10,
+            exponent_bias: 15,
+        };
+        let datatype = Datatype::FloatingPoint {
+            size: 2,
+            byte_order: DatatypeByteOrder::LittleEndian,
+            layout,
+        };
+        let one: &[u8] = &[0x00, 0x3c];
+        (datatype, one)
+    };
+    let one = 1f64.to_le_bytes();
+    let double = || (make_f64_type(), &one[..]);
+    let times = "[time]\nfrom = \"t\"\n[force]\nfrom = \"forces\"\n";
+    let rate = "[time]\nrate_hz = 100\n[force]\nfrom = \"forces\"\n";
+    hdf5_of(&path, half(), double());
+    for mapping in [times, rate] {
+        let error = refused(&path, mapping);
+        assert_eq!((error.line, error.field.as_str()), (Some(4), "force.from"), "{error}");
+        assert!(error.found.contains("unsupported type"), "{error}");
+    }
+    hdf5_of(&path, double(), half());
+    let error = refused(&path, times);
+    assert_eq!((error.line, error.field.as_str()), (Some(2), "time.from"), "{error}");
+    assert!(error.allowed.contains("float64"), "{error}");
+    assert_eq!(imported(&path, rate).unwrap().frames, 50);
+}
+
+/// Pins that an error about a row of an HDF5 file names the group of its reach.
+#[test]
+fn an_error_in_hdf5_names_the_reach() {
+    let (_folder, path) = file("reaches.h5");
+    let mut reaches = [reach("leaf", 0, 60), reach("leaf", 1, 60)];
+    let reading = reaches[1]
+        .frames
+        .iter_mut()
+        .flat_map(|frame| &mut frame.taxels)
+        .find(|reading| reading.patch == 0 && reading.taxel == 4);
+    reading.unwrap().sensed_force_n = -5.0;
+    write_hdf5::<ExchangeError>(&path, |writer| reaches.iter().try_for_each(|reach| writer.push(reach))).unwrap();
+    let error = refused(
+        &path,
+        "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_sleeve\"\n",
+    );
+    assert_eq!(
+        (error.line, error.field.as_str()),
+        (Some(1), "data/demo_1, force of taxel 4")
+    );
+}
+
 /// Pins that the error about something missing in an HDF5 or MCAP file gives the line of the mapping, and that damaged
 /// files do not end the program.
 #[test]
@@ -200,6 +330,11 @@ fn what_is_missing_or_damaged_in_binary_files_is_named() {
     let error = refused(&log, "[force]\ntopic = \"/palm\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "force.topic"));
     assert!(error.allowed.contains("/skin/sleeve (foxglove.Grid)"), "{error}");
+    let error = refused(
+        &log,
+        "[time]\nunit = \"ms\"\n[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n",
+    );
+    assert_eq!((error.line, error.field.as_str()), (Some(2), "time.unit"));
     let error = refused(&log, "[force]\ntopic = \"/skin/sleeve\"\nfrom = \"force\"\n");
     assert_eq!(error.found, "the fields sensed_force_n");
 

@@ -116,7 +116,7 @@ fn raw_readings_are_scaled() {
 fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let changes: [(&str, &str, usize, &str, &str); 12] = [
+    let changes: [(&str, &str, usize, &str, &str); 13] = [
         (
             "unit = \"mN\"",
             "unit = \"N/m\"",
@@ -139,6 +139,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
             "time.rate_hz",
             "0.01 to 100000 Hz",
         ),
+        ("from = \"stamp\"", "rate_hz = 100", 3, "time.unit", "one of"),
         ("from = \"stamp\"", "", 1, "time.from", "or `rate_hz`"),
         ("taxels = 2", "taxels = 3", 5, "force.from", "a column of"),
         ("taxels = 2", "", 4, "force.taxels", "`taxels = N`"),
@@ -185,8 +186,8 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
     assert!(matches!(nowhere, Err(ExchangeError::Input(error)) if error.found == "no such file"));
 }
 
-/// Pins that wrong cells, times that do not rise and forces out of range are refused with the line of the file, and
-/// that a file without a contact is refused, too.
+/// Pins that wrong cells, times that do not rise, forces out of range and rows of a reach that are not adjacent are
+/// refused with the line of the file, and that a file without a contact is refused, too.
 #[test]
 fn wrong_data_are_refused_by_line() {
     let (_folder, path) = file("log.csv");
@@ -205,6 +206,10 @@ fn wrong_data_are_refused_by_line() {
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
         assert!(error.file == path && error.allowed.contains(allowed), "{error}");
     }
+    written(&path, &format!("{LOG}0, 1040, x, 0, 125, leaf\n"));
+    let error = refused(&path, MAPPING);
+    assert_eq!((error.line, error.field.as_str()), (Some(9), "reach"), "{error}");
+    assert!(error.found.contains("ended before"), "{error}");
     written(&path, LOG);
     let error = refused(&path, &MAPPING.replace("threshold_n = 0.1", "threshold_n = 0.5"));
     assert_eq!(
