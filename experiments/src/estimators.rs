@@ -5,14 +5,6 @@ use underbrush_classifier::recipe::Recipe;
 
 use crate::definition::{ClassifierEntry, Experiment, RecipeName, is_hmm};
 
-/// Name of the recipe in tables.
-pub fn recipe_name(name: RecipeName) -> &'static str {
-    match name {
-        RecipeName::Authors => "authors",
-        RecipeName::Modern => "modern",
-    }
-}
-
 /// The recipe with this name.
 pub fn recipe(name: RecipeName) -> Recipe {
     match name {

@@ -8,7 +8,6 @@ use underbrush_sim::scene::Scene;
 
 use super::file::{ClassifierEntry, ExperimentFile};
 use super::limits::check_limits;
-use crate::estimators::recipe_name;
 use crate::source::Source;
 
 /// Checks the rules that the types of the keys do not express.
@@ -86,7 +85,7 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
         let names = entries.iter().map(|entry| entry.name.clone());
         names.collect()
     };
-    let recipes = file.recipes.iter().map(|recipe| recipe_name(*recipe).to_owned());
+    let recipes = file.recipes.iter().map(|recipe| recipe.name().to_owned());
     let names: [(&str, Vec<String>); 5] = [
         ("states", file.states.iter().map(usize::to_string).collect()),
         ("recipes", recipes.collect()),

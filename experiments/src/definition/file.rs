@@ -188,6 +188,16 @@ pub enum RecipeName {
     Modern,
 }
 
+impl RecipeName {
+    /// Its name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            RecipeName::Authors => "authors",
+            RecipeName::Modern => "modern",
+        }
+    }
+}
+
 /// A classifier to compare.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

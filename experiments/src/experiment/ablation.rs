@@ -119,7 +119,7 @@ impl Ablated {
         cells: impl IntoIterator<Item = Cell>,
         trials_per_reach: Vec<TrialsPerReach>,
     ) -> Self {
-        let recipe = estimators::recipe_name(estimators::main_recipe_name(experiment));
+        let recipe = estimators::main_recipe_name(experiment).name();
         let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == recipe).collect();
         let of = |unit: TableOneUnit| {
             let own: Vec<&Accuracy> = table_1

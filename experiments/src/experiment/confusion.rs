@@ -26,7 +26,7 @@ pub struct Outcome {
 /// Reads both matrices from the cross-validation table.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let table = session.once(table_one::run)?;
-    let recipe = estimators::recipe_name(estimators::main_recipe_name(session.experiment));
+    let recipe = estimators::main_recipe_name(session.experiment).name();
     let states = session.experiment.file.states.iter().copied().max().unwrap_or_default();
     let matrix = |features: FeatureSet| {
         let mut cells = table.table_1.iter().zip(&table.evaluations);

@@ -85,7 +85,7 @@ pub fn evaluate(
                 by,
                 features,
                 states,
-                recipe: estimators::recipe_name(name).into(),
+                recipe: name.name().into(),
             },
         };
         Ok((cell, evaluation))

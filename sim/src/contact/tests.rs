@@ -144,9 +144,13 @@ proptest! {
         let step = 1e-7;
         for axis in 0..3 {
             let change = Vector3::from_fn(|row, _| if row == axis { step } else { 0.0 });
-            let slope = (normal(&(speeds + change)).impulse - normal(&(speeds - change)).impulse) / (-2.0 * step);
-            let own = normal(&speeds).stiffness.column(axis).into_owned();
-            prop_assert!((slope - own).norm() <= 1e-4 * normal(&speeds).stiffness.norm() + 1e-9);
+            let [above, below] = [speeds + change, speeds - change].map(|speeds| normal(&speeds));
+            // Between kinks the stiffness is constant.
+            if above.stiffness == below.stiffness {
+                let slope = (above.impulse - below.impulse) / (-2.0 * step);
+                let own = normal(&speeds).stiffness.column(axis).into_owned();
+                prop_assert!((slope - own).norm() <= 1e-4 * normal(&speeds).stiffness.norm() + 1e-9);
+            }
             let slope = (friction(&(slip + change)).impulse - friction(&(slip - change)).impulse) / (-2.0 * step);
             let own = friction(&slip).stiffness.column(axis).into_owned();
             prop_assert!((slope - own).norm() <= 1e-3 * friction(&slip).stiffness.norm());
