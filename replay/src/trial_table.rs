@@ -27,8 +27,8 @@ const MOST_FRAMES: f64 = 720_000.0;
 /// The reaches of a table, in the order of their indices.
 ///
 /// # Errors
-/// For a trial without a taxel, which is a trial of a contact region, for a category whose name recordings cannot have,
-/// for a reach with too long a gap, and for trials that frames would change.
+/// If a trial has no taxel (it is then a trial of a contact region), if a recording cannot have the name of a category,
+/// if a reach has too long a gap, or if frames would change the trials.
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
     let objects = objects(path, trials)?;

@@ -186,7 +186,7 @@ impl Estimator for Sum {
 /// Pins the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand.
 /// Trials that are judged rightly have a margin of 1 nat per sample. Three leaves are judged wrongly, by 0.5 nats per
 /// sample; a rate of 0.25 allows two mistakes, (k + 1) / 13 ≤ 0.25, so the threshold is 5. No whole trial is uncertain,
-/// but right ones are uncertain for 4 of their 10 samples and wrong ones for 9.
+/// but trials that are judged rightly are uncertain for their first 4 samples, and the others for their first 9.
 #[test]
 fn thresholds_of_whole_trials_are_late_sample_by_sample() {
     let trial = |number: u64, category: &str, force_n: f64| Trial {

@@ -215,8 +215,8 @@ fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DV
     if deepest >= 0.0 || presses(&plane) {
         return plane;
     }
-    // The manifold's points on a round face are the corners of a square in it, so a tilted face may be deepest
-    // elsewhere.
+    // On a round face the manifold has only the corners of an inscribed square, so the deepest point of a tilted face
+    // may be somewhere else.
     let deepest_points = [0, 1].into_iter().filter_map(|side| {
         let towards_other = if side == 0 { -found } else { found };
         let shape = pair.shapes[side].as_support_map()?;
