@@ -21,7 +21,7 @@ use parry3d::shape::Shape;
 use underbrush_recording::Pose;
 
 use crate::arm::Arm;
-use crate::arm::skin::{FACING_COSINE, reach_m};
+use crate::arm::skin::{FACING_COSINE, corner_m, reach_m};
 use crate::cone::{Carrier, solve_symmetric, within_cones};
 use crate::contact::chord::{Chords, End, Faces, View};
 use crate::contact::surface::Surface;
@@ -50,6 +50,8 @@ pub struct SkinPatch {
     pub centers_link: Vec<DVec3>,
     /// Outward unit normals of the taxels, link frame.
     pub normals_link: Vec<DVec3>,
+    /// Distance of each taxel's corners from its centre, m.
+    pub corners_m: Vec<f64>,
     /// Sub-points sorted by taxel, the same number for each.
     pub sub_points: Vec<SubPoint>,
     /// Largest distance of a contact point on this skin from the nearest taxel's centre, m.
@@ -93,9 +95,9 @@ pub struct SpreadBuffers {
     forces: Vec<TaxelForce>,
 }
 
-/// Indented taxels are searched for this much farther from a contact than its radius, m. It is more than a taxel's
-/// diagonal.
-const SEARCH_MARGIN_M: f64 = 0.015;
+/// Taxels are searched for this far beyond the edge of a contact, m. The layer is pressed there too if the object moves
+/// on within a frame. Choice: an arm at 1 m/s moves by this much in a frame.
+const SEARCH_MARGIN_M: f64 = 0.01;
 
 /// Sub-points along each side of a taxel. Four resolve a contact narrower than a taxel to 2.3 mm; the pressure of a
 /// trunk changes by less than a sixth between them.
@@ -113,6 +115,7 @@ impl SkinPatch {
                 link: arm.skin.surfaces[patch].link,
                 centers_link: layout.taxels.iter().map(|taxel| taxel.position_link).collect(),
                 normals_link: layout.taxels.iter().map(|taxel| taxel.normal_link).collect(),
+                corners_m: layout.taxels.iter().map(corner_m).collect(),
                 sub_points: (0..layout.taxels.len())
                     .flat_map(|taxel| {
                         arm.skin
@@ -261,26 +264,38 @@ impl SkinPatch {
     }
 
     fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SubPoint> {
-        // All taxels have the same number of sub-points.
-        let each = self.sub_points.len() / self.centers_link.len().max(1);
-        self.centers_link
-            .iter()
-            .zip(self.sub_points.chunks_exact(each.max(1)))
-            .filter(|(center, _)| near_contacts(**center, contacts))
-            .flat_map(|(_, points)| points)
+        self.sub_points
+            .chunks_exact(self.points_per_taxel())
+            .zip(&self.centers_link)
+            .zip(&self.corners_m)
+            .filter(|((_, center), corner_m)| near_contacts(**center, **corner_m, contacts))
+            .flat_map(|((points, _), _)| points)
     }
 
+    /// All taxels have the same number of sub-points.
+    fn points_per_taxel(&self) -> usize {
+        (self.sub_points.len() / self.centers_link.len().max(1)).max(1)
+    }
+
+    /// Of the taxels within reach of a contact, the one that faces the force most; of taxels with the same normal, as
+    /// on a flat pad, the one that is nearest to a contact.
     fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
-        let reach = self.reach_m * self.reach_m;
-        let near = |center: &DVec3| {
-            contacts
+        let squared_distance = |position: DVec3| {
+            let distances = contacts
                 .iter()
-                .any(|at| at.position_link.distance_squared(*center) <= reach)
+                .map(|contact| contact.position_link.distance_squared(position));
+            distances.fold(f64::INFINITY, f64::min)
         };
-        let share = |taxel: &usize| -self.normals_link[*taxel].dot(force_link);
-        (0..self.centers_link.len())
-            .filter(|taxel| near(&self.centers_link[*taxel]))
-            .max_by(|a, b| share(a).total_cmp(&share(b)))
+        let taxel_distance = |points: &[SubPoint]| {
+            let distances = points.iter().map(|point| squared_distance(point.position_link));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let taxels = self.sub_points.chunks_exact(self.points_per_taxel()).enumerate();
+        taxels
+            .filter(|(taxel, _)| squared_distance(self.centers_link[*taxel]) <= self.reach_m * self.reach_m)
+            .map(|(taxel, points)| (taxel, -self.normals_link[taxel].dot(force_link), taxel_distance(points)))
+            .max_by(|(_, a, near), (_, b, far)| a.total_cmp(b).then(far.total_cmp(near)))
+            .map(|(taxel, ..)| taxel)
     }
 }
 
@@ -356,10 +371,10 @@ fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
     Some(pose)
 }
 
-fn near_contacts(center: DVec3, contacts: &[ContactPoint]) -> bool {
+fn near_contacts(center: DVec3, corner_m: f64, contacts: &[ContactPoint]) -> bool {
     contacts
         .iter()
-        .any(|contact| center.distance(contact.position_link) < contact.radius_m + SEARCH_MARGIN_M)
+        .any(|contact| center.distance(contact.position_link) < contact.radius_m + corner_m + SEARCH_MARGIN_M)
 }
 
 #[cfg(test)]

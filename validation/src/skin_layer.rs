@@ -208,6 +208,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
         sub_points: points.collect(),
         centers_link: places.iter().map(|[x, arc]| surface(*x, *arc).0).collect(),
         normals_link: places.iter().map(|[x, arc]| surface(*x, *arc).1).collect(),
+        corners_m: vec![pitch_m * std::f64::consts::FRAC_1_SQRT_2; places.len()],
         reach_m: pitch_m,
         surface: Surface {
             compliance_m3_per_n: 1.0 / stiffness_n_per_m3,

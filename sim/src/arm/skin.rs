@@ -127,14 +127,16 @@ pub fn reach_m(taxels: &[Taxel]) -> f64 {
             .map(|(_, other)| other.position_link.distance(taxels[index].position_link))
             .fold(f64::INFINITY, f64::min)
     };
-    let corner_m = taxels
-        .iter()
-        .map(|taxel| (taxel.area_m2 / 2.0).sqrt())
-        .fold(0.0, f64::max);
+    let farthest_corner_m = taxels.iter().map(corner_m).fold(0.0, f64::max);
     (0..taxels.len())
         .map(nearest)
         .filter(|distance| distance.is_finite())
         .fold(0.0, f64::max)
         .min(MAX_REACH_M)
-        .max(corner_m)
+        .max(farthest_corner_m)
+}
+
+/// Distance of the corners of a square taxel from its centre, m.
+pub fn corner_m(taxel: &Taxel) -> f64 {
+    (taxel.area_m2 / 2.0).sqrt()
 }

@@ -1,6 +1,6 @@
 //! Tests of the layer: conservation, friction cones, and the similarity to a stored frame of the real skin.
 
-use parry3d::shape::{Capsule, Cuboid};
+use parry3d::shape::{Ball, Capsule, Cuboid};
 use proptest::prelude::*;
 
 use super::*;
@@ -175,4 +175,43 @@ fn a_lone_taxel_feels_the_whole_force() {
         assert!(missed < 1e-9, "{missed} N");
     }
     assert!(!skin.covers(&contact(&whole, 0.008, 0.0, 2.0, 0.0, 0.0)));
+}
+
+/// Pins that the force of a small contact goes to the taxel on which it lies, however coarse the skin is: a ball with a
+/// radius of 5 mm that presses with 1 mN on a square of 1 to 20 cm, anywhere within its outermost sub-points, is felt by
+/// that taxel alone, whether the square beside it is as large or has a width of 1 cm.
+#[test]
+fn a_coarse_taxel_keeps_its_force() {
+    let mut arm = Arm::cody().unwrap();
+    let index = arm.skin.layout.patch_index("flipper").unwrap();
+    for side_m in [0.01, 0.03, 0.05, 0.2] {
+        let first = underbrush_recording::Taxel {
+            area_m2: side_m * side_m,
+            ..arm.skin.layout.patches[index].taxels[0]
+        };
+        let across = first.normal_link.cross(first.tangent_link);
+        for (second_m, direction) in [(side_m, 1.0), (side_m, -1.0), (0.01, 1.0), (0.01, -1.0)] {
+            let second = underbrush_recording::Taxel {
+                area_m2: second_m * second_m,
+                position_link: first.position_link + across * (direction * f64::midpoint(side_m, second_m)),
+                ..first
+            };
+            arm.skin.layout.patches[index].taxels = vec![first, second];
+            let skin = SkinPatch::of_arm(&arm).swap_remove(index);
+            let places = [-1.0, -0.6, 0.0, 0.3, 1.0].map(|share| share * side_m * 3.0 / 8.0);
+            for (x, y) in places.into_iter().flat_map(|x| places.map(|y| (x, y))) {
+                let contact = ContactPoint {
+                    position_link: first.position_link + first.tangent_link * x + across * y,
+                    inward_link: -first.normal_link,
+                    force_link: first.normal_link * -0.001,
+                    radius_m: 0.001,
+                };
+                let ball = Ball::new(0.005);
+                let pose = Pose::new(contact.position_link + first.normal_link * 0.005, glam::DQuat::IDENTITY);
+                let forces = spread(&skin, contact, &ball, &pose);
+                let taxels: Vec<usize> = forces.iter().map(|force| force.taxel).collect();
+                assert_eq!(taxels, [0], "{side_m} m wide, {x} m, {y} m");
+            }
+        }
+    }
 }
