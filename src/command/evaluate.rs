@@ -155,7 +155,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         by_samples = Some(series.map_err(|error| about(error.into()))?);
         let min_samples = options.cut.min_samples();
         if min_samples > 1 {
-            let all = input::some_trials(path, &options.cut.of_any_length())?;
+            // There are some, as there are long ones.
+            let all = input::trials(path, &options.cut.of_any_length())?;
             let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, min_samples);
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
